@@ -1,0 +1,28 @@
+#pragma once
+// Our own mistakes (index, shape, invariant): a message and abort. SEL_ASSERT is cheap and on in every build type but
+// Release; SEL_VALIDATE guards O(N) checks and is on in Debug only.
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace seldinger::detail {
+[[noreturn]] inline void assertion_failed(const char* condition, const char* file, int line)
+{
+    std::fprintf(stderr, "seldinger: internal error: %s does not hold (%s:%d). Please report the scene that led here.\n",
+                 condition, file, line);
+    std::abort();
+}
+}  // namespace seldinger::detail
+
+#if !defined(NDEBUG) || defined(SEL_ENABLE_ASSERTS)
+    #define SEL_ASSERT(condition) \
+        ((condition) ? static_cast<void>(0) : ::seldinger::detail::assertion_failed(#condition, __FILE__, __LINE__))
+#else
+    #define SEL_ASSERT(condition) static_cast<void>(0)
+#endif
+
+#ifndef NDEBUG
+    #define SEL_VALIDATE(condition) SEL_ASSERT(condition)
+#else
+    #define SEL_VALIDATE(condition) static_cast<void>(0)
+#endif

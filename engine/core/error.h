@@ -1,0 +1,31 @@
+#pragma once
+// The user's mistakes and a machine's shortcomings, as one exception with the exit code that it leads to.
+
+#include <stdexcept>
+#include <string>
+
+namespace seldinger {
+
+/// Exit codes of the `seldinger` command (docs/command-line.md).
+enum class ExitCode : int {
+    Done = 0,
+    BadScene = 2,     // the command line or the scene is wrong
+    BadFile = 3,      // a file is missing or unusable
+    Stopped = 4,      // the simulation stopped; the last good state is saved
+    NoDevice = 5,     // no usable OpenCL device
+    NotFeasible = 6,  // plan: nothing meets both tolerance and rate
+    TimeLimit = 75,   // stopped by a time or signal limit; state saved, run again with --resume
+    Interrupted = 130,
+};
+
+/// One line for stderr: where (file, line, key), what was expected, what to do. Thrown while loading, never by step().
+class Error : public std::runtime_error {
+public:
+    Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    [[nodiscard]] ExitCode code() const { return code_; }
+
+private:
+    ExitCode code_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,145 @@
+#pragma once
+// The public face of the engine: a World of wires in a vessel, and step(). Everything else builds one, runs it or reads it.
+
+#include "contact/contact_spec.h"
+#include "rod/rod_arrays.h"
+#include "solve/solve_spec.h"
+#include "vessel/centreline.h"
+#include "vessel/vessel_spec.h"
+#include "vessel/wall_mesh.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+/// Everything that differs between two wires of a world.
+struct WireSetup {
+    WireSpec wire;
+    FeedSpec feed;
+    ContactSpec contact;  // detection and laws must agree between wires; coefficients may differ
+    std::vector<HoldSpec> holds;
+    std::vector<LoadSpec> loads;
+    std::vector<LinkSpec> links;
+};
+
+/// What a world is made from. The vessel has been read and repaired already.
+struct WorldSetup {
+    Vec3 gravity = {0, 0, -9.81};
+    double dt = 1e-3;                  // nominal step, for the contact laws' floors and the run's choices
+    bool start_settled = false;
+    std::vector<WireSetup> wires;      // at least one
+    IntegratorSpec integrator;
+    VesselSpec vessel;                 // wall properties; shape None: no wall
+    WallMesh mesh;                     // repaired, normals into the lumen; empty without a vessel
+    Centreline centreline;
+    int device_index = -1;             // -1: the default device
+};
+
+/// One contact of the accepted state, sorted by (wire, edge, triangle).
+struct ContactRow {
+    int wire = 0, edge = 0, triangle = 0;  // triangle: index in WorldSetup::mesh
+    Vec3 point = Vec3::Zero();     // on the wall [m]
+    Vec3 normal = Vec3::Zero();    // unit, into the lumen
+    double gap = 0;                // [m], < 0 when overlapping
+    double normal_force = 0;       // [N] >= 0
+    Vec3 friction = Vec3::Zero();  // on the wire [N]
+    double rolling_moment = 0;     // about the wire's tangent [N m]
+    bool stuck = false;
+    double length = 0;             // metres of wire this contact stands for (0 for a pair of `layer`)
+};
+
+/// Flags of a step; each says which setting to change.
+enum StepFlag : unsigned {
+    StepOk = 0,
+    StepHalved = 1u << 0,          // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
+    StepNotConverged = 1u << 1,    // even the smallest sub-step did not converge: scene.dt_s, contact.stiffness
+    StepContactOverflow = 1u << 2, // candidate lists grew (handled; a hint that the mesh is very fine)
+    StepWallPenetration = 1u << 3, // a point of the axis is beyond the wall: contact.detection = "swept"
+    StepNonFinite = 1u << 4,       // a value is not finite; the state before the step was kept
+};
+
+/// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.
+struct StageTimes { double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0; };  // [s]
+
+struct StepReport {
+    unsigned flags = StepOk;
+    int newton_iterations = 0;     // worst wire
+    int sub_steps = 1;
+    StageTimes times;
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
+};
+
+/// Per-wire readings of the accepted state.
+struct WireReadings {
+    double inserted = 0;           // advance since the start [m]
+    double turned = 0;             // [rad]
+    int nodes = 0, contacts = 0;
+    double contact_length = 0;     // metres of wire in contact
+    double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
+    double rolling = 0;            // sum of |moment| [N m]
+    double hand_force = 0, hand_torque = 0;
+    Vec3 base_force = Vec3::Zero();
+    double overlap = 0;            // deepest overlap [m] >= 0
+    double outside = 0;            // farthest axis point beyond the wall [m] >= 0
+    double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
+    double remesh_energy = 0;      // accumulated [J]
+    double force_residual = 0;     // [N]
+};
+
+class World {
+public:
+    explicit World(WorldSetup setup);  // throws Error
+    ~World();
+    World(World&&) noexcept;
+
+    [[nodiscard]] int wire_count() const;
+    [[nodiscard]] double time() const;
+    [[nodiscard]] long step_count() const;
+    [[nodiscard]] const WorldSetup& setup() const;
+    [[nodiscard]] RodView rod(int wire) const;
+    [[nodiscard]] WireReadings readings(int wire) const;
+    [[nodiscard]] const std::vector<ContactRow>& contacts() const;   // all wires, fetched from the device on demand
+    /// Contact force on each node of a wire [n] [N].
+    [[nodiscard]] std::vector<Vec3> nodal_contact_force(int wire) const;
+    /// True when the wire is at rest: static residual met or kinetic energy below tolerance (scene until = "rest").
+    [[nodiscard]] bool at_rest() const;
+    /// 64-bit FNV-1a over every byte of the final state, friction anchors included, as 16 hex digits.
+    [[nodiscard]] std::string state_hash() const;
+    /// Every changing byte, for checkpoints; restore() needs a world made from the same setup.
+    [[nodiscard]] std::vector<std::uint8_t> save_state() const;
+    void restore_state(const std::vector<std::uint8_t>& bytes);
+    /// What was on and why, one "name: value (reason)" per entry, for summary.json.
+    [[nodiscard]] std::vector<std::pair<std::string, std::string>> model() const;
+    [[nodiscard]] std::string device_name() const;
+
+    struct Impl;
+    [[nodiscard]] Impl& impl() { return *impl_; }
+    [[nodiscard]] const Impl& impl() const { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Advances every wire by dt [s]. Never throws for numerical trouble: see StepReport.
+[[nodiscard]] StepReport step(World& world, double dt);
+
+/// Static equilibrium of every wire (scheme = "static", and start = "settled").
+[[nodiscard]] StepReport settle(World& world);
+
+/// One OpenCL device, as `seldinger devices` lists it.
+struct DeviceInfo {
+    int index = 0;
+    std::string name, platform, type, version;
+    bool fp64 = false;
+    int compute_units = 0;
+    std::uint64_t memory_bytes = 0;
+};
+[[nodiscard]] std::vector<DeviceInfo> list_devices();
+
+[[nodiscard]] const char* version();
+
+}  // namespace seldinger

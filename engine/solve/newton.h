@@ -1,0 +1,90 @@
+#pragma once
+// Time integration and equilibrium of all wires (D4, D5): Newton on the banded system of each wire, in lockstep over
+// wires so that contact is evaluated for all of them in one set of launches. A wire's result does not depend on the others.
+
+#include "rod/elastic.h"
+#include "solve/solve_spec.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace seldinger {
+
+/// Trial configuration of all wires, in the concatenated layout of RodArrays.
+struct TrialState {
+    std::vector<double> x, y, z, theta;
+};
+
+/// Contact as the solver sees it. Implemented in contact/; a world without a vessel has none.
+class ContactTerm {
+public:
+    virtual ~ContactTerm() = default;
+    /// Evaluates contact of every wire w with active[w] != 0 at the trial state; h is the step [s]. Static: h = 0 (no damping,
+    /// friction anchored at the accepted positions). After the call admissible(w) and add() speak of this trial state.
+    virtual void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) = 0;
+    /// False when the trial overlaps the wall beyond what the law allows (force would be infinite), or moved farther than was searched.
+    [[nodiscard]] virtual bool admissible(int wire) const = 0;
+    /// Adds -force to `gradient` [4n] and -d(force)/dq to `jacobian` if not null. `symmetric`: leave out the unsymmetric
+    /// (sliding friction) part of the tangent.
+    virtual void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const = 0;
+    /// True when sliding friction makes the tangent unsymmetric.
+    [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
+    /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
+    [[nodiscard]] virtual double move_limit(int wire) const = 0;
+};
+
+/// What holds and loads a wire during one step, resolved to nodes and times (solve/constraints.h builds it).
+struct WireConstraints {
+    std::vector<std::pair<int, double>> prescribed;   // unknown index in [0, 4n), its value at the end of the step
+    std::vector<RodClamp> clamps;                     // at the end of the step
+    struct PointLoad { int edge; double bary; Vec3 force, moment; };  // position = (1-bary) x_edge + bary x_{edge+1}
+    std::vector<PointLoad> loads;
+    struct Spring { int edge; double bary; Vec3 anchor; double stiffness; };
+    std::vector<Spring> springs;
+};
+
+struct SolveReport {
+    bool converged = true;
+    bool non_finite = false;
+    int iterations = 0;         // Newton iterations
+    int evaluations = 0;        // residual evaluations, line search included
+    double residual = 0;        // largest force residual left [N]
+    double tolerance = 0;       // that it was compared with [N]
+    double force_scale = 0;     // [N]
+};
+
+/// Workspace and options for a fixed set of wires.
+class Solver {
+public:
+    Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity);
+    ~Solver();
+
+    /// One step of length h [s] for wires with active[w] != 0. Constraints are those at the end of the step. On success the
+    /// wire's positions, velocities, spins and frames are the new ones; on failure (converged == false) they are untouched.
+    /// @param contact  may be null
+    void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+              std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+
+    /// Static equilibrium: Newton with a trust region, falling back to damped pseudo-time continuation. Velocities become 0.
+    void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
+                     std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+
+    // results of the last step or equilibrium, per wire
+    [[nodiscard]] const RodFrames& frames(int wire) const;
+    [[nodiscard]] const TrialState& trial() const;                  // = the accepted state after success
+    /// Reaction at prescribed unknown i [N or N m]: the force that the hold exerts on the wire.
+    [[nodiscard]] double reaction(int wire, int unknown) const;
+    [[nodiscard]] double elastic_energy(int wire) const;
+    [[nodiscard]] double kinetic_energy(int wire) const;
+    [[nodiscard]] double potential_energy(int wire) const;          // gravity; loads not included
+
+private:
+    struct Work;
+    RodArrays& rods_;
+    IntegratorSpec spec_;
+    Vec3 gravity_;
+    std::vector<std::unique_ptr<Work>> work_;
+    TrialState trial_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,64 @@
+#pragma once
+// What the user asks of the integrator, and what holds, loads and feeds a wire. Times [s], SI.
+
+#include "rod/wire_spec.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+enum class Scheme { Newton, Linearised, Static, Explicit };
+
+struct IntegratorSpec {
+    Scheme scheme = Scheme::Newton;
+    bool newmark = false;        // false: backward Euler
+    double beta = 0.25, gamma = 0.5;
+    double tolerance = 1e-6;     // force residual relative to the scene's own force scale [-] (see solve/newton.h)
+    double damping_mass = 0;     // [1/s]
+    double damping_stiffness = 0;  // [s]
+};
+
+/// A point of the wire: its tip, its base, or a distance from the tip.
+struct WirePoint {
+    enum class Kind { Base, Tip, Distance } kind = Kind::Base;
+    double from_tip = 0;  // [m]
+};
+
+struct HoldSpec {
+    WirePoint at;
+    bool position = false, direction = false, spin = false;  // what is held
+    std::vector<std::array<double, 4>> move;  // [t, dx, dy, dz], piecewise linear, relative to the start
+    std::vector<std::array<double, 2>> turn;  // [t, rad]
+    Vec3 velocity = Vec3::Zero();             // added to `move` [m/s]
+};
+
+struct LoadSpec {
+    WirePoint at;
+    Vec3 force = Vec3::Zero();   // dead [N]
+    Vec3 moment = Vec3::Zero();  // dead [N m]
+    double ramp = 0;             // linear from 0 over this time [s]
+};
+
+struct LinkSpec {
+    WirePoint at;
+    Vec3 anchor = Vec3::Zero();
+    double stiffness = 0;        // [N/m]
+    std::vector<std::array<double, 4>> move;
+};
+
+struct FeedKey { double t = 0, advance = 0, turn = 0; };  // [s, m, rad]
+
+struct FeedSpec {
+    bool on = false;
+    bool inlet_auto = false;     // pick an inlet of the vessel; else point and direction
+    Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
+    std::vector<FeedKey> keys;   // piecewise linear, times strictly increasing; held constant outside
+
+    /// Advance [m] and turn [rad] at time t.
+    [[nodiscard]] FeedKey at(double t) const;
+};
+
+}  // namespace seldinger
