@@ -1,0 +1,19 @@
+#pragma once
+// From a vessel's description to a repaired wall with its centreline: reads a mesh file or generates a shape.
+
+#include "vessel/centreline.h"
+#include "vessel/vessel_spec.h"
+#include "vessel/wall_mesh.h"
+
+namespace seldinger {
+
+struct LoadedVessel {
+    WallMesh mesh;          // metres, repaired, normals into the lumen
+    RepairReport report;
+    Centreline centreline;  // exact for generated shapes
+};
+
+/// @throws Error BadFile (missing, unreadable, empty, no usable triangle), BadScene (impossible sizes)
+[[nodiscard]] LoadedVessel load_vessel(const VesselSpec& spec);
+
+}  // namespace seldinger
