@@ -3,10 +3,13 @@
 #include "contact/wall_law.h"
 #include "core/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <tuple>
 
 namespace seldinger {
 
@@ -50,7 +53,6 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     double least = std::numeric_limits<double>::infinity();
     for (const SampleModel& m : samples_.models) least = std::min(least, m.radius);
     params_.slots = first_slots;
-    params_.stamp = 1;
     params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
@@ -64,9 +66,9 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     active_.reserve(n);
     const std::size_t most_edges = rods.total_capacity();
     edge_first_.reserve(most_edges + 1);
-    edge_node_.reserve(most_edges);
-    edges_.resize(most_edges);
-    wire_edges_.assign(rods.wire_count() + 1, 0);
+    sums_.edge_node.reserve(most_edges);
+    sums_.edges.resize(most_edges);
+    sums_.wire_edges.assign(rods.wire_count() + 1, 0);
     models_ = device::Buffer(context, n * sizeof(SampleModel));
     places_ = device::Buffer(context, n * sizeof(SamplePlace));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
@@ -172,22 +174,22 @@ void CapsuleContact::rebuild_active_list()
 {
     active_.clear();
     edge_first_.clear();
-    edge_node_.clear();
+    sums_.edge_node.clear();
     for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
         const WireSamples& wire = samples_.wires[w];
-        wire_edges_[w] = static_cast<int>(edge_node_.size());
+        sums_.wire_edges[w] = static_cast<int>(sums_.edge_node.size());
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
             if (counts_[s] == 0) continue;
             const std::uint32_t edge = samples_.places[s].edge;
-            if (wire_edges_[w] == static_cast<int>(edge_node_.size()) || edge_node_.back() != edge) {
-                edge_node_.push_back(edge);
+            if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
+                sums_.edge_node.push_back(edge);
                 edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
             }
             active_.push_back(s);
         }
     }
-    wire_edges_.back() = static_cast<int>(edge_node_.size());
+    sums_.wire_edges.back() = static_cast<int>(sums_.edge_node.size());
     edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
     const device::Lane at = lane(active_.size());
     context_.enter(at);
@@ -222,24 +224,10 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         evaluate_.launch(at, active_.size(), params_, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices,
                          wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
                          nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_);
-        reduce_.launch(at, edge_node_.size(), static_cast<cl_uint>(edge_node_.size()), first_buffer_, forces_, barys_, edge_buffer_);
-        context_.read(at, edge_buffer_, edges_.data(), edge_node_.size() * sizeof(EdgeForce));
+        reduce_.launch(at, sums_.edge_node.size(), static_cast<cl_uint>(sums_.edge_node.size()), first_buffer_, forces_, barys_, edge_buffer_);
+        context_.read(at, edge_buffer_, sums_.edges.data(), sums_.edge_node.size() * sizeof(EdgeForce));
     }
     times.evaluate += since(start);
-}
-
-bool CapsuleContact::admissible(int wire) const
-{
-    for (int e = wire_edges_[wire]; e < wire_edges_[wire + 1]; ++e)
-        if (edges_[e].flags & SEL_SAMPLE_BLOCKED) return false;
-    return true;
-}
-
-bool CapsuleContact::unsymmetric(int wire) const
-{
-    for (int e = wire_edges_[wire]; e < wire_edges_[wire + 1]; ++e)
-        if (edges_[e].flags & SEL_SAMPLE_SLIDING) return true;
-    return false;
 }
 
 // Samples of an accepted state are farther than r - 0.95 depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
@@ -253,75 +241,22 @@ double CapsuleContact::move_limit(int wire) const
     return limit;
 }
 
-void CapsuleContact::add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const
+void CapsuleContact::commit(std::span<const std::uint8_t> active)
 {
-    const auto start = Clock::now();
-    const int begin = rods_.node_begin(wire);
-    static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz
-    for (int e = wire_edges_[wire]; e < wire_edges_[wire + 1]; ++e) {
-        const EdgeForce& f = edges_[e];
-        if (f.contacts == 0) continue;
-        const int a = 4 * (static_cast<int>(edge_node_[e]) - begin), t = a + 3, b = a + 4;
-        for (int i = 0; i < 3; ++i) {
-            gradient[a + i] -= f.force_a[i];
-            gradient[b + i] -= f.force_b[i];
+    if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
+        std::swap(touches_t0_, touches_);
+    } else {
+        context_.enter(device::Lane::Light);
+        for (std::size_t w = 0; w < active.size(); ++w) {
+            const WireSamples& wire = samples_.wires[w];
+            const std::size_t record = 2 * sizeof(TouchState);
+            if (active[w])
+                context_.copy(device::Lane::Light, touches_, touches_t0_, wire.capacity * record, wire.begin * record);
         }
-        gradient[t] -= f.torque;
-        if (!jacobian) continue;
-        const bool skew = !symmetric && (f.flags & SEL_SAMPLE_SLIDING);
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                const int k = tri[i][j], u = 3 * i + j;
-                const double ab = f.s_ab[k] + (skew ? f.u_ab[u] : 0);
-                jacobian->add(a + i, a + j, f.s_aa[k] + (skew ? f.u_aa[u] : 0));
-                jacobian->add(a + i, b + j, ab);
-                jacobian->add(b + i, a + j, ab);
-                jacobian->add(b + i, b + j, f.s_bb[k] + (skew ? f.u_bb[u] : 0));
-            }
-            jacobian->add(a + i, t, f.st_a[i]);
-            jacobian->add(b + i, t, f.st_b[i]);
-            jacobian->add(t, a + i, f.st_a[i] + (skew ? f.ut_a[i] : 0));
-            jacobian->add(t, b + i, f.st_b[i] + (skew ? f.ut_b[i] : 0));
-        }
-        jacobian->add(t, t, f.s_tt);
+        context_.finish(device::Lane::Light);
     }
-    const_cast<CapsuleContact*>(this)->times.reduce += since(start);
-}
-
-void CapsuleContact::commit()
-{
-    std::swap(touches_t0_, touches_);
-    params_.stamp++;
-}
-
-ContactTotals CapsuleContact::totals(int wire) const
-{
-    ContactTotals sum;
-    const double radius = samples_.models[samples_.wires[wire].begin].radius;
-    for (int e = wire_edges_[wire]; e < wire_edges_[wire + 1]; ++e) {
-        const EdgeForce& f = edges_[e];
-        sum.contacts += static_cast<int>(f.contacts);
-        sum.depth = std::max(sum.depth, static_cast<double>(f.depth));
-        if (f.flags & SEL_SAMPLE_OUTSIDE) sum.outside = std::max(sum.outside, f.depth - radius);
-        sum.normal += f.normal_sum;
-        sum.friction += f.friction_sum;
-        sum.sliding += f.sliding_sum;
-        sum.rolling += f.rolling_sum;
-        sum.length += f.length;
-    }
-    return sum;
-}
-
-void CapsuleContact::add_nodal_forces(int wire, std::span<Vec3> forces) const
-{
-    const int begin = rods_.node_begin(wire);
-    for (int e = wire_edges_[wire]; e < wire_edges_[wire + 1]; ++e) {
-        const int node = static_cast<int>(edge_node_[e]) - begin;
-        for (int k = 0; k < 3; ++k) {
-            forces[node][k] += edges_[e].force_a[k];
-            forces[node + 1][k] += edges_[e].force_b[k];
-        }
-    }
+    for (std::size_t w = 0; w < active.size(); ++w)
+        if (active[w]) samples_.wires[w].stamp++;
 }
 
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
@@ -357,6 +292,18 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
     return rows;
 }
 
+std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() const
+{
+    const WireSamples& wire = samples_.wires[0];
+    const SampleModel& m = samples_.models[wire.begin + wire.capacity - 1];
+    return {{"contact samples", fmt::format("{} over the whole wire, {:.3g} mm apart", wire.capacity, 1e3 * wire.spacing)},
+            {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
+            {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
+            {"friction stiffness", fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)",
+                                               m.friction_stiffness)},
+            {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
+}
+
 namespace {
 
 template <class T>
@@ -384,8 +331,9 @@ std::vector<TouchState> CapsuleContact::living_touches()
     std::vector<TouchState> touches(2 * samples_.models.size());
     context_.enter(device::Lane::Light);
     context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
-    for (TouchState& touch : touches)
-        if (touch.stamp + 1 != params_.stamp) std::memset(&touch, 0, sizeof touch);
+    for (const WireSamples& wire : samples_.wires)
+        for (int k = 2 * wire.begin; k < 2 * (wire.begin + wire.capacity); ++k)
+            if (touches[k].stamp + 1 != wire.stamp) std::memset(&touches[k], 0, sizeof touches[k]);
     return touches;
 }
 
@@ -393,7 +341,7 @@ void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
 {
     const std::vector<TouchState> touches = living_touches();
     put(bytes, touches.data(), touches.size());
-    put(bytes, &params_.stamp, 1);
+    for (const WireSamples& wire : samples_.wires) put(bytes, &wire.stamp, 1);
 }
 
 // Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond `reach`).
@@ -401,7 +349,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
 {
     std::vector<TouchState> touches(2 * samples_.models.size());
     take(bytes, end, touches.data(), touches.size());
-    take(bytes, end, &params_.stamp, 1);
+    for (WireSamples& wire : samples_.wires) take(bytes, end, &wire.stamp, 1);
     std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
     context_.enter(device::Lane::Light);
     context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));

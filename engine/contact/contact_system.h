@@ -6,6 +6,7 @@
 // has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the edges' sums;
 // commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
+#include "contact/edge_sums.h"
 #include "contact/samples.h"
 #include "device/device.h"
 #include "engine.h"
@@ -34,14 +35,6 @@ struct DeviceNodes {
     void upload(device::Context& context, device::Lane lane);
 };
 
-/// Sums over a wire's contacts at the last evaluation.
-struct ContactTotals {
-    int contacts = 0;
-    double depth = 0;    // deepest overlap [m], >= 0
-    double outside = 0;  // farthest axis point beyond the wall [m], >= 0
-    double normal = 0, friction = 0, sliding = 0, rolling = 0, length = 0;
-};
-
 /// What World needs of a contact method beside what the solver needs.
 class ContactMethod : public ContactTerm {
 public:
@@ -49,14 +42,16 @@ public:
     virtual void begin_step(RodArrays& rods) = 0;
     /// Samples on the present node set (after feeding); wires with live[w] == 0 have no contact (still in the guide).
     virtual void prepare(RodArrays& rods, std::span<const std::uint8_t> live) = 0;
-    /// The last evaluated trial becomes the accepted state.
-    virtual void commit() = 0;
+    /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
+    virtual void commit(std::span<const std::uint8_t> active) = 0;
     virtual void set_all_stuck(bool stuck) = 0;
 
     [[nodiscard]] virtual ContactTotals totals(int wire) const = 0;
     /// Adds contact forces on the nodes of a wire, [n].
     virtual void add_nodal_forces(int wire, std::span<Vec3> forces) const = 0;
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
+    /// Choices of this method, "name", "value (reason)", for summary.json.
+    [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
     virtual void save(std::vector<std::uint8_t>& bytes) = 0;
     virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
 

@@ -2,7 +2,7 @@
 // Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
 //
 // Sample 0 of a wire is its tip (point law); sample k >= 1 stands for the k-th stretch of `spacing` metres from the tip and lies at
-// its middle. The default spacing is one wire radius: with every sample farther than r/2 from the wall (the hardening law never lets
+// its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the edge length). The default spacing is one wire radius: with every sample farther than r/2 from the wall (the hardening law never lets
 // the axis nearer) the straight axis between two samples cannot meet the wall at all.
 
 #include "contact/contact_spec.h"
@@ -10,6 +10,7 @@
 #include "shared/contact_types.h"
 #include "vessel/vessel_spec.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace seldinger {
@@ -18,6 +19,7 @@ struct WireSamples {
     int begin = 0;         // of this wire in the concatenated sample arrays
     int capacity = 0;      // samples of the whole wire
     int live = 0;          // samples inside now: 0 .. live-1
+    std::uint32_t stamp = 1;  // of the step being solved; commit raises it
     double spacing = 0;    // [m]
     std::vector<double> s;  // [capacity] material coordinate [m]
 };

@@ -133,11 +133,11 @@ void Context::read(Lane lane, const Buffer& from, void* target, std::size_t byte
     counters_.reads++;
 }
 
-void Context::copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes)
+void Context::copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
 {
     if (bytes == 0) return;
-    SEL_ASSERT(bytes <= from.bytes() && bytes <= to.bytes());
-    CL_CHECK(clEnqueueCopyBuffer(queue(lane), from.handle(), to.handle(), 0, 0, bytes, 0, nullptr, nullptr));
+    SEL_ASSERT(offset + bytes <= from.bytes() && offset + bytes <= to.bytes());
+    CL_CHECK(clEnqueueCopyBuffer(queue(lane), from.handle(), to.handle(), offset, offset, bytes, 0, nullptr, nullptr));
 }
 
 void Context::finish(Lane lane) { CL_CHECK(clFinish(queue(lane))); }

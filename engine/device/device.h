@@ -60,7 +60,7 @@ public:
     void write(Lane lane, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
     /// Copies and waits for everything enqueued on the lane before.
     void read(Lane lane, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
-    void copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes);
+    void copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset = 0);
     void finish(Lane lane);
     /// Waits for the other lane when the lane changes, so that buffers written there are seen here.
     void enter(Lane lane);

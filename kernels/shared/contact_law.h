@@ -55,6 +55,7 @@ typedef struct SampleMove {
     vec3 move;     // of the axis point [m]
     real spin;     // of the edge about its tangent [rad]
     int fresh;     // no start position: no friction yet
+    uint stamp;    // of this step for this wire
 } SampleMove;
 
 // adds s * a a^T to the 4 x 4 symmetric block, a = (v, w)
@@ -177,7 +178,7 @@ SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_ac
 SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, ContactParams par, TouchState old, TouchState* now,
                       SampleForce* out)
 {
-    const int fresh = old.stamp + 1 != par.stamp;
+    const int fresh = old.stamp + 1 != mv.stamp;
     const int was_active = !fresh && (old.flags & SEL_TOUCH_ACTIVE);
     const real size = sqrt(dot3(touch.normal, touch.normal));
     const vec3 n = size > 0 ? (1 / size) * touch.normal : touch.normal;
@@ -186,7 +187,7 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     const real rate = (touch.depth - depth_t0) * par.inv_dt;
     real approach = was_active ? old.approach : (fresh ? rate : old.rate);
     approach = max_r(approach, m.speed_floor);
-    now->stamp = par.stamp;
+    now->stamp = mv.stamp;
     now->flags = touch.outside ? SEL_TOUCH_OUTSIDE : 0u;
     now->gap = -touch.depth;
     now->rate = rate;

@@ -85,6 +85,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
     SampleMove mv;
     mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
+    mv.stamp = place.stamp;
     mv.fresh = place.edge_t0 == SEL_NO_EDGE;
     mv.move = make_vec3(0, 0, 0);
     mv.spin = 0;
@@ -108,7 +109,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
         const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];
         const real to_b = first.normal.x * b.normal[0] + first.normal.y * b.normal[1] + first.normal.z * b.normal[2];
-        const int b_lives = b.stamp + 1 == par.stamp, a_lives = a.stamp + 1 == par.stamp;
+        const int b_lives = b.stamp + 1 == place.stamp, a_lives = a.stamp + 1 == place.stamp;
         const int swap = b_lives && (!a_lives || to_b > to_a);
         const vec3 centre = at.origin + at.offset;
         add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);

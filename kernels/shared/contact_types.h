@@ -44,6 +44,8 @@ typedef struct SamplePlace {
     uint edge_t0;    // at its start; SEL_NO_EDGE: the sample has just been fed in
     real bary;       // position = (1 - bary) node[edge] + bary node[edge + 1]
     real bary_t0;
+    uint stamp;      // of this step for the sample's wire; what the last one wrote has stamp - 1
+    uint pad;
 } SamplePlace;
 #define SEL_NO_EDGE 0xffffffffu
 
@@ -97,10 +99,8 @@ typedef struct EdgeForce {
 typedef struct ContactParams {
     uint item_count;
     uint slots;          // candidates per sample
-    uint stamp;          // of this step; the last one's is stamp - 1
     uint friction;       // SEL_FRICTION_*
     uint all_stuck;      // settling: every touch sticks, whatever the cone (scene start = "settled")
-    uint pad;
     real inv_dt;         // [1/s]; 0 in static equilibrium: no damping
     real blend;          // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;   // regularisation of `smooth` [m/s]
