@@ -20,6 +20,7 @@ struct RodView {
     std::span<double> stretch_stiffness;  // [n-1] EA [N]
     std::span<double> bend_stiffness;     // [n] B at a node [N m^2] (ends too: used by clamps)
     std::span<double> twist_stiffness;    // [n] C at a node [N m^2]
+    // integrals over the node's Voronoi cell; at tip and hub over their half cell
     std::span<double> rest_kappa1, rest_kappa2;  // [n] integrated rest curvature at a node [-]
     std::span<double> rest_twist;         // [n] integrated rest twist at a node [rad]
     std::span<double> mass;               // [n] lumped [kg]
@@ -36,7 +37,15 @@ struct RodView {
     std::span<double> tx, ty, tz;         // [n-1] unit tangent from node j to node j+1 (tip towards hub)
     std::span<double> d1x, d1y, d1z;      // [n-1] first reference director, unit, normal to the tangent
     std::span<double> ref_twist;          // [n] reference twist at inner nodes [rad]
+    // reference twist between a clamp at this node and the edge on its tip side (a), on its hub side (b), of the accepted
+    // state [rad]; kept so that full turns are not forgotten; 0 where no clamp is. Written by accept_frames
+    std::span<double> clamp_twist_a, clamp_twist_b;  // [n]
 
+    /// Half of a node's two rest edges; at tip and hub half of the only one [m].
+    [[nodiscard]] double voronoi_length(int i) const
+    {
+        return 0.5 * ((i > 0 ? rest_length[i - 1] : 0.0) + (i < n - 1 ? rest_length[i] : 0.0));
+    }
     [[nodiscard]] Vec3 pos(int i) const { return {x[i], y[i], z[i]}; }
     [[nodiscard]] Vec3 vel(int i) const { return {vx[i], vy[i], vz[i]}; }
     [[nodiscard]] Vec3 tangent(int j) const { return {tx[j], ty[j], tz[j]}; }
@@ -66,8 +75,8 @@ public:
 
 private:
     static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
-    std::vector<int> begin_, count_;
-    std::vector<double> storage_[array_count];
+    std::vector<int> begin_, count_;        // [wires + 1], [wires]
+    std::vector<double> storage_[array_count];  // [total_capacity] each, in the order of RodView's members
 };
 
 }  // namespace seldinger
