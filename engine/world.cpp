@@ -2,6 +2,7 @@
 
 #include "world.h"
 
+#include "core/bytes.h"
 #include "core/error.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
@@ -41,38 +42,21 @@ void close_ring(WireSetup& wire)
     }
 }
 
-template <class T>
-void put(std::vector<std::uint8_t>& bytes, const T* data, std::size_t count)
-{
-    const auto* first = reinterpret_cast<const std::uint8_t*>(data);
-    bytes.insert(bytes.end(), first, first + count * sizeof(T));
-}
-
-template <class T>
-void take(const std::uint8_t*& bytes, const std::uint8_t* end, T* data, std::size_t count)
-{
-    const std::size_t size = count * sizeof(T);
-    if (static_cast<std::size_t>(end - bytes) < size)
-        throw Error(ExitCode::BadFile, "the saved state is shorter than this scene's; it was written by another scene or version");
-    std::memcpy(data, bytes, size);
-    bytes += size;
-}
-
 // what of a FeedState changes; the rest follows from the scene
 void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed)
 {
-    put(bytes, &feed.advance, 1);
-    put(bytes, &feed.turn, 1);
-    put(bytes, &feed.debt, 1);
-    put(bytes, &feed.inside, 1);
+    put_bytes(bytes, &feed.advance, 1);
+    put_bytes(bytes, &feed.turn, 1);
+    put_bytes(bytes, &feed.debt, 1);
+    put_bytes(bytes, &feed.inside, 1);
 }
 
 void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed)
 {
-    take(bytes, end, &feed.advance, 1);
-    take(bytes, end, &feed.turn, 1);
-    take(bytes, end, &feed.debt, 1);
-    take(bytes, end, &feed.inside, 1);
+    take_bytes(bytes, end, &feed.advance, 1);
+    take_bytes(bytes, end, &feed.turn, 1);
+    take_bytes(bytes, end, &feed.debt, 1);
+    take_bytes(bytes, end, &feed.inside, 1);
 }
 
 }  // namespace
@@ -241,16 +225,16 @@ std::vector<std::uint8_t> World::save_state() const
 {
     std::vector<std::uint8_t> bytes;
     Impl& s = *impl_;
-    put(bytes, &s.time, 1);
+    put_bytes(bytes, &s.time, 1);
     const std::int64_t steps = s.steps;
-    put(bytes, &steps, 1);
+    put_bytes(bytes, &steps, 1);
     for (int w = 0; w < s.wire_count(); ++w) {
         const std::int32_t n = s.rods.node_count(w);
-        put(bytes, &n, 1);
-        put(bytes, &s.wire_time[w], 1);
-        put(bytes, &s.remesh_energy[w], 1);
+        put_bytes(bytes, &n, 1);
+        put_bytes(bytes, &s.wire_time[w], 1);
+        put_bytes(bytes, &s.remesh_energy[w], 1);
         put_feed(bytes, s.feeds[w]);
-        for (const std::span<double>& array : s.rods.arrays(w)) put(bytes, array.data(), array.size());
+        for (const std::span<double>& array : s.rods.arrays(w)) put_bytes(bytes, array.data(), array.size());
     }
     if (s.contact) s.contact->save(bytes);
     return bytes;
@@ -261,20 +245,20 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
     Impl& s = *impl_;
     const std::uint8_t* at = bytes.data();
     const std::uint8_t* end = at + bytes.size();
-    take(at, end, &s.time, 1);
+    take_bytes(at, end, &s.time, 1);
     std::int64_t steps = 0;
-    take(at, end, &steps, 1);
+    take_bytes(at, end, &steps, 1);
     s.steps = static_cast<long>(steps);
     for (int w = 0; w < s.wire_count(); ++w) {
         std::int32_t n = 0;
-        take(at, end, &n, 1);
+        take_bytes(at, end, &n, 1);
         if (n < 2 || n > s.rods.capacity(w))
             throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
         s.rods.set_node_count(w, n);
-        take(at, end, &s.wire_time[w], 1);
-        take(at, end, &s.remesh_energy[w], 1);
+        take_bytes(at, end, &s.wire_time[w], 1);
+        take_bytes(at, end, &s.remesh_energy[w], 1);
         take_feed(at, end, s.feeds[w]);
-        for (const std::span<double>& array : s.rods.arrays(w)) take(at, end, array.data(), array.size());
+        for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
     if (s.contact) s.contact->restore(at, end);
     if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");

@@ -1,6 +1,7 @@
 #include "contact/capsule.h"
 
 #include "contact/wall_law.h"
+#include "core/bytes.h"
 #include "core/error.h"
 
 #include <fmt/format.h>
@@ -304,27 +305,6 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
             {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
 }
 
-namespace {
-
-template <class T>
-void put(std::vector<std::uint8_t>& bytes, const T* data, std::size_t count)
-{
-    const auto* first = reinterpret_cast<const std::uint8_t*>(data);
-    bytes.insert(bytes.end(), first, first + count * sizeof(T));
-}
-
-template <class T>
-void take(const std::uint8_t*& bytes, const std::uint8_t* end, T* data, std::size_t count)
-{
-    const std::size_t size = count * sizeof(T);
-    if (static_cast<std::size_t>(end - bytes) < size)
-        throw Error(ExitCode::BadFile, "the saved state is shorter than this scene's; it was written by another scene or version");
-    std::memcpy(data, bytes, size);
-    bytes += size;
-}
-
-}  // namespace
-
 // Records that no contact of the last step wrote are leftovers: they have no say in what comes, nor may they in the bytes saved.
 std::vector<TouchState> CapsuleContact::living_touches()
 {
@@ -340,16 +320,16 @@ std::vector<TouchState> CapsuleContact::living_touches()
 void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
 {
     const std::vector<TouchState> touches = living_touches();
-    put(bytes, touches.data(), touches.size());
-    for (const WireSamples& wire : samples_.wires) put(bytes, &wire.stamp, 1);
+    put_bytes(bytes, touches.data(), touches.size());
+    for (const WireSamples& wire : samples_.wires) put_bytes(bytes, &wire.stamp, 1);
 }
 
 // Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond `reach`).
 void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::vector<TouchState> touches(2 * samples_.models.size());
-    take(bytes, end, touches.data(), touches.size());
-    for (WireSamples& wire : samples_.wires) take(bytes, end, &wire.stamp, 1);
+    take_bytes(bytes, end, touches.data(), touches.size());
+    for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
     std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
     context_.enter(device::Lane::Light);
     context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));

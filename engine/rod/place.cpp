@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "rod/elastic.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
