@@ -189,10 +189,10 @@ std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& arr
     return values;
 }
 
-void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, VtpArray>& arrays)
+void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, PolyArray>& arrays)
 {
     for (const pugi::xml_node& node : parent.children("DataArray")) {
-        VtpArray& array = arrays[node.attribute("Name").as_string()];
+        PolyArray& array = arrays[node.attribute("Name").as_string()];
         array.components = std::max(1, node.attribute("NumberOfComponents").as_int(1));
         const std::vector<double> values = read_values<double>(file, node);
         array.values.insert(array.values.end(), values.begin(), values.end());
@@ -200,7 +200,7 @@ void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<st
 }
 
 void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* kind, std::int64_t first_point, std::int64_t points,
-                VtpCells& cells)
+                PolyCells& cells)
 {
     const auto shift = static_cast<std::int64_t>(cells.connectivity.size());
     for (const pugi::xml_node& node : piece.child(kind).children("DataArray")) {
@@ -218,7 +218,7 @@ void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* 
     }
 }
 
-void read_piece(const FileFacts& file, const pugi::xml_node& piece, VtpData& data)
+void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyData& data)
 {
     const auto first_point = static_cast<std::int64_t>(data.points.size());
     const std::vector<double> xyz = read_values<double>(file, piece.child("Points").child("DataArray"));
@@ -236,7 +236,7 @@ void read_piece(const FileFacts& file, const pugi::xml_node& piece, VtpData& dat
 
 }  // namespace
 
-VtpData parse_vtp(const std::string& bytes, const std::string& name)
+PolyData parse_poly_data(const std::string& bytes, const std::string& name)
 {
     FileFacts file;
     file.name = name;
@@ -261,20 +261,20 @@ VtpData parse_vtp(const std::string& bytes, const std::string& name)
     file.compressed = !compressor.empty();
     if (file.compressed && compressor != "vtkZLibDataCompressor") fail(file, "compressed by " + compressor + ", only zlib is read");
 
-    VtpData data;
+    PolyData data;
     const pugi::xml_node poly = root.child("PolyData");
     read_named(file, poly.child("FieldData"), data.field_data);
     for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, data);
     return data;
 }
 
-VtpData read_vtp(const std::filesystem::path& path)
+PolyData read_poly_data(const std::filesystem::path& path)
 {
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Error(ExitCode::BadFile, path.string() + ": cannot be opened");
     std::ostringstream bytes;
     bytes << stream.rdbuf();
-    return parse_vtp(bytes.str(), path.string());
+    return parse_poly_data(bytes.str(), path.string());
 }
 
 }  // namespace seldinger

@@ -18,6 +18,15 @@ std::string force_text(double newton)
 
 std::string length_text(double metre) { return fmt::format("{:.3g} mm", 1e3 * metre); }
 
+double round_up(double value, std::initializer_list<double> steps)
+{
+    const double decade = std::pow(10.0, std::floor(std::log10(value)));
+    for (double step : steps) {
+        if (value <= step * decade * (1 + 1e-9)) return step * decade;
+    }
+    return 10 * decade;
+}
+
 /// A bar of a round length, between half and 1.25 times `share` of the view's width, true at the depth of the camera's target.
 void draw_scale_bar(Canvas& canvas, const Font& font, const Camera& camera, const Viewport& view, double unit, double share)
 {
@@ -132,14 +141,8 @@ void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts
 
 }  // namespace
 
-double round_up_125(double value)
-{
-    const double decade = std::pow(10.0, std::floor(std::log10(value)));
-    for (double step : {1.0, 2.0, 5.0}) {
-        if (value <= step * decade * (1 + 1e-9)) return step * decade;
-    }
-    return 10 * decade;
-}
+double round_up_125(double value) { return round_up(value, {1, 2, 5}); }
+double round_force_up(double newton) { return round_up(newton, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }
 
 Layout lay_out_sheet(int width, int height, const Look& look)
 {

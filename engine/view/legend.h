@@ -19,6 +19,9 @@ struct Layout {
 /// The smallest of 1, 2, 5 x 10^k that is not below `value` (> 0).
 [[nodiscard]] double round_up_125(double value);
 
+/// The same with more steps, for the top of the force scale: half of it must be round too, and little of it may lie idle.
+[[nodiscard]] double round_force_up(double newton);
+
 /// What the legend has to know about one picture.
 struct LegendFacts {
     const WireFrame* frame = nullptr;

@@ -45,7 +45,7 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
     Renderer renderer(options.width, options.height);
     renderer.set_wall(run.wall);
     renderer.aim(reached);
-    if (strongest > 0) renderer.set_force_scale(round_up_125(strongest));
+    if (strongest > 0) renderer.set_force_scale(round_force_up(strongest));
 
     std::vector<std::filesystem::path> written;
     for (std::size_t i = range.first; i <= range.last; ++i) {

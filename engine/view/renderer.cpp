@@ -89,7 +89,7 @@ struct Renderer::Impl {
     GlName background, wall, glass, solid, compose;                // programs
     GlName empty_vao, wall_vao, wall_vertices, wall_indices, solid_vao;
     GlName solid_colour, glass_sum, glass_through, depth, solid_frame, glass_frame;            // multisampled
-    GlName flat_solid, flat_sum, flat_through, sheet, flat_frame, sheet_frame;  // one sample
+    GlName sheet, sheet_frame;                                                          // one sample
 
     Impl(int w, int h, const Look& l) : width(w), height(h), look(l), layout(lay_out_sheet(w, h, l))
     {
@@ -109,7 +109,7 @@ struct Renderer::Impl {
     void use(const View& view);
     void draw_solid_pass(const Solids& body, const Solids& halo);
     void draw_wall(const GlName& program, GLenum culled);
-    void resolve_and_compose();
+    void compose_sheet();
     void read_back();
 };
 
@@ -134,14 +134,11 @@ void Renderer::Impl::make_targets()
 {
     GLint most = 1;
     glGetIntegerv(GL_MAX_SAMPLES, &most);
-    const int samples = std::clamp<int>(most, 1, wanted_samples);
+    const int samples = std::clamp<int>(most, 2, wanted_samples);  // OpenGL 4.5 promises 4
     solid_colour = make_target(GL_RGBA16F, width, height, samples);
     glass_sum = make_target(GL_RGBA16F, width, height, samples);
     glass_through = make_target(GL_R16F, width, height, samples);
     depth = make_target(GL_DEPTH_COMPONENT32F, width, height, samples);
-    flat_solid = make_target(GL_RGBA16F, width, height, 1);
-    flat_sum = make_target(GL_RGBA16F, width, height, 1);
-    flat_through = make_target(GL_R16F, width, height, 1);
     sheet = make_target(GL_RGBA8, width, height, 1);
 
     const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -153,7 +150,7 @@ void Renderer::Impl::make_targets()
     glNamedFramebufferTexture(glass_frame, GL_COLOR_ATTACHMENT1, glass_through, 0);
     glNamedFramebufferTexture(glass_frame, GL_DEPTH_ATTACHMENT, depth, 0);
     glNamedFramebufferDrawBuffers(glass_frame, 2, both);
-    flat_frame = make_framebuffer();  // its attachment changes while resolving
+    glProgramUniform1i(compose, glGetUniformLocation(compose, "samples"), samples);
     sheet_frame = make_framebuffer();
     glNamedFramebufferTexture(sheet_frame, GL_COLOR_ATTACHMENT0, sheet, 0);
     for (GLuint frame : {GLuint(solid_frame), GLuint(glass_frame), GLuint(sheet_frame)}) {
@@ -260,7 +257,9 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
         add_ball(body, ball, colour, origin);
         add_ball(halo, grown(ball, 0.8 * px / view.mark_scale), rgb_from_hex(palette::halo), origin);
         if (c.normal.squaredNorm() > 0) {
-            add_cone(body, {c.point, 1.6 * px, 12 * px}, c.point + (6 + 22 * share) * px * c.normal.normalized(), colour, origin);
+            const Vec3 end = c.point + (4 + 18 * share) * px * c.normal.normalized();
+            add_cone(body, {c.point, 0.85 * ball.radius, ball.pull}, end, colour, origin);
+            add_cone(halo, {c.point, 0.85 * ball.radius + 0.8 * px / view.mark_scale, ball.pull}, end, rgb_from_hex(palette::halo), origin);
         }
     }
     return widened;
@@ -328,26 +327,18 @@ void Renderer::Impl::draw_solid_pass(const Solids& body, const Solids& halo)
     draw_solids(body);
 }
 
-void Renderer::Impl::resolve_and_compose()
+void Renderer::Impl::compose_sheet()
 {
-    const auto resolve = [&](GLuint from, GLenum attachment, GLuint to) {
-        glNamedFramebufferReadBuffer(from, attachment);
-        glNamedFramebufferTexture(flat_frame, GL_COLOR_ATTACHMENT0, to, 0);
-        glBlitNamedFramebuffer(from, flat_frame, 0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    };
     glDisable(GL_SCISSOR_TEST);
-    resolve(solid_frame, GL_COLOR_ATTACHMENT0, flat_solid);
-    resolve(glass_frame, GL_COLOR_ATTACHMENT0, flat_sum);
-    resolve(glass_frame, GL_COLOR_ATTACHMENT1, flat_through);
     glBindFramebuffer(GL_FRAMEBUFFER, sheet_frame);
     glViewport(0, 0, width, height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     glUseProgram(compose);
-    glBindTextureUnit(0, flat_solid);
-    glBindTextureUnit(1, flat_sum);
-    glBindTextureUnit(2, flat_through);
+    glBindTextureUnit(0, solid_colour);
+    glBindTextureUnit(1, glass_sum);
+    glBindTextureUnit(2, glass_through);
     glBindVertexArray(empty_vao);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -412,7 +403,7 @@ void Renderer::draw(const WireFrame& frame)
     }
     Look& look = r.look;
     const double asked_scale = look.force_scale;
-    if (!(asked_scale > 0)) look.force_scale = strongest(frame) > 0 ? round_up_125(strongest(frame)) : 1e-3;
+    if (!(asked_scale > 0)) look.force_scale = strongest(frame) > 0 ? round_force_up(strongest(frame)) : 1e-3;
 
     std::vector<View> views = {r.main_view()};
     if (const auto inset = r.inset_view(frame)) views.push_back(*inset);
@@ -458,7 +449,7 @@ void Renderer::draw(const WireFrame& frame)
         r.use(view);
         r.draw_wall(r.glass, GL_FRONT);
     }
-    r.resolve_and_compose();
+    r.compose_sheet();
     r.read_back();
 
     if (look.legend) {
