@@ -231,7 +231,7 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
 {
     body.clear(), halo.clear();
     bool widened = false;
-    const double unit = layout.unit;
+    const double unit = std::max(layout.unit, 0.7);  // marks stay visible on small pictures
     const auto pixel = [&](const Vec3& p) {
         const double depth_there = project(view.camera, view.viewport, p).depth;
         return 1.0 / pixels_per_metre(view.camera, view.viewport, std::max(depth_there, view.nearest));
