@@ -16,8 +16,7 @@ Rgb from_oklab(float lightness, float a, float b)
     const float l = std::pow(lightness + 0.3963377774f * a + 0.2158037573f * b, 3.0f);
     const float m = std::pow(lightness - 0.1055613458f * a - 0.0638541728f * b, 3.0f);
     const float s = std::pow(lightness - 0.0894841775f * a - 1.2914855480f * b, 3.0f);
-    return {4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s,
-            -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
+    return {4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s, -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
             -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
 }
 
@@ -31,9 +30,7 @@ Rgb rgb_from_hex(std::uint32_t hex)
 
 std::array<std::uint8_t, 3> srgb_bytes(const Rgb& colour)
 {
-    const auto byte = [](float v) {
-        return static_cast<std::uint8_t>(std::lround(255.0f * encode(std::clamp(v, 0.0f, 1.0f))));
-    };
+    const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255.0f * encode(std::clamp(v, 0.0f, 1.0f)))); };
     return {byte(colour.r), byte(colour.g), byte(colour.b)};
 }
 

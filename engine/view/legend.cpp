@@ -60,14 +60,16 @@ void draw_inset(Canvas& canvas, const Font& font, const LegendFacts& facts)
 {
     const double unit = facts.layout.unit;
     const Viewport &box = facts.layout.inset, &main = facts.layout.main;
-    const double main_scale = pixels_per_metre(facts.main_camera, main, project(facts.main_camera, main, facts.inset_camera.target).depth);
+    const double main_scale =
+        pixels_per_metre(facts.main_camera, main, project(facts.main_camera, main, facts.inset_camera.target).depth);
     const double reach = (facts.inset_camera.target - facts.inset_camera.eye).norm();
     const double inset_scale = pixels_per_metre(facts.inset_camera, box, reach);
     const Projected centre = project(facts.main_camera, main, facts.inset_camera.target);
     const double side = box.width * main_scale / inset_scale;
-    canvas.frame(centre.column - side / 2 - 1.5 * unit, centre.row - side / 2 - 1.5 * unit, side + 3 * unit, side + 3 * unit, 1.2 * unit,
-                 palette::accent, 0.9);
-    canvas.frame(box.x - 1.5 * unit, box.y - 1.5 * unit, box.width + 3 * unit, box.height + 3 * unit, 1.5 * unit, palette::accent);
+    canvas.frame(centre.column - side / 2 - 1.5 * unit, centre.row - side / 2 - 1.5 * unit, side + 3 * unit, side + 3 * unit,
+                 1.2 * unit, palette::accent, 0.9);
+    canvas.frame(box.x - 1.5 * unit, box.y - 1.5 * unit, box.width + 3 * unit, box.height + 3 * unit, 1.5 * unit,
+                 palette::accent);
     draw_scale_bar(canvas, font, facts.inset_camera, box, unit, 0.22);
     const std::string label = fmt::format("tip, {:.2g}\u00d7", inset_scale / main_scale);
     const double width = Canvas::text_width(font, 13 * unit, label);
@@ -112,7 +114,8 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
     canvas.text(font, x + 36 * unit, y, size, fmt::format("wire, \u00d8 {:.3g} mm", 2e3 * facts.wire_radius), palette::ink);
     if (facts.widened) {
         y += 16 * unit;
-        canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels), palette::faint_ink);
+        canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels),
+                    palette::faint_ink);
     }
     y += 20 * unit;
     canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::accent);
@@ -150,7 +153,8 @@ Layout lay_out_sheet(int width, int height, const Look& look)
     layout.main = {0, 0, width, height};
     layout.side_panel = width >= 1.15 * height;
     layout.unit = layout.side_panel ? std::min(height / 720.0, width / 1000.0) : std::min(width / 720.0, height / 900.0);
-    if (!look.legend) return layout;
+    layout.panel_dropped = layout.unit < 0.4;  // letters under 6 pixels
+    if (!look.legend || layout.panel_dropped) return layout;
     const int across = static_cast<int>(std::lround(290 * layout.unit)), gap = static_cast<int>(std::lround(18 * layout.unit));
     if (layout.side_panel) {
         layout.main.width = width - across;
@@ -184,7 +188,7 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
     if (!layout.side_panel) width = std::min(260 * unit, layout.panel.x + layout.panel.width - x - 18 * unit);
     y = draw_readings(canvas, font, facts, x, y, width);
     y = draw_wire_key(canvas, font, facts, x, y);
-    draw_force_scale(canvas, font, facts, x, y, width);
+    if (facts.force_scale > 0) draw_force_scale(canvas, font, facts, x, y, width);
 }
 
 }  // namespace seldinger

@@ -113,8 +113,8 @@ const PolyArray& need(const PolyData& data, const char* name, int components, co
     const auto found = data.point_data.find(name);
     if (found == data.point_data.end()) fail(path, fmt::format("has no point data \"{}\"", name));
     if (found->second.values.size() != static_cast<std::size_t>(components) * data.points.size()) {
-        fail(path, fmt::format("point data \"{}\" hold {} numbers, expected {} for each of {} points", name, found->second.values.size(),
-                               components, data.points.size()));
+        fail(path, fmt::format("point data \"{}\" hold {} numbers, expected {} for each of {} points", name,
+                               found->second.values.size(), components, data.points.size()));
     }
     return found->second;
 }

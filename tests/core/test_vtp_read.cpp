@@ -38,7 +38,7 @@ std::string base64(const std::string& bytes)
     std::string text;
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         std::uint32_t v = 0;
-        for (std::size_t k = 0; k < 3; ++k) v = (v << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = i; k < i + 3; ++k) v = (v << 8) | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0u);
         for (std::size_t k = 0; k < 4; ++k) text += k <= bytes.size() - i ? letters[(v >> (18 - 6 * k)) & 63] : '=';
     }
     return text;
@@ -68,12 +68,13 @@ std::string file(const std::string& root, const std::array<std::string, 3>& how,
                  const std::string& appended = {})
 {
     const auto array = [&](int k, const char* type, const char* name) {
-        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" {}>{}</DataArray>", type, name, k == 0 ? 3 : 1,
-                           how[k], text[k]);
+        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" {}>{}</DataArray>", type, name,
+                           k == 0 ? 3 : 1, how[k], text[k]);
     };
     return "<?xml version=\"1.0\"?><VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" " + root +
            "><PolyData><Piece NumberOfPoints=\"3\"><Points>" + array(0, "Float64", "Points") + "</Points><Polys>" +
-           array(1, "Int64", "connectivity") + array(2, "Int64", "offsets") + "</Polys></Piece></PolyData>" + appended + "</VTKFile>";
+           array(1, "Int64", "connectivity") + array(2, "Int64", "offsets") + "</Polys></Piece></PolyData>" + appended +
+           "</VTKFile>";
 }
 
 const std::array<std::string, 3> blocks = {raw(coordinates), raw(corners), raw(ends)};
@@ -152,7 +153,9 @@ TEST_CASE("regression: damage is named and never read past") {
     check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, ascii}, good), "vtkLZ4DataCompressor");
     const std::string far = "format=\"appended\" offset=\"100000\"";
     check_damaged(file("", {far, ascii, ascii}, good, "<AppendedData encoding=\"raw\">_xx</AppendedData>"), "beyond the end");
-    check_damaged(file("", {binary, ascii, ascii}, {base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 30)), good[1], good[2]}), "");
-    check_damaged(file("", {binary, ascii, ascii}, {base64(head<std::uint32_t>({4000000000u})), good[1], good[2]}), "longer than the file");
+    const std::string cut = base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 66));
+    const std::string huge = base64(head<std::uint32_t>({4000000000u}));
+    check_damaged(file("", {binary, ascii, ascii}, {cut, good[1], good[2]}), "cut short");
+    check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "longer than the file");
 }
 }

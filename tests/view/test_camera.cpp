@@ -67,7 +67,8 @@ TEST_CASE("property: an open sheet is seen from its lumen side, and a tube lies 
 }
 
 TEST_CASE("regression: one point, no point and a wire seen end-on give a usable camera") {
-    for (const std::vector<Vec3>& points : {std::vector<Vec3>{}, std::vector<Vec3>{{1, 2, 3}}, std::vector<Vec3>{{0, 0, 0}, {0, 0.3, 0}}}) {
+    const std::vector<std::vector<Vec3>> cases = {{}, {{1, 2, 3}}, {{0, 0, 0}, {0, 0.3, 0}}};
+    for (const std::vector<Vec3>& points : cases) {
         for (const Camera& camera : {fit_camera(points, {0, 1, 0}, {0, 0, 1}, 1.5), automatic_camera({}, points, 1.5)}) {
             CHECK(camera.eye.allFinite());
             CHECK(camera.target.allFinite());

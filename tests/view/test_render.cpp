@@ -33,14 +33,15 @@ std::string numbers(const std::vector<Vec3>& points)
 
 std::string poly_data(std::size_t points, const std::string& inside)
 {
-    return fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n"
-                       "<Piece NumberOfPoints=\"{}\">\n{}</Piece>\n</PolyData>\n</VTKFile>\n", points, inside);
+    return fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\">\n<PolyData>\n"
+                       "<Piece NumberOfPoints=\"{}\">\n{}</Piece>\n</PolyData>\n</VTKFile>\n",
+                       points, inside);
 }
 
 std::string array(const char* type, const char* name, int components, const std::string& values)
 {
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">{}</DataArray>\n", type, name,
-                       components, values);
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">{}</DataArray>\n",
+                       type, name, components, values);
 }
 
 std::string points_xml(const std::vector<Vec3>& points)
@@ -55,8 +56,8 @@ void write_vessel(const fs::path& dir)
     for (const auto& t : mesh.triangles) corners += fmt::format("{} {} {} ", t[0], t[1], t[2]);
     for (std::size_t i = 1; i <= mesh.triangles.size(); ++i) offsets += fmt::format("{} ", 3 * i);
     write_text(dir / "vessel.vtp", poly_data(mesh.vertices.size(), points_xml(mesh.vertices) + "<Polys>" +
-                                                 array("Int32", "connectivity", 1, corners) + array("Int32", "offsets", 1, offsets) +
-                                                 "</Polys>\n"));
+                                                                      array("Int32", "connectivity", 1, corners) +
+                                                                      array("Int32", "offsets", 1, offsets) + "</Polys>\n"));
 }
 
 void write_frame(const fs::path& dir, int index)
@@ -77,7 +78,8 @@ void write_frame(const fs::path& dir, int index)
 void write_list(const fs::path& dir, int frames)
 {
     std::string list = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\"><Collection>\n";
-    for (int i = 0; i < frames; ++i) list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"wire_{:06}.vtp\"/>\n", 0.1 * i, i);
+    for (int i = 0; i < frames; ++i)
+        list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"wire_{:06}.vtp\"/>\n", 0.1 * i, i);
     write_text(dir / "wire.pvd", list + "</Collection></VTKFile>\n");
 }
 
@@ -97,7 +99,7 @@ bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vect
         return true;
     } catch (const Error& e) {
         if (e.code() != ExitCode::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;
-        MESSAGE("skipped: " << e.what());
+        MESSAGE("skipped: " << std::string(e.what()));
         return false;
     }
 }

@@ -184,7 +184,7 @@ TEST_CASE("analytic: the scale bar is as long as its label says") {
     try {
         r = renderer_or_skip(1280, 720, Look{});
     } catch (const Error& e) {
-        MESSAGE("skipped: " << e.what());  // no font
+        MESSAGE("skipped: " << std::string(e.what()));  // no font
     }
     if (!r) return;
     const double distance = 1;
@@ -226,12 +226,13 @@ TEST_CASE("regression: nothing to draw, one node, repeated nodes and no legend s
         try {
             r = renderer_or_skip(w, h, Look{});
         } catch (const Error& e) {
-            MESSAGE("skipped: " << e.what());
+            MESSAGE("skipped: " << std::string(e.what()));
         }
         if (!r) return;
         r->draw({});
         WireFrame frame;
-        frame.wires = {WireLine{{Vec3(1, 2, 3)}, {0.001}}, WireLine{{Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0.1, 0, 0)}, {1e-3, 1e-3, 1e-3}}};
+        frame.wires = {WireLine{{Vec3(1, 2, 3)}, {0.001}},
+                       WireLine{{Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0.1, 0, 0)}, {1e-3, 1e-3, 1e-3}}};
         frame.contacts = {{Vec3(0, 0, 0), Vec3(0, 0, 0), 0.0}};
         r->draw(frame);
         CHECK(r->pixels().size() == static_cast<std::size_t>(3 * w * h));

@@ -19,7 +19,7 @@ inline std::unique_ptr<Renderer> renderer_or_skip(int width, int height, const L
         return std::make_unique<Renderer>(width, height, look);
     } catch (const Error& e) {
         if (e.code() != ExitCode::NoDevice) throw;
-        MESSAGE("skipped: " << e.what());
+        MESSAGE("skipped: " << std::string(e.what()));
         return nullptr;
     }
 }
