@@ -125,10 +125,11 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
 
 void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
 {
-    const double unit = facts.layout.unit, size = 12 * unit, height = 12 * unit;
+    const double unit = facts.layout.unit, size = 12 * unit, height = std::round(12 * unit);
     y += 26 * unit;
     canvas.text(font, x, y, size, "contact force on the wire", palette::ink);
-    y += 8 * unit;
+    // whole pixels: a column shared by two colours would be neither
+    x = std::round(x), y = std::round(y + 8 * unit), width = std::round(width);
     for (int column = 0; column < static_cast<int>(width); ++column) {
         const auto c = srgb_bytes(force_colour((column + 0.5) / width));
         canvas.fill(x + column, y, 1, height, (c[0] << 16) | (c[1] << 8) | c[2]);

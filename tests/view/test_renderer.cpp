@@ -207,6 +207,34 @@ TEST_CASE("analytic: the scale bar is as long as its label says") {
     CHECK(longest > 0.05 * main.width);
 }
 
+TEST_CASE("regression: the force scale of the legend has the colours of the contacts, at sizes that divide unevenly") {
+    for (auto [w, h] : {std::pair{1280, 720}, {960, 540}, {777, 501}}) {
+        CAPTURE(w);
+        std::unique_ptr<Renderer> r;
+        try {
+            r = renderer_or_skip(w, h, Look{});
+        } catch (const Error& e) {
+            MESSAGE("skipped: " << std::string(e.what()));  // no font
+        }
+        if (!r) return;
+        r->set_force_scale(0.1);
+        r->draw({});
+        // some row of the panel holds the scale's colours in order, each to the rounding of a byte
+        bool found = false;
+        for (int row = 0; row < h && !found; ++row) {
+            int step = 0;
+            for (int column = r->main_view().width; column < w && step <= 10; ++column) {
+                const auto c = srgb_bytes(force_colour(0.02 + 0.096 * step));
+                const Pixel p = pixel_at(*r, column, row);
+                // neighbouring columns differ by up to 3 levels of a byte
+                if (std::abs(p.r - c[0]) <= 3 && std::abs(p.g - c[1]) <= 3 && std::abs(p.b - c[2]) <= 3) ++step;
+            }
+            found = step > 10;
+        }
+        CHECK(found);
+    }
+}
+
 TEST_CASE("regression: sizes that no picture can have") {
     for (auto [w, h] : {std::pair{0, 720}, {1280, -1}, {100000, 720}}) {
         CAPTURE(w);
