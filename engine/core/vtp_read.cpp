@@ -2,8 +2,8 @@
 
 #include "core/error.h"
 
-#include <pugixml.hpp>
 #include <zlib.h>
+#include <pugixml.hpp>
 
 #include <bit>
 #include <charconv>
@@ -20,13 +20,16 @@ namespace {
 /// What all arrays of one file share.
 struct FileFacts {
     std::string name;
-    std::size_t header_bytes = 4;   // width of the lengths before a block
+    std::size_t header_bytes = 4;  // width of the lengths before a block
     bool compressed = false;
     bool appended_base64 = false;
-    std::string_view appended;      // after the '_'
+    std::string_view appended;  // after the '_'
 };
 
-[[noreturn]] void fail(const FileFacts& file, const std::string& what) { throw Error(ExitCode::BadFile, file.name + ": " + what); }
+[[noreturn]] void fail(const FileFacts& file, const std::string& what)
+{
+    throw Error(ExitCode::BadFile, file.name + ": " + what);
+}
 
 /// Decodes base64 from the front of `text` until `wanted` bytes are there or the text ends; spaces are skipped. '=' ends one
 /// encoded run and another may follow. @param used  characters taken
@@ -97,7 +100,8 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
     constexpr std::uint64_t most_blocks = 1u << 26;
     const std::size_t width = file.header_bytes;
     std::string head = source.take(3 * width);
-    const std::uint64_t blocks = read_length(head, 0, width), full = read_length(head, 1, width), last = read_length(head, 2, width);
+    const std::uint64_t blocks = read_length(head, 0, width), full = read_length(head, 1, width),
+                        last = read_length(head, 2, width);
     if (blocks == 0) return {};
     if (blocks > most_blocks || full > (1ull << 32)) fail(file, "a compressed array has an impossible size");
     const std::string sizes = source.take(blocks * width);
@@ -162,7 +166,8 @@ void parse_ascii(const FileFacts& file, std::string_view text, std::vector<Wante
         if (at == end) return;
         Wanted v{};
         const auto [after, problem] = std::from_chars(at, end, v);
-        if (problem != std::errc() || after == at) fail(file, "\"" + std::string(at, std::min<std::ptrdiff_t>(16, end - at)) + "\" is not a number");
+        if (problem != std::errc() || after == at)
+            fail(file, "\"" + std::string(at, std::min<std::ptrdiff_t>(16, end - at)) + "\" is not a number");
         values.push_back(v);
         at = after;
     }
@@ -189,41 +194,45 @@ std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& arr
     return values;
 }
 
-void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, VtpArray>& arrays)
+void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, PolyArray>& arrays)
 {
     for (const pugi::xml_node& node : parent.children("DataArray")) {
-        VtpArray& array = arrays[node.attribute("Name").as_string()];
+        PolyArray& array = arrays[node.attribute("Name").as_string()];
         array.components = std::max(1, node.attribute("NumberOfComponents").as_int(1));
         const std::vector<double> values = read_values<double>(file, node);
         array.values.insert(array.values.end(), values.begin(), values.end());
     }
 }
 
-void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* kind, std::int64_t first_point, std::int64_t points,
-                VtpCells& cells)
+void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* kind, std::int64_t first_point,
+                std::int64_t points, PolyCells& cells)
 {
     const auto shift = static_cast<std::int64_t>(cells.connectivity.size());
     for (const pugi::xml_node& node : piece.child(kind).children("DataArray")) {
         const std::string name = node.attribute("Name").as_string();
         if (name != "connectivity" && name != "offsets") continue;
         for (std::int64_t v : read_values<std::int64_t>(file, node)) {
-            if (name == "connectivity" && (v < 0 || v >= points)) fail(file, std::string(kind) + " name a point that is not there");
-            (name == "connectivity" ? cells.connectivity : cells.offsets).push_back(v + (name == "connectivity" ? first_point : shift));
+            if (name == "connectivity" && (v < 0 || v >= points))
+                fail(file, std::string(kind) + " name a point that is not there");
+            (name == "connectivity" ? cells.connectivity : cells.offsets)
+                .push_back(v + (name == "connectivity" ? first_point : shift));
         }
     }
     std::int64_t before = 0;
     for (std::int64_t offset : cells.offsets) {
-        if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size())) fail(file, std::string(kind) + " are damaged");
+        if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size()))
+            fail(file, std::string(kind) + " are damaged");
         before = offset;
     }
 }
 
-void read_piece(const FileFacts& file, const pugi::xml_node& piece, VtpData& data)
+void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyData& data)
 {
     const auto first_point = static_cast<std::int64_t>(data.points.size());
     const std::vector<double> xyz = read_values<double>(file, piece.child("Points").child("DataArray"));
     const auto count = static_cast<std::size_t>(piece.attribute("NumberOfPoints").as_ullong());
-    if (xyz.size() != 3 * count) fail(file, "holds " + std::to_string(xyz.size()) + " coordinates, expected 3 x " + std::to_string(count));
+    if (xyz.size() != 3 * count)
+        fail(file, "holds " + std::to_string(xyz.size()) + " coordinates, expected 3 x " + std::to_string(count));
     for (std::size_t i = 0; i < count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
     const auto points = static_cast<std::int64_t>(count);
     read_cells(file, piece, "Verts", first_point, points, data.verts);
@@ -236,7 +245,7 @@ void read_piece(const FileFacts& file, const pugi::xml_node& piece, VtpData& dat
 
 }  // namespace
 
-VtpData parse_vtp(const std::string& bytes, const std::string& name)
+PolyData parse_poly_data(const std::string& bytes, const std::string& name)
 {
     FileFacts file;
     file.name = name;
@@ -255,26 +264,28 @@ VtpData parse_vtp(const std::string& bytes, const std::string& name)
     const pugi::xml_node root = document.child("VTKFile");
     if (!parsed || !root) fail(file, std::string("not a VTK XML file (") + parsed.description() + ")");
     if (root.attribute("type").as_string() != std::string("PolyData")) fail(file, "not PolyData");
-    if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian")) fail(file, "big-endian, which is not read");
+    if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
+        fail(file, "big-endian, which is not read");
     file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
     const std::string compressor = root.attribute("compressor").as_string();
     file.compressed = !compressor.empty();
-    if (file.compressed && compressor != "vtkZLibDataCompressor") fail(file, "compressed by " + compressor + ", only zlib is read");
+    if (file.compressed && compressor != "vtkZLibDataCompressor")
+        fail(file, "compressed by " + compressor + ", only zlib is read");
 
-    VtpData data;
+    PolyData data;
     const pugi::xml_node poly = root.child("PolyData");
     read_named(file, poly.child("FieldData"), data.field_data);
     for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, data);
     return data;
 }
 
-VtpData read_vtp(const std::filesystem::path& path)
+PolyData read_poly_data(const std::filesystem::path& path)
 {
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Error(ExitCode::BadFile, path.string() + ": cannot be opened");
     std::ostringstream bytes;
     bytes << stream.rdbuf();
-    return parse_vtp(bytes.str(), path.string());
+    return parse_poly_data(bytes.str(), path.string());
 }
 
 }  // namespace seldinger

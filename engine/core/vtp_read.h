@@ -12,27 +12,27 @@
 namespace seldinger {
 
 /// A named array: `values` holds count x components numbers.
-struct VtpArray {
+struct PolyArray {
     int components = 1;
     std::vector<double> values;
 };
 
 /// Cells of one kind: cell i has the point indices connectivity[offsets[i-1]] ... connectivity[offsets[i] - 1].
-struct VtpCells {
+struct PolyCells {
     std::vector<std::int64_t> connectivity, offsets;
 };
 
 /// All pieces of the file, one after the other. Coordinates are as in the file: no unit is known here.
-struct VtpData {
+struct PolyData {
     std::vector<std::array<double, 3>> points;
-    VtpCells verts, lines, strips, polys;
-    std::map<std::string, VtpArray> point_data, cell_data, field_data;
+    PolyCells verts, lines, strips, polys;
+    std::map<std::string, PolyArray> point_data, cell_data, field_data;
 };
 
 /// @throws Error BadFile: missing, not PolyData, cut short, or an index outside the points
-[[nodiscard]] VtpData read_vtp(const std::filesystem::path& path);
+[[nodiscard]] PolyData read_poly_data(const std::filesystem::path& path);
 
 /// Same, from the bytes of a file; `name` is for messages.
-[[nodiscard]] VtpData parse_vtp(const std::string& bytes, const std::string& name);
+[[nodiscard]] PolyData parse_poly_data(const std::string& bytes, const std::string& name);
 
 }  // namespace seldinger

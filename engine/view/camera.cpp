@@ -48,8 +48,8 @@ Principal principal_axes(const WallMesh& mesh, const std::vector<Vec3>& extra)
     return axes;
 }
 
-/// An eigenvector has no sign. Look from the front (-y), from the right (+x) or from above (+z), whichever the axis is nearest to:
-/// in a patient's coordinates (LPS) -y is anterior.
+/// An eigenvector has no sign. Look from the front (-y), from the right (+x) or from above (+z), whichever the axis is nearest
+/// to: in a patient's coordinates (LPS) -y is anterior.
 Vec3 viewing_direction(const Principal& axes)
 {
     if (axes.facing.norm() > 0.3) {

@@ -34,8 +34,9 @@ std::string font_path()
                              "/usr/share/fonts/dejavu/DejaVuSans.ttf"}) {          // Alpine
         if (std::filesystem::exists(path)) return path;
     }
-    throw Error(ExitCode::BadFile, "no font for the legend: install DejaVu Sans (Debian: apt-get install fonts-dejavu-core) or set "
-                                   "SELDINGER_FONT to a .ttf file");
+    throw Error(ExitCode::BadFile,
+                "no font for the legend: install DejaVu Sans (Debian: apt-get install fonts-dejavu-core) or set "
+                "SELDINGER_FONT to a .ttf file");
 }
 
 /// Next code point of UTF-8 text; a broken sequence gives its first byte.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace seldinger {
 namespace {
@@ -15,15 +16,8 @@ Rgb from_oklab(float lightness, float a, float b)
     const float l = std::pow(lightness + 0.3963377774f * a + 0.2158037573f * b, 3.0f);
     const float m = std::pow(lightness - 0.1055613458f * a - 0.0638541728f * b, 3.0f);
     const float s = std::pow(lightness - 0.0894841775f * a - 1.2914855480f * b, 3.0f);
-    return {4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s,
-            -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
+    return {4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s, -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
             -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
-}
-
-bool in_gamut(const Rgb& c)
-{
-    const auto inside = [](float v) { return v >= 0.0f && v <= 1.0f; };
-    return inside(c.r) && inside(c.g) && inside(c.b);
 }
 
 }  // namespace
@@ -36,9 +30,7 @@ Rgb rgb_from_hex(std::uint32_t hex)
 
 std::array<std::uint8_t, 3> srgb_bytes(const Rgb& colour)
 {
-    const auto byte = [](float v) {
-        return static_cast<std::uint8_t>(std::lround(255.0f * encode(std::clamp(v, 0.0f, 1.0f))));
-    };
+    const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255.0f * encode(std::clamp(v, 0.0f, 1.0f)))); };
     return {byte(colour.r), byte(colour.g), byte(colour.b)};
 }
 
@@ -53,17 +45,12 @@ float lightness(const Rgb& c)
 Rgb force_colour(double t)
 {
     const float u = std::isfinite(t) ? std::clamp(static_cast<float>(t), 0.0f, 1.0f) : 0.0f;
-    // lightness is linear in t; hue runs 310 deg (violet) to 103 deg (yellow). The short stretch of hue in the middle is
-    // where sRGB has the least chroma, so chroma is what the gamut allows up to 0.17.
+    // lightness is linear in t; hue runs from 310 deg (violet) to 103 deg (yellow). Chroma stays below what sRGB can show, which
+    // is 0.108 at the green-blue in the middle and more on both sides; a parabola under that limit leaves no edge in the scale.
     const float light = 0.36f + 0.56f * u;
-    const float hue = (310.0f - 207.0f * u) * 3.14159265f / 180.0f;
-    float chroma = 0.17f;
-    Rgb colour = from_oklab(light, chroma * std::cos(hue), chroma * std::sin(hue));
-    while (!in_gamut(colour) && chroma > 0.0f) {
-        chroma = std::max(chroma - 0.002f, 0.0f);
-        colour = from_oklab(light, chroma * std::cos(hue), chroma * std::sin(hue));
-    }
-    return colour;
+    const float hue = (310.0f - 207.0f * u) * std::numbers::pi_v<float> / 180.0f;
+    const float chroma = 0.105f + 0.26f * (u - 0.44f) * (u - 0.44f);
+    return from_oklab(light, chroma * std::cos(hue), chroma * std::sin(hue));
 }
 
 }  // namespace seldinger

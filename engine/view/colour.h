@@ -26,11 +26,11 @@ struct Rgb {
 
 namespace palette {  // sRGB; used with rgb_from_hex
 inline constexpr std::uint32_t background_top = 0xfdfdfd, background_bottom = 0xdfe4ea;
-inline constexpr std::uint32_t tissue = 0xd98a78;      // the lumen's far wall
-inline constexpr std::uint32_t tissue_deep = 0x8c3b35; // the same at grazing view
-inline constexpr std::uint32_t glass = 0xc4685c;       // the near wall's rim
-inline constexpr std::uint32_t wire = 0x1c2b3f;        // blued steel
-inline constexpr std::uint32_t halo = 0xfff4ea;        // light line around wire and contacts
+inline constexpr std::uint32_t tissue = 0xf2bba8;       // the lumen's far wall
+inline constexpr std::uint32_t tissue_deep = 0xb0574b;  // the same at grazing view
+inline constexpr std::uint32_t glass = 0x97332e;        // the near wall's rim
+inline constexpr std::uint32_t wire = 0x15304f;         // blued steel
+inline constexpr std::uint32_t halo = 0xfff4ea;         // light line around wire and contacts
 inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7;
 }  // namespace palette
 

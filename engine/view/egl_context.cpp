@@ -40,8 +40,9 @@ std::vector<EGLDisplay> candidate_displays(std::string& tried)
 
 EGLContext create_context(const Display& d)
 {
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
     return eglCreateContext(d.display, d.config, EGL_NO_CONTEXT, attributes);
 }

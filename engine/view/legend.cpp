@@ -18,6 +18,15 @@ std::string force_text(double newton)
 
 std::string length_text(double metre) { return fmt::format("{:.3g} mm", 1e3 * metre); }
 
+double round_up(double value, std::initializer_list<double> steps)
+{
+    const double decade = std::pow(10.0, std::floor(std::log10(value)));
+    for (double step : steps) {
+        if (value <= step * decade * (1 + 1e-9)) return step * decade;
+    }
+    return 10 * decade;
+}
+
 /// A bar of a round length, between half and 1.25 times `share` of the view's width, true at the depth of the camera's target.
 void draw_scale_bar(Canvas& canvas, const Font& font, const Camera& camera, const Viewport& view, double unit, double share)
 {
@@ -51,14 +60,16 @@ void draw_inset(Canvas& canvas, const Font& font, const LegendFacts& facts)
 {
     const double unit = facts.layout.unit;
     const Viewport &box = facts.layout.inset, &main = facts.layout.main;
-    const double main_scale = pixels_per_metre(facts.main_camera, main, project(facts.main_camera, main, facts.inset_camera.target).depth);
+    const double main_scale =
+        pixels_per_metre(facts.main_camera, main, project(facts.main_camera, main, facts.inset_camera.target).depth);
     const double reach = (facts.inset_camera.target - facts.inset_camera.eye).norm();
     const double inset_scale = pixels_per_metre(facts.inset_camera, box, reach);
     const Projected centre = project(facts.main_camera, main, facts.inset_camera.target);
     const double side = box.width * main_scale / inset_scale;
-    canvas.frame(centre.column - side / 2 - 1.5 * unit, centre.row - side / 2 - 1.5 * unit, side + 3 * unit, side + 3 * unit, 1.2 * unit,
-                 palette::accent, 0.9);
-    canvas.frame(box.x - 1.5 * unit, box.y - 1.5 * unit, box.width + 3 * unit, box.height + 3 * unit, 1.5 * unit, palette::accent);
+    canvas.frame(centre.column - side / 2 - 1.5 * unit, centre.row - side / 2 - 1.5 * unit, side + 3 * unit, side + 3 * unit,
+                 1.2 * unit, palette::accent, 0.9);
+    canvas.frame(box.x - 1.5 * unit, box.y - 1.5 * unit, box.width + 3 * unit, box.height + 3 * unit, 1.5 * unit,
+                 palette::accent);
     draw_scale_bar(canvas, font, facts.inset_camera, box, unit, 0.22);
     const std::string label = fmt::format("tip, {:.2g}\u00d7", inset_scale / main_scale);
     const double width = Canvas::text_width(font, 13 * unit, label);
@@ -103,7 +114,8 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
     canvas.text(font, x + 36 * unit, y, size, fmt::format("wire, \u00d8 {:.3g} mm", 2e3 * facts.wire_radius), palette::ink);
     if (facts.widened) {
         y += 16 * unit;
-        canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels), palette::faint_ink);
+        canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels),
+                    palette::faint_ink);
     }
     y += 20 * unit;
     canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::accent);
@@ -113,10 +125,11 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
 
 void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
 {
-    const double unit = facts.layout.unit, size = 12 * unit, height = 12 * unit;
+    const double unit = facts.layout.unit, size = 12 * unit, height = std::round(12 * unit);
     y += 26 * unit;
     canvas.text(font, x, y, size, "contact force on the wire", palette::ink);
-    y += 8 * unit;
+    // whole pixels: a column shared by two colours would be neither
+    x = std::round(x), y = std::round(y + 8 * unit), width = std::round(width);
     for (int column = 0; column < static_cast<int>(width); ++column) {
         const auto c = srgb_bytes(force_colour((column + 0.5) / width));
         canvas.fill(x + column, y, 1, height, (c[0] << 16) | (c[1] << 8) | c[2]);
@@ -132,14 +145,8 @@ void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts
 
 }  // namespace
 
-double round_up_125(double value)
-{
-    const double decade = std::pow(10.0, std::floor(std::log10(value)));
-    for (double step : {1.0, 2.0, 5.0}) {
-        if (value <= step * decade * (1 + 1e-9)) return step * decade;
-    }
-    return 10 * decade;
-}
+double round_up_125(double value) { return round_up(value, {1, 2, 5}); }
+double round_force_up(double newton) { return round_up(newton, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }
 
 Layout lay_out_sheet(int width, int height, const Look& look)
 {
@@ -147,7 +154,8 @@ Layout lay_out_sheet(int width, int height, const Look& look)
     layout.main = {0, 0, width, height};
     layout.side_panel = width >= 1.15 * height;
     layout.unit = layout.side_panel ? std::min(height / 720.0, width / 1000.0) : std::min(width / 720.0, height / 900.0);
-    if (!look.legend) return layout;
+    layout.panel_dropped = layout.unit < 0.4;  // letters under 6 pixels
+    if (!look.legend || layout.panel_dropped) return layout;
     const int across = static_cast<int>(std::lround(290 * layout.unit)), gap = static_cast<int>(std::lround(18 * layout.unit));
     if (layout.side_panel) {
         layout.main.width = width - across;
@@ -181,7 +189,7 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
     if (!layout.side_panel) width = std::min(260 * unit, layout.panel.x + layout.panel.width - x - 18 * unit);
     y = draw_readings(canvas, font, facts, x, y, width);
     y = draw_wire_key(canvas, font, facts, x, y);
-    draw_force_scale(canvas, font, facts, x, y, width);
+    if (facts.force_scale > 0) draw_force_scale(canvas, font, facts, x, y, width);
 }
 
 }  // namespace seldinger

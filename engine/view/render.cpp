@@ -20,8 +20,8 @@ Range frames_asked(const RenderOptions& options, std::size_t count)
 {
     if (options.first < 0 && options.last < 0) return {count - 1, count - 1};
     if (options.first < 0 || options.last < options.first || static_cast<std::size_t>(options.last) >= count) {
-        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}", options.first,
-                                                    options.last, count - 1, count, count == 1 ? "" : "s"));
+        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
+                                                    options.first, options.last, count - 1, count, count == 1 ? "" : "s"));
     }
     return {static_cast<std::size_t>(options.first), static_cast<std::size_t>(options.last)};
 }
@@ -45,7 +45,7 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
     Renderer renderer(options.width, options.height);
     renderer.set_wall(run.wall);
     renderer.aim(reached);
-    if (strongest > 0) renderer.set_force_scale(round_up_125(strongest));
+    if (strongest > 0) renderer.set_force_scale(round_force_up(strongest));
 
     std::vector<std::filesystem::path> written;
     for (std::size_t i = range.first; i <= range.last; ++i) {

@@ -14,7 +14,8 @@ struct RenderOptions {
 /// Draws the last frame into DIR/picture.png, or frames first ... last into DIR/frame_######.png. All frames of one call share
 /// the camera and the force scale. Each file is complete when it appears.
 /// @return the paths written
-/// @throws Error BadFile (folder or files), BadScene (frames that are not there, an impossible size), NoDevice (no off-screen OpenGL)
+/// @throws Error BadFile (folder or files), BadScene (frames that are not there, an impossible size), NoDevice (no off-screen
+/// OpenGL)
 std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options);
 
 }  // namespace seldinger

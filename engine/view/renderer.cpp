@@ -84,16 +84,18 @@ struct Renderer::Impl {
     Vec3 origin = Vec3::Zero();  // subtracted before coordinates become float
     bool aimed = false;
     Camera camera;
+    double force_scale = 0;  // of the picture being drawn [N]; 0: it has no contact force
     std::vector<std::uint8_t> pixels;
 
-    GlName background, wall, glass, solid, compose;                // programs
-    GlName empty_vao, wall_vao, wall_vertices, wall_indices, solid_vao;
-    GlName solid_colour, glass_sum, glass_through, depth, solid_frame, glass_frame;            // multisampled
-    GlName flat_solid, flat_sum, flat_through, sheet, flat_frame, sheet_frame;  // one sample
+    GlName background, wall, glass, solid, compose;  // programs
+    GlName empty_vao, wall_vao, solid_vao, wall_vertices, wall_indices;
+    GlName solid_colour, glass_sum, glass_through, depth, solid_frame, glass_frame;  // several samples per pixel
+    GlName sheet, sheet_frame;                                                       // one
 
     Impl(int w, int h, const Look& l) : width(w), height(h), look(l), layout(lay_out_sheet(w, h, l))
     {
         pixels.assign(3 * static_cast<std::size_t>(w) * h, 255);
+        look.legend = look.legend && !layout.panel_dropped;
         if (look.legend) font.emplace();
         make_programs();
         make_targets();
@@ -107,10 +109,14 @@ struct Renderer::Impl {
     [[nodiscard]] std::optional<View> inset_view(const WireFrame& frame) const;
     bool build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const;
     void use(const View& view);
+    void draw_background();
+    bool draw_opaque(const WireFrame& frame, const std::vector<View>& views);
+    void draw_glass(const std::vector<View>& views);
     void draw_solid_pass(const Solids& body, const Solids& halo);
     void draw_wall(const GlName& program, GLenum culled);
-    void resolve_and_compose();
+    void compose_sheet();
     void read_back();
+    void write_legend(const WireFrame& frame, const std::vector<View>& views, bool widened);
 };
 
 void Renderer::Impl::make_programs()
@@ -134,14 +140,11 @@ void Renderer::Impl::make_targets()
 {
     GLint most = 1;
     glGetIntegerv(GL_MAX_SAMPLES, &most);
-    const int samples = std::clamp<int>(most, 1, wanted_samples);
+    const int samples = std::clamp<int>(most, 2, wanted_samples);  // OpenGL 4.5 promises 4
     solid_colour = make_target(GL_RGBA16F, width, height, samples);
     glass_sum = make_target(GL_RGBA16F, width, height, samples);
     glass_through = make_target(GL_R16F, width, height, samples);
     depth = make_target(GL_DEPTH_COMPONENT32F, width, height, samples);
-    flat_solid = make_target(GL_RGBA16F, width, height, 1);
-    flat_sum = make_target(GL_RGBA16F, width, height, 1);
-    flat_through = make_target(GL_R16F, width, height, 1);
     sheet = make_target(GL_RGBA8, width, height, 1);
 
     const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -153,13 +156,14 @@ void Renderer::Impl::make_targets()
     glNamedFramebufferTexture(glass_frame, GL_COLOR_ATTACHMENT1, glass_through, 0);
     glNamedFramebufferTexture(glass_frame, GL_DEPTH_ATTACHMENT, depth, 0);
     glNamedFramebufferDrawBuffers(glass_frame, 2, both);
-    flat_frame = make_framebuffer();  // its attachment changes while resolving
+    glProgramUniform1i(compose, glGetUniformLocation(compose, "samples"), samples);
     sheet_frame = make_framebuffer();
     glNamedFramebufferTexture(sheet_frame, GL_COLOR_ATTACHMENT0, sheet, 0);
     for (GLuint frame : {GLuint(solid_frame), GLuint(glass_frame), GLuint(sheet_frame)}) {
         if (glCheckNamedFramebufferStatus(frame, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-            throw Error(ExitCode::NoDevice, fmt::format("{} cannot draw a picture of {} x {} with {} samples: try a smaller --size",
-                                                        context.renderer_name(), width, height, samples));
+            throw Error(ExitCode::NoDevice,
+                        fmt::format("{} cannot draw a picture of {} x {} with {} samples: try a smaller --size",
+                                    context.renderer_name(), width, height, samples));
         }
     }
 }
@@ -234,7 +238,7 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
 {
     body.clear(), halo.clear();
     bool widened = false;
-    const double unit = layout.unit;
+    const double unit = std::max(layout.unit, 0.7);  // marks stay visible on small pictures
     const auto pixel = [&](const Vec3& p) {
         const double depth_there = project(view.camera, view.viewport, p).depth;
         return 1.0 / pixels_per_metre(view.camera, view.viewport, std::max(depth_there, view.nearest));
@@ -252,7 +256,7 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
         add_tube(body, line, rgb_from_hex(palette::wire), origin);
         add_tube(halo, outline, rgb_from_hex(palette::halo), origin);
     }
-    const double top = look.force_scale > 0 ? look.force_scale : std::max(strongest(frame), 1e-30);
+    const double top = force_scale > 0 ? force_scale : 1;
     for (const ContactMark& c : frame.contacts) {
         const double share = std::clamp(c.force / top, 0.0, 1.0), px = pixel(c.point) * unit * view.mark_scale;
         const Rgb colour = force_colour(share);
@@ -260,7 +264,10 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
         add_ball(body, ball, colour, origin);
         add_ball(halo, grown(ball, 0.8 * px / view.mark_scale), rgb_from_hex(palette::halo), origin);
         if (c.normal.squaredNorm() > 0) {
-            add_cone(body, {c.point, 1.6 * px, 12 * px}, c.point + (6 + 22 * share) * px * c.normal.normalized(), colour, origin);
+            const Vec3 end = c.point + (4 + 18 * share) * px * c.normal.normalized();
+            add_cone(body, {c.point, 0.85 * ball.radius, ball.pull}, end, colour, origin);
+            add_cone(halo, {c.point, 0.85 * ball.radius + 0.8 * px / view.mark_scale, ball.pull}, end,
+                     rgb_from_hex(palette::halo), origin);
         }
     }
     return widened;
@@ -271,9 +278,11 @@ void Renderer::Impl::use(const View& view)
     const Viewport& v = view.viewport;
     glViewport(v.x, height - v.y - v.height, v.width, v.height);
     glScissor(v.x, height - v.y - v.height, v.width, v.height);
-    const glm::mat4 look_at = glm::lookAt(to_glm(view.camera.eye - origin), to_glm(view.camera.target - origin), to_glm(view.camera.up));
-    const glm::mat4 lens = glm::perspective(static_cast<float>(view.camera.fov_y), static_cast<float>(v.width) / static_cast<float>(v.height),
-                                            static_cast<float>(view.nearest), static_cast<float>(view.farthest));
+    const glm::mat4 look_at =
+        glm::lookAt(to_glm(view.camera.eye - origin), to_glm(view.camera.target - origin), to_glm(view.camera.up));
+    const glm::mat4 lens =
+        glm::perspective(static_cast<float>(view.camera.fov_y), static_cast<float>(v.width) / static_cast<float>(v.height),
+                         static_cast<float>(view.nearest), static_cast<float>(view.farthest));
     for (const GlName* program : {&wall, &glass, &solid}) {
         set_matrix(*program, "view", look_at);
         set_matrix(*program, "projection", lens);
@@ -328,26 +337,73 @@ void Renderer::Impl::draw_solid_pass(const Solids& body, const Solids& halo)
     draw_solids(body);
 }
 
-void Renderer::Impl::resolve_and_compose()
+void Renderer::Impl::draw_background()
 {
-    const auto resolve = [&](GLuint from, GLenum attachment, GLuint to) {
-        glNamedFramebufferReadBuffer(from, attachment);
-        glNamedFramebufferTexture(flat_frame, GL_COLOR_ATTACHMENT0, to, 0);
-        glBlitNamedFramebuffer(from, flat_frame, 0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    };
+    glBindFramebuffer(GL_FRAMEBUFFER, solid_frame);
+    glViewport(0, 0, width, height);
+    glEnable(GL_MULTISAMPLE);
     glDisable(GL_SCISSOR_TEST);
-    resolve(solid_frame, GL_COLOR_ATTACHMENT0, flat_solid);
-    resolve(glass_frame, GL_COLOR_ATTACHMENT0, flat_sum);
-    resolve(glass_frame, GL_COLOR_ATTACHMENT1, flat_through);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glUseProgram(background);
+    glBindVertexArray(empty_vao);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// Far walls, then wire and contacts. @return true when a wire of the main view had to be drawn wider than it is
+bool Renderer::Impl::draw_opaque(const WireFrame& frame, const std::vector<View>& views)
+{
+    bool widened = false;
+    Solids body, halo;
+    glEnable(GL_SCISSOR_TEST);
+    glEnable(GL_DEPTH_TEST);
+    for (const View& view : views) {
+        use(view);
+        glDepthFunc(GL_LESS);
+        glDepthMask(GL_TRUE);
+        draw_wall(wall, GL_BACK);
+        const bool wider = build_solids(frame, view, body, halo);
+        if (&view == &views.front()) widened = wider;
+        draw_solid_pass(body, halo);
+    }
+    return widened;
+}
+
+/// Near walls, tested against the depth of what is opaque but hiding nothing of each other.
+void Renderer::Impl::draw_glass(const std::vector<View>& views)
+{
+    const float nothing[] = {0, 0, 0, 0}, all[] = {1, 1, 1, 1};
+    glBindFramebuffer(GL_FRAMEBUFFER, glass_frame);
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(glass_frame, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(glass_frame, GL_COLOR, 1, all);
+    glEnable(GL_SCISSOR_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFunci(0, GL_ONE, GL_ONE);
+    glBlendFunci(1, GL_ZERO, GL_ONE_MINUS_SRC_COLOR);
+    for (const View& view : views) {
+        use(view);
+        draw_wall(glass, GL_FRONT);
+    }
+}
+
+void Renderer::Impl::compose_sheet()
+{
+    glDisable(GL_SCISSOR_TEST);
     glBindFramebuffer(GL_FRAMEBUFFER, sheet_frame);
     glViewport(0, 0, width, height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     glUseProgram(compose);
-    glBindTextureUnit(0, flat_solid);
-    glBindTextureUnit(1, flat_sum);
-    glBindTextureUnit(2, flat_through);
+    glBindTextureUnit(0, solid_colour);
+    glBindTextureUnit(1, glass_sum);
+    glBindTextureUnit(2, glass_through);
     glBindVertexArray(empty_vao);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -363,10 +419,27 @@ void Renderer::Impl::read_back()
     }
 }
 
+void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View>& views, bool widened)
+{
+    LegendFacts facts;
+    facts.frame = &frame;
+    facts.layout = layout;
+    facts.main_camera = camera;
+    facts.inset = views.size() > 1;
+    if (facts.inset) facts.inset_camera = views[1].camera;
+    facts.force_scale = force_scale;
+    facts.least_pixels = look.least_pixels;
+    facts.widened = widened;
+    if (!frame.wires.empty() && !frame.wires[0].radius.empty()) facts.wire_radius = frame.wires[0].radius[0];
+    Canvas canvas(pixels, width, height);
+    draw_legend(canvas, *font, facts);
+}
+
 Renderer::Renderer(int width, int height, const Look& look)
 {
     if (std::min(width, height) < smallest_side || std::max(width, height) > largest_side) {
-        throw Error(ExitCode::BadScene, fmt::format("--size {}x{}: both must be {} to {} pixels", width, height, smallest_side, largest_side));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("--size {}x{}: both must be {} to {} pixels", width, height, smallest_side, largest_side));
     }
     impl_ = std::make_unique<Impl>(width, height, look);
 }
@@ -410,72 +483,17 @@ void Renderer::draw(const WireFrame& frame)
         for (const WireLine& wire : frame.wires) points.insert(points.end(), wire.nodes.begin(), wire.nodes.end());
         aim(points);
     }
-    Look& look = r.look;
-    const double asked_scale = look.force_scale;
-    if (!(asked_scale > 0)) look.force_scale = strongest(frame) > 0 ? round_up_125(strongest(frame)) : 1e-3;
+    r.force_scale = r.look.force_scale;
+    if (!(r.force_scale > 0)) r.force_scale = strongest(frame) > 0 ? round_force_up(strongest(frame)) : 0;
 
     std::vector<View> views = {r.main_view()};
     if (const auto inset = r.inset_view(frame)) views.push_back(*inset);
-    bool widened = false;
-
-    glDisable(GL_SCISSOR_TEST);
-    glEnable(GL_MULTISAMPLE);
-    glBindFramebuffer(GL_FRAMEBUFFER, r.solid_frame);
-    glViewport(0, 0, r.width, r.height);
-    glDepthMask(GL_TRUE);
-    glClear(GL_DEPTH_BUFFER_BIT);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    glDisable(GL_BLEND);
-    glUseProgram(r.background);
-    glBindVertexArray(r.empty_vao);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-
-    glEnable(GL_SCISSOR_TEST);
-    glEnable(GL_DEPTH_TEST);
-    Solids body, halo;
-    for (const View& view : views) {
-        r.use(view);
-        glDepthFunc(GL_LESS);
-        glDepthMask(GL_TRUE);
-        r.draw_wall(r.wall, GL_BACK);
-        const bool wider = r.build_solids(frame, view, body, halo);
-        if (view.mark_scale == 1) widened = wider;
-        r.draw_solid_pass(body, halo);
-    }
-
-    glBindFramebuffer(GL_FRAMEBUFFER, r.glass_frame);
-    const float nothing[] = {0, 0, 0, 0}, all[] = {1, 1, 1, 1};
-    glDisable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferfv(r.glass_frame, GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(r.glass_frame, GL_COLOR, 1, all);
-    glEnable(GL_SCISSOR_TEST);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunci(0, GL_ONE, GL_ONE);
-    glBlendFunci(1, GL_ZERO, GL_ONE_MINUS_SRC_COLOR);
-    for (const View& view : views) {
-        r.use(view);
-        r.draw_wall(r.glass, GL_FRONT);
-    }
-    r.resolve_and_compose();
+    r.draw_background();
+    const bool widened = r.draw_opaque(frame, views);
+    r.draw_glass(views);
+    r.compose_sheet();
     r.read_back();
-
-    if (look.legend) {
-        LegendFacts facts;
-        facts.frame = &frame;
-        facts.layout = r.layout;
-        facts.main_camera = r.camera;
-        facts.inset = views.size() > 1;
-        if (facts.inset) facts.inset_camera = views[1].camera;
-        facts.force_scale = look.force_scale;
-        facts.least_pixels = look.least_pixels;
-        facts.widened = widened;
-        if (!frame.wires.empty() && !frame.wires[0].radius.empty()) facts.wire_radius = frame.wires[0].radius[0];
-        Canvas canvas(r.pixels, r.width, r.height);
-        draw_legend(canvas, *r.font, facts);
-    }
-    look.force_scale = asked_scale;
+    if (r.look.legend) r.write_legend(frame, views, widened);
 }
 
 }  // namespace seldinger

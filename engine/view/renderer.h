@@ -15,8 +15,8 @@
 namespace seldinger {
 
 struct WireLine {
-    std::vector<Vec3> nodes;      // tip to hub [m]
-    std::vector<double> radius;   // [m], one per node
+    std::vector<Vec3> nodes;     // tip to hub [m]
+    std::vector<double> radius;  // [m], one per node
 };
 
 /// One contact of the picture.
@@ -37,10 +37,10 @@ struct WireFrame {
 
 /// What does not.
 struct Look {
-    bool legend = true;        // text, scale bars, force scale; needs a font (font.h)
-    bool inset = true;         // magnified view of the tip where the whole view shows the wire under 4 pixels wide
-    double force_scale = 0;    // force at the top of the scale [N]; 0: a round number above the strongest contact drawn
-    double least_pixels = 3;   // the wire is drawn at least this wide, and the legend says so
+    bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
+    bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide
+    double force_scale = 0;   // force at the top of the scale [N]; 0: a round number above the strongest contact drawn
+    double least_pixels = 3;  // the wire is drawn at least this wide, and the legend says so
 };
 
 class Renderer {

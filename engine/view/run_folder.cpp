@@ -27,7 +27,7 @@ Vec3 to_vec3(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 /// Triangles and fans of larger polygons.
 WallMesh read_wall(const fs::path& path)
 {
-    const VtpData data = read_vtp(path);
+    const PolyData data = read_poly_data(path);
     WallMesh mesh;
     mesh.vertices.reserve(data.points.size());
     for (const auto& p : data.points) {
@@ -108,21 +108,21 @@ TraceRow row_at(const std::vector<TraceRow>& trace, double time)
     return best;
 }
 
-const VtpArray& need(const VtpData& data, const char* name, int components, const fs::path& path)
+const PolyArray& need(const PolyData& data, const char* name, int components, const fs::path& path)
 {
     const auto found = data.point_data.find(name);
     if (found == data.point_data.end()) fail(path, fmt::format("has no point data \"{}\"", name));
     if (found->second.values.size() != static_cast<std::size_t>(components) * data.points.size()) {
-        fail(path, fmt::format("point data \"{}\" hold {} numbers, expected {} for each of {} points", name, found->second.values.size(),
-                               components, data.points.size()));
+        fail(path, fmt::format("point data \"{}\" hold {} numbers, expected {} for each of {} points", name,
+                               found->second.values.size(), components, data.points.size()));
     }
     return found->second;
 }
 
 std::vector<WireLine> read_wires(const fs::path& path)
 {
-    const VtpData data = read_vtp(path);
-    const VtpArray& radius = need(data, "radius", 1, path);
+    const PolyData data = read_poly_data(path);
+    const PolyArray& radius = need(data, "radius", 1, path);
     std::vector<WireLine> wires;
     std::int64_t begin = 0;
     for (std::int64_t end : data.lines.offsets) {
@@ -142,11 +142,11 @@ std::vector<WireLine> read_wires(const fs::path& path)
 
 std::vector<ContactMark> read_contacts(const fs::path& path)
 {
-    const VtpData data = read_vtp(path);
+    const PolyData data = read_poly_data(path);
     if (data.points.empty()) return {};
-    const VtpArray& force = need(data, "normal_n", 1, path);
+    const PolyArray& force = need(data, "normal_n", 1, path);
     const bool directed = data.point_data.count("normal") > 0;
-    const VtpArray* normal = directed ? &need(data, "normal", 3, path) : nullptr;
+    const PolyArray* normal = directed ? &need(data, "normal", 3, path) : nullptr;
     std::vector<ContactMark> marks(data.points.size());
     for (std::size_t i = 0; i < marks.size(); ++i) {
         marks[i].point = to_vec3(data.points[i]);

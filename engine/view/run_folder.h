@@ -10,9 +10,9 @@ namespace seldinger {
 
 /// One recorded frame, not yet read.
 struct FrameFile {
-    double time = 0;                  // [s]
-    std::filesystem::path wire;       // wire_######.vtp
-    std::filesystem::path contacts;   // contacts_######.vtp; may be absent
+    double time = 0;                 // [s]
+    std::filesystem::path wire;      // wire_######.vtp
+    std::filesystem::path contacts;  // contacts_######.vtp; may be absent
 };
 
 /// One row of trace.csv, as far as it is shown.
@@ -21,9 +21,9 @@ struct TraceRow {
 };
 
 struct RunFolder {
-    WallMesh wall;                    // vessel.vtp, normals into the lumen; empty when there is none
-    std::vector<FrameFile> frames;    // in the order of wire.pvd, at least one
-    std::vector<TraceRow> trace;      // may be empty
+    WallMesh wall;                  // vessel.vtp, normals into the lumen; empty when there is none
+    std::vector<FrameFile> frames;  // in the order of wire.pvd, at least one
+    std::vector<TraceRow> trace;    // may be empty
 };
 
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file

@@ -46,7 +46,7 @@ void main()
     float facing = clamp(dot(n, eye), 0.0, 1.0);
     float key = max(dot(n, normalize(vec3(-0.55, 0.65, 0.55))), 0.0);
     float fill = max(dot(n, normalize(vec3(0.7, -0.1, 0.5))), 0.0);
-    vec3 base = mix(deep, tissue, smoothstep(0.0, 0.85, facing));
+    vec3 base = mix(deep, tissue, smoothstep(0.0, 0.95, facing));
     vec3 light = vec3(0.34) + 0.50 * key * vec3(1.0, 0.97, 0.92) + 0.16 * fill * vec3(0.85, 0.92, 1.0) + 0.24 * facing;
     vec3 half_way = normalize(eye + normalize(vec3(-0.55, 0.65, 0.55)));
     float sheen = 0.05 * pow(max(dot(n, half_way), 0.0), 24.0);
@@ -67,9 +67,9 @@ void main()
     float facing = clamp(dot(n, eye), 0.0, 1.0);
     float rim = pow(1.0 - facing, 3.0);
     vec3 half_way = normalize(eye + normalize(vec3(-0.55, 0.65, 0.55)));
-    float glint = pow(max(dot(n, half_way), 0.0), 60.0);
-    float alpha = clamp(0.05 + 0.55 * rim + 0.16 * glint, 0.0, 0.95);
-    vec3 c = mix(glass * (0.75 + 0.25 * facing), vec3(1.0), 0.8 * glint);
+    float glint = pow(max(dot(n, half_way), 0.0), 45.0);
+    float alpha = clamp(0.05 + 0.85 * rim + 0.42 * glint, 0.0, 0.95);
+    vec3 c = mix(glass * (0.8 + 0.2 * facing), vec3(1.0), glint / (glint + 0.15 + rim));
     sum = vec4(alpha * c, alpha);
     cover = alpha;
 }
@@ -112,21 +112,30 @@ void main()
 }
 )";
 
-// Glass over the solid picture, then sRGB.
+// Glass over the solid picture, then sRGB, sample by sample: averaged last, so that a dark edge on a light ground is as smooth
+// as the reverse. (Averaged in linear light, the light side eats the dark one and thin dark lines look jagged.)
 inline constexpr const char* compose_fragment = R"(#version 450 core
-layout(binding = 0) uniform sampler2D solid;
-layout(binding = 1) uniform sampler2D glass_sum;
-layout(binding = 2) uniform sampler2D glass_through;
+layout(binding = 0) uniform sampler2DMS solid;
+layout(binding = 1) uniform sampler2DMS glass_sum;
+layout(binding = 2) uniform sampler2DMS glass_through;
+uniform int samples;
 out vec4 colour;
+vec3 encode(vec3 c)
+{
+    vec3 low = 12.92 * c, high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
+    return mix(high, low, lessThanEqual(c, vec3(0.0031308)));
+}
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 sum = texelFetch(glass_sum, at, 0);
-    float through = texelFetch(glass_through, at, 0).r;
-    vec3 c = texelFetch(solid, at, 0).rgb * through + sum.rgb / max(sum.a, 1e-4) * (1.0 - through);
-    c = clamp(c, 0.0, 1.0);
-    vec3 low = 12.92 * c, high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
-    colour = vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);
+    vec3 mean = vec3(0.0);
+    for (int i = 0; i < samples; ++i) {
+        vec4 sum = texelFetch(glass_sum, at, i);
+        float through = texelFetch(glass_through, at, i).r;
+        vec3 c = texelFetch(solid, at, i).rgb * through + sum.rgb / max(sum.a, 1e-4) * (1.0 - through);
+        mean += encode(clamp(c, 0.0, 1.0));
+    }
+    colour = vec4(mean / float(samples), 1.0);
 }
 )";
 

@@ -39,8 +39,8 @@ void add_skin(Solids& solids, std::span<const Ring> rings, const Rgb& colour, co
         for (int k = 0; k < ring_count; ++k) {
             const double angle = 2 * std::numbers::pi * k / ring_count;
             const Vec3 out = std::cos(angle) * ring.d1 + std::sin(angle) * ring.d2;
-            solids.vertices.push_back(make_vertex(ring.centre + ring.radius * out - origin, flat * out + ring.lean * ring.axis,
-                                                  colour, ring.pull));
+            solids.vertices.push_back(
+                make_vertex(ring.centre + ring.radius * out - origin, flat * out + ring.lean * ring.axis, colour, ring.pull));
         }
     }
     for (std::uint32_t r = 0; r + 1 < rings.size(); ++r) {
@@ -117,7 +117,8 @@ std::vector<TubeStation> smooth_line(std::span<const Vec3> nodes, std::span<cons
         const int pieces = std::clamp(static_cast<int>(std::ceil(turn / piece_turn)), 1, 24);
         for (int k = 0; k < pieces; ++k) {
             const double t = static_cast<double>(k) / pieces, u = 1 - t;
-            const Vec3 p = u * u * (1 + 2 * t) * nodes[j] + t * u * u * start - t * t * u * end + t * t * (3 - 2 * t) * nodes[j + 1];
+            const Vec3 p =
+                u * u * (1 + 2 * t) * nodes[j] + t * u * u * start - t * t * u * end + t * t * (3 - 2 * t) * nodes[j + 1];
             line.push_back({p, u * radius[j] + t * radius[j + 1], 0});
         }
     }

@@ -15,7 +15,7 @@ struct SolidVertex {
     float position[3];  // [m] relative to the scene's centre
     float normal[3];    // unit, outwards
     float colour[3];    // linear light
-    float pull;         // depth is taken this far nearer to the eye [m]: a wire drawn wider than it is must not sink into the wall
+    float pull;  // depth is taken this far nearer to the eye [m]: a wire drawn wider than it is must not sink into the wall
 };
 
 struct Solids {
