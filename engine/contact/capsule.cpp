@@ -282,7 +282,7 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
                 row.friction = {touch.friction[0], touch.friction[1], touch.friction[2]};
                 row.rolling_moment = touch.moment;
                 row.stuck = touch.flags & SEL_TOUCH_STUCK;
-                row.length = k == 0 ? 0.0 : samples_.models[s].weight;
+                row.length = samples_.models[s].length;
                 rows.push_back(row);
             }
         }

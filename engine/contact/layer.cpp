@@ -92,6 +92,7 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
             edge.height = layer_height(wire.contact, section.radius);
             edge.width = layer_width(section.radius, lumen_radius_at((rod.pos(j) + rod.pos(j + 1)) / 2));
             edge.model = line_sample(section, wire.contact, setup_.vessel, typical_radius_, pair_length);
+            edge.model.length = 0;
             edge.model.depth_limit = 0;  // as published: no hardening
             edges_.push_back(edge);
             edge_wire_.push_back(static_cast<std::uint32_t>(w));

@@ -77,7 +77,7 @@ SampleModel line_sample(const WireSection& section, const ContactSpec& contact, 
                         double weight)
 {
     SampleModel m{};
-    m.weight = weight;
+    m.weight = m.length = weight;
     m.radius = section.radius;
     if (contact.stiffness_from_wall) {
         m.stiffness = line_stiffness(foundation_modulus(wall), section.radius, lumen_radius);
@@ -100,6 +100,7 @@ SampleModel line_sample(const WireSection& section, const ContactSpec& contact, 
 SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius)
 {
     SampleModel m = line_sample(section, contact, wall, lumen_radius, 1.0);
+    m.length = 0;
     if (!contact.stiffness_from_wall) {
         m.weight = 0;
         return m;

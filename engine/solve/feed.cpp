@@ -41,19 +41,6 @@ void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rod
 
 }  // namespace
 
-FeedKey FeedSpec::at(double t) const
-{
-    if (keys.empty()) return {t, 0, 0};
-    if (t <= keys.front().t) return {t, keys.front().advance, keys.front().turn};
-    for (std::size_t i = 1; i < keys.size(); ++i) {
-        if (t > keys[i].t) continue;
-        const double f = (t - keys[i - 1].t) / (keys[i].t - keys[i - 1].t);
-        return {t, keys[i - 1].advance + f * (keys[i].advance - keys[i - 1].advance),
-                keys[i - 1].turn + f * (keys[i].turn - keys[i - 1].turn)};
-    }
-    return {t, keys.back().advance, keys.back().turn};
-}
-
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index)
 {
     state.on = 1;

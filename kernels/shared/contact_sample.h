@@ -114,7 +114,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         const vec3 centre = at.origin + at.offset;
         add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);
         if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, &now[swap ? 0 : 1], &out);
-        if (out.contacts > 0) out.length = m.weight;
+        if (out.contacts > 0) out.length = m.length;
     }
     touches[2 * s] = now[0];
     touches[2 * s + 1] = now[1];

@@ -23,7 +23,8 @@ SEL_BEGIN
 // Constant while the wire's sections stand. A sample stands for `weight` metres of wire; the tip's own point law (D6c) has weight 1
 // and stiffness in N/m^n.
 typedef struct SampleModel {
-    real weight;              // [m]
+    real weight;              // [m]; 1 for the tip's point law
+    real length;              // metres of wire that it stands for in readings: weight, or 0 at the tip
     real radius;              // wire [m]
     real stiffness;           // k: force per metre = k depth^n [N/m^(n+1)]
     real exponent;            // n
