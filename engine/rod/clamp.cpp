@@ -4,6 +4,17 @@
 
 namespace seldinger {
 
+double clamp_reference(const RodClamp& clamp, int side, const Vec3& tangent, const Vec3& d1, double last)
+{
+    // the director before it was turned, so that full turns of the clamp stay out of the angle that is unwrapped
+    const Vec3 unturned = turned(clamp.director, clamp.tangent, -clamp.turns);
+    const double chi = one_plus_cos(clamp.tangent, tangent);
+    const double angle = side == 0
+                             ? signed_angle(parallel_transport(d1, tangent, clamp.tangent, chi), unturned, clamp.tangent)
+                             : signed_angle(parallel_transport(unturned, clamp.tangent, tangent, chi), d1, tangent);
+    return unwrap(angle, last);
+}
+
 bool update_clamp(const RodView& rod, const RodTrial& trial, const RodClamp& clamp, int k, RodFrames& frames)
 {
     SEL_ASSERT(clamp.node >= 0 && clamp.node < rod.n);
@@ -13,23 +24,11 @@ bool update_clamp(const RodView& rod, const RodTrial& trial, const RodClamp& cla
         ref = twist = 0;
         const int edge = clamp_edge(rod, clamp.node, side);
         if (edge < 0) continue;
-        const Vec3& tangent = frames.tangent[edge];
-        const double chi = one_plus_cos(clamp.tangent, tangent);
-        if (!(chi > fold_limit)) return false;
+        if (!(one_plus_cos(clamp.tangent, frames.tangent[edge]) > fold_limit)) return false;
         if (!clamp.spin) continue;
-
-        // the director before it was turned, so that full turns of the clamp stay out of the angle that is unwrapped
-        const Vec3 unturned = turned(clamp.director, clamp.tangent, -clamp.turns);
         const double last = side == 0 ? rod.clamp_twist_a[clamp.node] : rod.clamp_twist_b[clamp.node];
-        if (side == 0) {
-            const Vec3 carried = parallel_transport(frames.d1[edge], tangent, clamp.tangent, chi);
-            ref = unwrap(signed_angle(carried, unturned, clamp.tangent), last);
-            twist = clamp.turns - trial.theta[edge] + ref;
-        } else {
-            const Vec3 carried = parallel_transport(unturned, clamp.tangent, tangent, chi);
-            ref = unwrap(signed_angle(carried, frames.d1[edge], tangent), last);
-            twist = trial.theta[edge] - clamp.turns + ref;
-        }
+        ref = clamp_reference(clamp, side, frames.tangent[edge], frames.d1[edge], last);
+        twist = side == 0 ? clamp.turns - trial.theta[edge] + ref : trial.theta[edge] - clamp.turns + ref;
     }
     return true;
 }

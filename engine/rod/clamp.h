@@ -24,6 +24,9 @@ inline int clamp_edge(const RodView& rod, int node, int side)
     return edge >= 0 && edge < rod.n - 1 ? edge : -1;
 }
 
+/// Angle between the clamp's unturned director and an edge's reference director, in the sense of tip to hub, nearest to `last`.
+[[nodiscard]] double clamp_reference(const RodClamp& clamp, int side, const Vec3& tangent, const Vec3& d1, double last);
+
 /// Twist between clamp `k` and its edges. @return false when an edge is folded against the clamp
 [[nodiscard]] bool update_clamp(const RodView& rod, const RodTrial& trial, const RodClamp& clamp, int k, RodFrames& frames);
 

@@ -2,6 +2,7 @@
 
 #include "core/check.h"
 
+#include <algorithm>
 #include <array>
 
 namespace seldinger {
@@ -43,6 +44,28 @@ void RodArrays::set_node_count(int wire, int n)
 {
     SEL_ASSERT(n >= 2 && n <= capacity(wire));
     count_[wire] = n;
+}
+
+void RodArrays::insert_node(int wire, int index)
+{
+    const int n = count_[wire];
+    SEL_ASSERT(index >= 1 && index < n);
+    set_node_count(wire, n + 1);
+    for (std::vector<double>& array : storage_) {
+        const auto first = array.begin() + begin_[wire];
+        std::copy_backward(first + index, first + n, first + n + 1);
+    }
+}
+
+void RodArrays::erase_node(int wire, int index)
+{
+    const int n = count_[wire];
+    SEL_ASSERT(index >= 1 && index < n - 1);
+    for (std::vector<double>& array : storage_) {
+        const auto first = array.begin() + begin_[wire];
+        std::copy(first + index + 1, first + n, first + index);
+    }
+    set_node_count(wire, n - 1);
 }
 
 RodView RodArrays::view(int wire)

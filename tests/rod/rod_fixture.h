@@ -78,27 +78,29 @@ struct OneWire {
 };
 
 /// Newton to equilibrium under dead forces `load` [4n], unknowns listed in `fixed` held; frames are accepted at every
-/// iterate. The step is halved while the residual grows by more than `growth`. @return iterations, or -1
+/// iterate, updates cut to `largest_move`. @return iterations, or -1
 inline int equilibrate(OneWire& wire, const Eigen::VectorXd& load, const std::vector<int>& fixed, HessianMode mode,
                        double tolerance, int most = 200, double largest_move = 1e300)
 {
+    const int size = 4 * wire.rod.n;
     std::vector<int> held = fixed;
-    held.push_back(4 * wire.rod.n - 1);  // the last node has no angle
+    held.push_back(size - 1);  // the last node has no angle
     for (int iteration = 0; iteration < most; ++iteration) {
         if (!wire.update()) return -1;
-        Eigen::VectorXd r = load - wire.gradient();
-        Eigen::MatrixXd h = wire.hessian(mode);
+        Eigen::VectorXd r = -load;
+        wire.band.reset(size);
+        add_elastic(wire.rod, wire.clamps, wire.frames, {r.data(), static_cast<std::size_t>(size)}, &wire.band, mode);
+        r = -r;
         for (const int q : held) {
             r[q] = 0;
-            h.row(q).setZero();
-            h.col(q).setZero();
-            h(q, q) = 1;
+            wire.band.fix(q);
         }
         if (r.lpNorm<Eigen::Infinity>() < tolerance) return iteration;
-        Eigen::VectorXd step = h.ldlt().solve(r);
-        step *= std::min(1.0, largest_move / step.lpNorm<Eigen::Infinity>());
+        wire.band.factor_ldlt();
+        wire.band.solve_ldlt({r.data(), static_cast<std::size_t>(size)});
+        r *= std::min(1.0, largest_move / r.lpNorm<Eigen::Infinity>());
         OwnedTrial trial(wire.rod);
-        for (int q = 0; q < 4 * wire.rod.n - 1; ++q) trial[q] += step[q];
+        for (int q = 0; q < size - 1; ++q) trial[q] += r[q];
         if (!wire.accept(trial)) return -1;
     }
     return -1;
