@@ -18,6 +18,13 @@ bool EdgeSums::unsymmetric(int wire) const
     return false;
 }
 
+double EdgeSums::largest_force(int wire) const
+{
+    double most = 0;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) most = std::max(most, edges[e].normal_sum);
+    return most;
+}
+
 void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const
 {
     static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz

@@ -27,6 +27,7 @@ struct EdgeSums {
 
     [[nodiscard]] bool admissible(int wire) const;
     [[nodiscard]] bool unsymmetric(int wire) const;
+    [[nodiscard]] double largest_force(int wire) const;
     /// @param begin  first node of the wire in the concatenated arrays; see ContactTerm::add
     void add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const;
     void add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const;

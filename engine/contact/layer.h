@@ -20,6 +20,7 @@ public:
         sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
     }
     [[nodiscard]] bool unsymmetric(int wire) const override { return sums_.unsymmetric(wire); }
+    [[nodiscard]] double largest_force(int wire) const override { return sums_.largest_force(wire); }
     [[nodiscard]] double move_limit(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
     void set_all_stuck(bool stuck) override { params_.all_stuck = stuck; }

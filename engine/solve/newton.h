@@ -29,6 +29,8 @@ public:
     virtual void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const = 0;
     /// True when sliding friction makes the tangent unsymmetric.
     [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
+    /// Largest contact force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
+    [[nodiscard]] virtual double largest_force(int wire) const = 0;
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int wire) const = 0;
 };

@@ -113,11 +113,11 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (phase_ == Phase::Search && !acceptable(norm_)) {
-        if (at_rounding(norm_)) phase_ = Phase::Done;
+        if (at_kink(contact, wire)) phase_ = Phase::Done;
         return;
     }
     if (iterations_ >= options_.max_iterations) {
-        phase_ = at_rounding(norm_) ? Phase::Done : Phase::Failed;
+        phase_ = at_kink(contact, wire) ? Phase::Done : Phase::Failed;
         return;
     }
     take_base();
@@ -160,13 +160,16 @@ bool NewtonWire::acceptable(double norm)
     return false;
 }
 
-/// The correction is below a nanometre's tenth and the force all but met: rounding (of a single-precision gap, say) is all
-/// that is left.
-bool NewtonWire::at_rounding(double norm) const
+/// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
+/// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
+/// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
+bool NewtonWire::at_kink(const ContactTerm* contact, int wire) const
 {
     if (iterations_ < 4 || options_.shifted) return false;
     const double smallest_radius = *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
-    return norm <= 100 * problem.tolerance && problem.largest_move(direction_) <= 1e-6 * smallest_radius && at_prescribed();
+    const double jump = contact ? 1e-3 * contact->largest_force(wire) : 0.0;
+    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= 1e-6 * smallest_radius &&
+           at_prescribed();
 }
 
 void NewtonWire::shorten(double alpha)

@@ -51,7 +51,7 @@ private:
     void retreat();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable(double norm);
-    [[nodiscard]] bool at_rounding(double norm) const;
+    [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);
     void take_base();
     void new_direction(const ContactTerm* contact, int wire);

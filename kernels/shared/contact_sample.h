@@ -103,7 +103,9 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         now[k].flags = 0;
     }
     Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, candidates, count, vertices, rims);
-    const Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    // both sides are blended alike: which of them is nearer may change without a jump
+    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
         const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
