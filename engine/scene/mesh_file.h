@@ -1,0 +1,31 @@
+#pragma once
+// Reads and writes vessel meshes. Units convert here: metres inside, doubles throughout. Nothing is repaired here.
+
+#include "vessel/centreline.h"
+#include "vessel/wall_mesh.h"
+
+#include <filesystem>
+#include <string>
+
+namespace seldinger {
+
+/// Metres in one of the file's units: m, cm, mm, um, in. @throws Error BadScene for any other name
+[[nodiscard]] double metres_per_unit(const std::string& units);
+
+/// Triangles of an STL (binary, ASCII), OBJ, PLY, VTP or legacy VTK polydata file; polygons are cut into triangles.
+/// @param triangles_read  out, may be null: triangles before any repair
+/// @throws Error BadFile: missing, unreadable, empty, truncated, counts that do not fit, unknown extension
+[[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr);
+
+/// Format by extension: .stl (binary), .obj, .ply (binary), .vtp. Written beside its place, then renamed, so that a reader
+/// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile
+void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const std::string& units);
+
+/// Polylines of a .vtp with the point array MaximumInscribedSphereRadius, as VMTK writes them, as one tree: points of several lines
+/// that coincide become one. Roots are first points of lines that join no earlier line. @throws Error BadFile
+[[nodiscard]] Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units);
+
+/// One polyline per branch, from its branching point to the next one or its end; radius as MaximumInscribedSphereRadius.
+void write_centreline_vtp(const std::filesystem::path& path, const Centreline& centreline, const std::string& units);
+
+}  // namespace seldinger

@@ -1,0 +1,52 @@
+// A vessel from its description.
+#include "scene/vessel_load.h"
+
+#include "core/error.h"
+#include "scene/mesh_file.h"
+#include "vessel/extract_centreline.h"
+#include "vessel/repair.h"
+#include "vessel/shapes.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+namespace {
+
+LoadedVessel generated(GeneratedVessel shape)
+{
+    LoadedVessel vessel{std::move(shape.mesh), {}, std::move(shape.centreline)};
+    vessel.report = describe(vessel.mesh);
+    return vessel;
+}
+
+LoadedVessel from_file(const VesselSpec& spec)
+{
+    LoadedVessel vessel;
+    vessel.mesh = read_mesh(spec.mesh, spec.units);
+    try {
+        vessel.report = repair(vessel.mesh);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
+    }
+    // a file's centreline is in the mesh's unit: the two come from one pipeline
+    if (!spec.centreline.empty()) vessel.centreline = read_centreline_vtp(spec.centreline, spec.units);
+    else vessel.centreline = extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
+    return vessel;
+}
+
+}  // namespace
+
+LoadedVessel load_vessel(const VesselSpec& spec)
+{
+    switch (spec.shape) {
+        case VesselShape::None: return {};
+        case VesselShape::Mesh: return from_file(spec);
+        case VesselShape::Tube: return generated(make_tube(spec));
+        case VesselShape::Arc: return generated(make_arc(spec));
+        case VesselShape::Plane: return generated(make_plane(spec));
+        case VesselShape::Arch: throw Error(ExitCode::BadScene, "vessel.shape = \"aortic-arch\": not available yet");
+    }
+    throw Error(ExitCode::BadScene, "vessel.shape: unknown value");
+}
+
+}  // namespace seldinger

@@ -1,0 +1,324 @@
+// Paths through the medial graph, one branch after the other.
+#include "vessel/extract_centreline.h"
+
+#include "vessel/medial_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace seldinger {
+namespace {
+
+constexpr double kCover = 1.6;       // wall within this many radii of a path is served by it: lumens are not round
+constexpr double kJoin = 0.5;        // a new path ends where it comes this many radii near an older one
+constexpr double kStub = 1.2;        // a branch must reach this many of its parent's radii from the parent's axis ...
+constexpr double kStubOwn = 2.0;     // ... and be this many of its own radii long beyond the parent's wall
+constexpr double kSpacing = 0.5;     // distance of points in radii
+
+struct Polyline {
+    std::vector<Vec3> points;
+    std::vector<double> radius;
+};
+
+/// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a side
+/// pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest
+/// other end is at least 3/4 as far as the longest path are asked.
+void reroot_at_widest_end(Centreline& tree)
+{
+    const std::size_t count = tree.points.size();
+    if (count < 2) return;
+    std::vector<std::vector<std::size_t>> links(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (tree.parent[i] >= 0) {
+            links[i].push_back(static_cast<std::size_t>(tree.parent[i]));
+            links[static_cast<std::size_t>(tree.parent[i])].push_back(i);
+        }
+    struct End {
+        std::size_t point;
+        double reach, width;  // to the farthest end; mean radius over the first six radii of path [m]
+    };
+    std::vector<End> ends;
+    std::vector<double> length(count);
+    std::vector<std::size_t> order;
+    auto walk_from = [&](std::size_t start) {
+        std::fill(length.begin(), length.end(), -1.0);
+        length[start] = 0;
+        order.assign(1, start);
+        for (std::size_t k = 0; k < order.size(); ++k)
+            for (const std::size_t next : links[order[k]])
+                if (length[next] < 0) {
+                    length[next] = length[order[k]] + (tree.points[next] - tree.points[order[k]]).norm();
+                    order.push_back(next);
+                }
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        if (links[i].size() != 1) continue;
+        walk_from(i);
+        double sum = 0, number = 0;
+        for (const std::size_t p : order)
+            if (length[p] <= 6 * tree.radius[i]) { sum += tree.radius[p]; number += 1; }
+        ends.push_back({i, *std::max_element(length.begin(), length.end()), sum / number});
+    }
+    const double longest = std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
+    const End* best = nullptr;
+    for (const End& end : ends)
+        if (end.reach >= 0.75 * longest && (!best || end.width > best->width)) best = &end;
+    walk_from(best->point);
+    // parents anew, and points in the order of the walk, so that a parent stands before its children
+    Centreline turned;
+    std::vector<int> place(count, -1);
+    for (const std::size_t p : order) {
+        int parent = -1;
+        for (const std::size_t q : links[p])
+            if (place[q] >= 0) parent = place[q];
+        place[p] = static_cast<int>(turned.points.size());
+        turned.points.push_back(tree.points[p]);
+        turned.radius.push_back(tree.radius[p]);
+        turned.parent.push_back(parent);
+    }
+    tree = std::move(turned);
+}
+
+class Extraction {
+public:
+    Extraction(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
+        : openings_(openings), lumen_(lumen), mesh_(mesh), graph_(build_medial_graph(mesh, lumen))
+    {
+    }
+
+    Centreline run()
+    {
+        if (graph_.size() == 0) return {};
+        served_.assign(graph_.size(), false);
+        const int root = openings_.empty() ? an_end_of_closed() : node_at(openings_[0]);
+        paths_ = cheapest_paths(graph_, root);
+        // a tip's radius runs to 0: never space points closer than a fraction of the typical radius
+        std::vector<double> radii = graph_.radius;
+        std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 10), radii.end());
+        finest_ = std::max(0.25 * radii[radii.size() / 10], 1e-4 * *std::max_element(paths_.length.begin(), paths_.length.end()));
+        if (openings_.empty()) {
+            add_branch(farthest_unserved(), nullptr);
+        } else {
+            start_at_ = openings_[0].centre;
+            // the farthest opening first: its path is the trunk
+            std::vector<const BoundaryLoop*> ends;
+            for (std::size_t k = 1; k < openings_.size(); ++k) ends.push_back(&openings_[k]);
+            std::stable_sort(ends.begin(), ends.end(), [&](const BoundaryLoop* a, const BoundaryLoop* b) {
+                return length_to(node_at(*a)) > length_to(node_at(*b));
+            });
+            for (const BoundaryLoop* end : ends) add_branch(node_at(*end), end);
+            if (ends.empty()) add_branch(farthest_unserved(), nullptr);
+        }
+        // each round serves at least its own node, so this ends; vessels have tens of branches
+        for (int node = farthest_unserved(); node >= 0; node = farthest_unserved()) add_branch(node, nullptr);
+        if (openings_.empty()) reroot_at_widest_end(tree_);
+        return std::move(tree_);
+    }
+
+private:
+    [[nodiscard]] double length_to(int node) const { return paths_.length[static_cast<std::size_t>(node)]; }
+
+    [[nodiscard]] int farthest(const MedialPaths& paths) const
+    {
+        return static_cast<int>(std::max_element(paths.length.begin(), paths.length.end()) - paths.length.begin());
+    }
+    [[nodiscard]] int farthest_unserved() const
+    {
+        int best = -1;
+        double length = 0;
+        for (std::size_t i = 0; i < graph_.size(); ++i)
+            if (!served_[i] && paths_.length[i] > length) { length = paths_.length[i]; best = static_cast<int>(i); }
+        return best;
+    }
+    /// Node of the rim vertex whose ball is nearest to the opening's centre.
+    [[nodiscard]] int node_at(const BoundaryLoop& loop) const
+    {
+        int best = -1;
+        double distance = std::numeric_limits<double>::infinity();
+        for (const std::int32_t v : loop.vertices) {
+            const int node = graph_.node_of_vertex[static_cast<std::size_t>(v)];
+            const double d = (graph_.centre[static_cast<std::size_t>(node)] - loop.centre).norm();
+            if (d < distance) { distance = d; best = node; }
+        }
+        return best;
+    }
+    /// Any end will do until the tree is known (see reroot_at_widest_end).
+    [[nodiscard]] int an_end_of_closed() const
+    {
+        const auto widest = static_cast<int>(std::max_element(graph_.radius.begin(), graph_.radius.end()) - graph_.radius.begin());
+        return farthest(cheapest_paths(graph_, widest));
+    }
+
+    /// Index of a tree point whose core holds p, or -1.
+    [[nodiscard]] int core_at(const Vec3& p) const
+    {
+        int best = -1;
+        double distance = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < tree_.points.size(); ++i) {
+            const double d = (tree_.points[i] - p).norm();
+            if (d < kJoin * tree_.radius[i] && d < distance) { distance = d; best = static_cast<int>(i); }
+        }
+        return best;
+    }
+
+    /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.
+    void add_branch(int tip, const BoundaryLoop* opening)
+    {
+        served_[static_cast<std::size_t>(tip)] = true;
+        std::vector<Vec3> raw;
+        double radius_sum = 0;
+        int join = -1;
+        if (opening) raw.push_back(opening->centre);
+        for (int at = tip; at >= 0; at = paths_.towards_root[static_cast<std::size_t>(at)]) {
+            const Vec3& p = graph_.centre[static_cast<std::size_t>(at)];
+            join = core_at(p);
+            if (join >= 0) break;
+            raw.push_back(p);
+            radius_sum += graph_.radius[static_cast<std::size_t>(at)];
+            served_[static_cast<std::size_t>(at)] = true;
+        }
+        if (raw.empty() || (join < 0 && !tree_.empty())) return;
+        if (join >= 0) raw.push_back(tree_.points[static_cast<std::size_t>(join)]);
+        else if (start_at_) raw.push_back(*start_at_);
+        std::reverse(raw.begin(), raw.end());
+        if (!opening && join >= 0) {
+            const double parent = tree_.radius[static_cast<std::size_t>(join)];
+            const double own = radius_sum / std::max<double>(1, static_cast<double>(raw.size() - 1));
+            double length = 0;
+            for (std::size_t i = 1; i < raw.size(); ++i) length += (raw[i] - raw[i - 1]).norm();
+            if ((raw.back() - raw.front()).norm() < kStub * parent || length - parent < kStubOwn * own) {
+                serve({{raw.back()}, {graph_.radius[static_cast<std::size_t>(tip)]}});
+                return;
+            }
+        }
+        Polyline line = refine(raw);
+        serve(line);
+        if (!opening) trim_tip(line);
+        if (join < 0 && !start_at_) {
+            std::reverse(line.points.begin(), line.points.end());
+            std::reverse(line.radius.begin(), line.radius.end());
+            trim_tip(line);
+        }
+        append(line, join);
+    }
+
+    /// A path to the wall of a closed end runs through its corner: takes off the points that a clearly larger sphere nearby holds.
+    static void trim_tip(Polyline& line)
+    {
+        auto inside_larger = [&](std::size_t i) {
+            for (std::size_t j = 0; j < i; ++j)
+                if (line.radius[i] < 0.7 * line.radius[j] && (line.points[i] - line.points[j]).norm() < line.radius[j]) return true;
+            return false;
+        };
+        while (line.points.size() > 2 && inside_larger(line.points.size() - 1)) {
+            line.points.pop_back();
+            line.radius.pop_back();
+        }
+    }
+
+    void append(const Polyline& line, int join)
+    {
+        int previous = join;
+        for (std::size_t i = join >= 0 ? 1 : 0; i < line.points.size(); ++i) {
+            tree_.points.push_back(line.points[i]);
+            tree_.radius.push_back(line.radius[i]);
+            tree_.parent.push_back(previous);
+            previous = static_cast<int>(tree_.points.size()) - 1;
+        }
+    }
+
+    /// Marks the wall near the line as having a path. Plain loops: a tree query per point returns most of a wide lumen's wall.
+    void serve(const Polyline& line)
+    {
+        for (std::size_t node = 0; node < graph_.size(); ++node)
+            for (std::size_t i = 0; i < line.points.size() && !served_[node]; ++i) {
+                const double reach = kCover * line.radius[i];
+                served_[node] = (graph_.wall[node] - line.points[i]).squaredNorm() <= reach * reach;
+            }
+    }
+
+    [[nodiscard]] double radius_at(const Vec3& p) const { return std::sqrt(nearest_on_wall(lumen_.tree(), p).distance2); }
+
+    /// Points at half a radius apart, ends kept.
+    [[nodiscard]] std::vector<Vec3> resample(const std::vector<Vec3>& raw) const
+    {
+        std::vector<Vec3> result = {raw.front()};
+        double to_next = kSpacing * radius_at(raw.front());
+        for (std::size_t i = 1; i < raw.size(); ++i) {
+            Vec3 at = raw[i - 1];
+            for (double left = (raw[i] - at).norm(); left >= to_next; left = (raw[i] - at).norm()) {
+                at += (raw[i] - at) * (to_next / left);
+                result.push_back(at);
+                to_next = std::max(kSpacing * radius_at(at), finest_);
+            }
+            to_next -= (raw[i] - at).norm();
+            to_next = std::max(to_next, 0.25 * finest_);
+        }
+        if ((result.back() - raw.back()).norm() > 0) result.push_back(raw.back());
+        return result;
+    }
+
+    static void smooth(std::vector<Vec3>& points, int rounds)
+    {
+        std::vector<Vec3> next = points;
+        for (int r = 0; r < rounds; ++r) {
+            for (std::size_t i = 1; i + 1 < points.size(); ++i) next[i] = 0.5 * points[i] + 0.25 * (points[i - 1] + points[i + 1]);
+            points = next;
+        }
+    }
+
+    /// Climbs from the wall across the path while that makes the sphere larger.
+    [[nodiscard]] Vec3 climb(Vec3 p, const Vec3& tangent) const
+    {
+        TreeHit hit = nearest_on_wall(lumen_.tree(), p);
+        double step = 0.3;
+        for (int i = 0; i < 24 && step > 0.005; ++i) {
+            const double distance = std::sqrt(hit.distance2);
+            const Vec3 away = (p - hit.point) / std::max(distance, 1e-300);
+            const Vec3 next = p + step * distance * (away - tangent * tangent.dot(away));
+            const TreeHit there = nearest_on_wall(lumen_.tree(), next);
+            if (there.distance2 > hit.distance2) { p = next; hit = there; }
+            else step *= 0.5;
+        }
+        return p;
+    }
+
+    [[nodiscard]] Polyline refine(const std::vector<Vec3>& raw) const
+    {
+        Polyline line;
+        line.points = resample(raw);
+        smooth(line.points, 6);
+        for (int round = 0; round < 2; ++round) {
+            std::vector<Vec3> climbed = line.points;
+            for (std::size_t i = 1; i + 1 < line.points.size(); ++i)
+                climbed[i] = climb(line.points[i], (line.points[i + 1] - line.points[i - 1]).normalized());
+            smooth(climbed, 2);
+            // smoothing may cut a corner of a narrow lumen: a point that would leave it stays
+            for (std::size_t i = 1; i + 1 < climbed.size(); ++i)
+                if (lumen_.signed_distance(climbed[i]) > 0) line.points[i] = climbed[i];
+        }
+        for (const Vec3& p : line.points) line.radius.push_back(radius_at(p));
+        return line;
+    }
+
+    const std::vector<BoundaryLoop>& openings_;
+    const LumenQuery& lumen_;
+    const WallMesh& mesh_;
+    MedialGraph graph_;
+    MedialPaths paths_;
+    std::vector<bool> served_;
+    std::optional<Vec3> start_at_;
+    double finest_ = 0;  // least spacing of points [m]
+    Centreline tree_;
+};
+
+}  // namespace
+
+Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
+{
+    return Extraction(mesh, openings, lumen).run();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,71 @@
+// Inlets from openings and from the tips of the centreline.
+#include "vessel/inlets.h"
+
+#include "core/error.h"
+
+#include <algorithm>
+
+namespace seldinger {
+namespace {
+
+/// Points from a tip along its branch: towards the root, or for the root along the main path.
+std::vector<int> walk_in(const Centreline& line, int tip)
+{
+    if (line.parent[static_cast<std::size_t>(tip)] < 0) return line.main_path();
+    std::vector<int> walk;
+    for (int at = tip; at >= 0; at = line.parent[static_cast<std::size_t>(at)]) walk.push_back(at);
+    return walk;
+}
+
+/// A closed end narrows to nothing: go in until one local radius of lumen lies behind.
+Inlet closed_end(const Centreline& line, int tip)
+{
+    const std::vector<int> walk = walk_in(line, tip);
+    double behind = 0;
+    std::size_t k = 0;
+    for (; k + 1 < walk.size() && behind < line.radius[static_cast<std::size_t>(walk[k])]; ++k)
+        behind += (line.points[static_cast<std::size_t>(walk[k + 1])] - line.points[static_cast<std::size_t>(walk[k])]).norm();
+    const auto at = static_cast<std::size_t>(walk[k]);
+    // direction over two radii of path, so that one kink does not set it
+    std::size_t far = k;
+    double ahead = 0;
+    for (; far + 1 < walk.size() && ahead < 2 * line.radius[at]; ++far)
+        ahead += (line.points[static_cast<std::size_t>(walk[far + 1])] - line.points[static_cast<std::size_t>(walk[far])]).norm();
+    Inlet inlet;
+    inlet.point = line.points[at];
+    inlet.radius = line.radius[at];
+    const Vec3 along = far > k ? Vec3(line.points[static_cast<std::size_t>(walk[far])] - inlet.point)
+                               : Vec3(inlet.point - line.points[static_cast<std::size_t>(walk[0])]);
+    inlet.direction = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitX());
+    return inlet;
+}
+
+}  // namespace
+
+std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline)
+{
+    std::vector<Inlet> inlets;
+    for (std::size_t k = 0; k < openings.size(); ++k)
+        inlets.push_back({openings[k].centre, openings[k].inward, openings[k].radius, static_cast<int>(k)});
+    std::stable_sort(inlets.begin(), inlets.end(), [](const Inlet& a, const Inlet& b) { return a.radius > b.radius; });
+    if (!inlets.empty() || centreline.points.size() < 2) return inlets;
+    std::vector<int> children(centreline.points.size(), 0);
+    for (const int parent : centreline.parent)
+        if (parent >= 0) ++children[static_cast<std::size_t>(parent)];
+    for (int roots = 1; roots >= 0; --roots)
+        for (std::size_t i = 0; i < centreline.points.size(); ++i) {
+            const bool root = centreline.parent[i] < 0;
+            if (root == (roots == 1) && (root || children[i] == 0)) inlets.push_back(closed_end(centreline, static_cast<int>(i)));
+        }
+    return inlets;
+}
+
+Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline)
+{
+    const std::vector<Inlet> inlets = find_inlets(openings, centreline);
+    if (inlets.empty())
+        throw Error(ExitCode::BadFile, "the vessel has no opening and no centreline to start on: give feed.point and feed.direction");
+    return inlets.front();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,71 @@
+// Components by flood fill, volumes by the divergence theorem.
+#include "vessel/mesh_components.h"
+
+#include "vessel/triangle_geometry.h"
+
+namespace seldinger {
+
+std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges)
+{
+    std::vector<std::int32_t> edge_of(3 * mesh.triangles.size());
+    for (std::size_t k = 0; k < edges.count(); ++k)
+        for (const std::int32_t h : edges.uses(k)) edge_of[static_cast<std::size_t>(h)] = static_cast<std::int32_t>(k);
+    std::vector<std::int32_t> label(mesh.triangles.size(), -1), stack;
+    std::int32_t count = 0;
+    for (std::size_t seed = 0; seed < label.size(); ++seed) {
+        if (label[seed] >= 0) continue;
+        label[seed] = count;
+        stack.assign(1, static_cast<std::int32_t>(seed));
+        while (!stack.empty()) {
+            const std::int32_t t = stack.back();
+            stack.pop_back();
+            for (std::int32_t e = 0; e < 3; ++e)
+                for (const std::int32_t h : edges.uses(static_cast<std::size_t>(edge_of[static_cast<std::size_t>(3 * t + e)]))) {
+                    std::int32_t& other = label[static_cast<std::size_t>(h / 3)];
+                    if (other >= 0) continue;
+                    other = count;
+                    stack.push_back(h / 3);
+                }
+        }
+        ++count;
+    }
+    return label;
+}
+
+std::vector<MeshComponent> measure_components(const WallMesh& mesh, const MeshEdges& edges,
+                                              const std::vector<std::int32_t>& label)
+{
+    std::vector<MeshComponent> components;
+    for (std::size_t t = 0; t < label.size(); ++t) {
+        const auto c = static_cast<std::size_t>(label[t]);
+        if (c >= components.size()) components.resize(c + 1);
+        components[c].triangles.push_back(static_cast<std::int32_t>(t));
+    }
+    for (MeshComponent& part : components) {
+        for (const std::int32_t t : part.triangles)
+            for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)])
+                part.box.extend(mesh.vertices[static_cast<std::size_t>(v)]);
+        const Vec3 centre = part.box.center();  // volumes of thin parts far from the origin would drown in rounding
+        for (const std::int32_t t : part.triangles) {
+            const Triangle3 tri = triangle_of(mesh, static_cast<std::size_t>(t));
+            const Vec3 area = double_area(tri);
+            part.area += 0.5 * area.norm();
+            part.volume += (tri.a - centre).dot(area) / 6;
+        }
+    }
+    std::vector<std::int32_t> vertex_label(mesh.vertices.size(), 0);
+    for (std::size_t t = 0; t < label.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t]) vertex_label[static_cast<std::size_t>(v)] = label[t];
+    for (const auto& chain : boundary_chains(mesh, edges)) {
+        MeshComponent& part = components[static_cast<std::size_t>(vertex_label[static_cast<std::size_t>(chain[0])])];
+        const Vec3 origin = part.box.center(), top = describe_loop(mesh, chain).centre - origin;
+        for (std::size_t i = 0; i < chain.size(); ++i) {
+            const Vec3 from = mesh.vertices[static_cast<std::size_t>(chain[i])] - origin;
+            const Vec3 to = mesh.vertices[static_cast<std::size_t>(chain[(i + 1) % chain.size()])] - origin;
+            part.volume += to.dot(from.cross(top)) / 6;  // the lid runs against the loop
+        }
+    }
+    return components;
+}
+
+}  // namespace seldinger

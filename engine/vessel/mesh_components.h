@@ -1,0 +1,24 @@
+#pragma once
+// Parts of a mesh that hang together by edges, and the volume each encloses once its openings are capped.
+
+#include "vessel/mesh_edges.h"
+
+#include <Eigen/Geometry>
+
+namespace seldinger {
+
+struct MeshComponent {
+    std::vector<std::int32_t> triangles;
+    Eigen::AlignedBox3d box;
+    double volume = 0;  // signed, openings capped [m^3]; > 0 when normals point out of it
+    double area = 0;    // [m^2]
+};
+
+/// Component of each triangle [T], numbered in the order of their first triangles.
+[[nodiscard]] std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges);
+
+/// Volumes need consistent orientation within each component. Each loop is capped by a fan about its centre.
+[[nodiscard]] std::vector<MeshComponent> measure_components(const WallMesh& mesh, const MeshEdges& edges,
+                                                            const std::vector<std::int32_t>& label);
+
+}  // namespace seldinger

@@ -1,0 +1,119 @@
+// Edges of a triangle mesh and the loops its open ones form.
+#include "vessel/mesh_edges.h"
+
+#include "core/check.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace seldinger {
+
+MeshEdges find_edges(const WallMesh& mesh)
+{
+    const std::int32_t half_edge_count = static_cast<std::int32_t>(3 * mesh.triangles.size());
+    std::vector<std::int32_t> start(mesh.vertices.size() + 1, 0);
+    auto low = [&](std::int32_t h) { return std::min(half_edge_from(mesh, h), half_edge_to(mesh, h)); };
+    auto high = [&](std::int32_t h) { return std::max(half_edge_from(mesh, h), half_edge_to(mesh, h)); };
+    for (std::int32_t h = 0; h < half_edge_count; ++h) ++start[static_cast<std::size_t>(low(h)) + 1];
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) start[v + 1] += start[v];
+
+    // (larger vertex, half-edge) packed, so that the short sorts below touch no other memory
+    std::vector<std::uint64_t> packed(static_cast<std::size_t>(half_edge_count));
+    std::vector<std::int32_t> next(start.begin(), start.end() - 1);
+    for (std::int32_t h = 0; h < half_edge_count; ++h)
+        packed[static_cast<std::size_t>(next[static_cast<std::size_t>(low(h))]++)] =
+            (static_cast<std::uint64_t>(high(h)) << 32) | static_cast<std::uint32_t>(h);
+
+    MeshEdges edges;
+    edges.half_edges.resize(packed.size());
+    edges.first.reserve(packed.size() / 2 + 2);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        std::sort(packed.begin() + start[v], packed.begin() + start[v + 1]);
+        for (std::int32_t k = start[v]; k < start[v + 1]; ++k) {
+            const std::uint64_t key = packed[static_cast<std::size_t>(k)];
+            if (k == start[v] || (packed[static_cast<std::size_t>(k) - 1] >> 32) != (key >> 32)) edges.first.push_back(k);
+            edges.half_edges[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(key & 0xffffffffu);
+        }
+    }
+    edges.first.push_back(half_edge_count);
+    return edges;
+}
+
+std::vector<std::int32_t> opposite_half_edges(const WallMesh& mesh, const MeshEdges& edges)
+{
+    std::vector<std::int32_t> opposite(3 * mesh.triangles.size(), -1);
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const auto uses = edges.uses(k);
+        if (uses.size() != 2) continue;
+        opposite[static_cast<std::size_t>(uses[0])] = uses[1];
+        opposite[static_cast<std::size_t>(uses[1])] = uses[0];
+    }
+    return opposite;
+}
+
+std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, const MeshEdges& edges)
+{
+    struct OpenEdge {
+        std::int32_t from, to;
+        bool used = false;
+    };
+    std::vector<OpenEdge> open;
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const auto uses = edges.uses(k);
+        if (uses.size() == 1) open.push_back({half_edge_from(mesh, uses[0]), half_edge_to(mesh, uses[0])});
+    }
+    std::sort(open.begin(), open.end(), [](const OpenEdge& a, const OpenEdge& b) {
+        return a.from != b.from ? a.from < b.from : a.to < b.to;
+    });
+    auto unused_from = [&](std::int32_t vertex) -> OpenEdge* {
+        auto it = std::lower_bound(open.begin(), open.end(), vertex, [](const OpenEdge& e, std::int32_t v) { return e.from < v; });
+        for (; it != open.end() && it->from == vertex; ++it)
+            if (!it->used) return &*it;
+        return nullptr;
+    };
+
+    std::vector<std::vector<std::int32_t>> chains;
+    for (OpenEdge& seed : open) {
+        if (seed.used) continue;
+        std::vector<std::int32_t> walk = {seed.from};
+        for (OpenEdge* edge = &seed; edge; edge = unused_from(walk.back())) {
+            edge->used = true;
+            const auto seen = std::find(walk.begin(), walk.end(), edge->to);
+            if (seen == walk.end()) { walk.push_back(edge->to); continue; }
+            chains.emplace_back(seen, walk.end());  // a simple loop closes here; go on from its knot
+            walk.erase(seen + 1, walk.end());
+        }
+        // a walk that ends elsewhere than at its start runs into an edge of three or more triangles: no opening
+    }
+    return chains;
+}
+
+BoundaryLoop describe_loop(const WallMesh& mesh, std::vector<std::int32_t> vertices)
+{
+    BoundaryLoop loop;
+    loop.vertices = std::move(vertices);
+    auto at = [&](std::size_t i) -> const Vec3& {
+        return mesh.vertices[static_cast<std::size_t>(loop.vertices[i % loop.vertices.size()])];
+    };
+    // centre weighted by edge length, so that uneven spacing does not pull it aside
+    double perimeter = 0;
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
+        const double length = (at(i + 1) - at(i)).norm();
+        sum += length * 0.5 * (at(i) + at(i + 1));
+        perimeter += length;
+    }
+    loop.centre = perimeter > 0 ? Vec3(sum / perimeter) : at(0);
+    Vec3 area = Vec3::Zero();  // vector area, sum of (a - c) x (b - c) / 2
+    double distance = 0;
+    for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
+        area += 0.5 * (at(i) - loop.centre).cross(at(i + 1) - loop.centre);
+        distance += (at(i) - loop.centre).norm();
+    }
+    loop.radius = distance / static_cast<double>(loop.vertices.size());
+    // the lid that would close the loop runs against it and faces the lumen: its area is minus the loop's
+    loop.inward = area.norm() > 0 ? Vec3(-area.normalized()) : Vec3(Vec3::UnitX());
+    return loop;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,320 @@
+// Repair, first half: what is not finite, not welded, degenerate or there twice.
+#include "core/check.h"
+#include "vessel/mesh_edges.h"
+#include "vessel/repair_steps.h"
+#include "vessel/triangle_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <unordered_map>
+
+namespace seldinger::repair_steps {
+namespace {
+
+/// Keeps the triangles for which keep(t) holds; returns how many went.
+template <class Keep>
+long keep_triangles(WallMesh& mesh, Keep keep)
+{
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (keep(t)) mesh.triangles[kept++] = mesh.triangles[t];
+    const long dropped = static_cast<long>(mesh.triangles.size() - kept);
+    mesh.triangles.resize(kept);
+    return dropped;
+}
+
+/// Three corners in a fixed order, then whether that order is an odd permutation of the triangle's own, then its index.
+struct TriangleKey {
+    std::array<std::int32_t, 3> corners;
+    bool odd;
+    std::int32_t triangle;
+    auto operator<=>(const TriangleKey&) const = default;
+};
+
+std::vector<TriangleKey> sorted_keys(const WallMesh& mesh)
+{
+    std::vector<TriangleKey> keys(mesh.triangles.size());
+    for (std::size_t t = 0; t < keys.size(); ++t) {
+        auto v = mesh.triangles[t];
+        bool odd = false;
+        for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}})  // bubble sort of three, counting swaps
+            if (v[static_cast<std::size_t>(a)] > v[static_cast<std::size_t>(b)]) {
+                std::swap(v[static_cast<std::size_t>(a)], v[static_cast<std::size_t>(b)]);
+                odd = !odd;
+            }
+        keys[t] = {v, odd, static_cast<std::int32_t>(t)};
+    }
+    std::sort(keys.begin(), keys.end());
+    return keys;
+}
+
+long drop_equal_copies(WallMesh& mesh)
+{
+    const std::vector<TriangleKey> keys = sorted_keys(mesh);
+    std::vector<bool> copy(keys.size(), false);
+    for (std::size_t k = 1; k < keys.size(); ++k)
+        copy[static_cast<std::size_t>(keys[k].triangle)] = keys[k].corners == keys[k - 1].corners && keys[k].odd == keys[k - 1].odd;
+    return keep_triangles(mesh, [&](std::size_t t) { return !copy[t]; });
+}
+
+/// For each triangle the one on the same corners that faces the other way, -1: none. Needs a mesh without equal copies.
+std::vector<std::int32_t> opposite_twins(const WallMesh& mesh)
+{
+    const std::vector<TriangleKey> keys = sorted_keys(mesh);
+    std::vector<std::int32_t> twin(keys.size(), -1);
+    for (std::size_t k = 1; k < keys.size(); ++k) {
+        if (keys[k].corners != keys[k - 1].corners) continue;
+        twin[static_cast<std::size_t>(keys[k].triangle)] = keys[k - 1].triangle;
+        twin[static_cast<std::size_t>(keys[k - 1].triangle)] = keys[k].triangle;
+    }
+    return twin;
+}
+
+/// Which twins are folds, and which are one wall written twice. Without both twins of a patch, its rim is left to an even number of
+/// other triangles round a fold (the wall goes on without it), and to an odd number round a doubled wall (a hole).
+std::vector<bool> folded_twins(const WallMesh& mesh, const std::vector<std::int32_t>& twin)
+{
+    std::vector<std::int32_t> group(twin.size());
+    for (std::size_t t = 0; t < group.size(); ++t) group[t] = static_cast<std::int32_t>(t);
+    auto root = [&](std::int32_t t) {
+        while (group[static_cast<std::size_t>(t)] != t) {
+            group[static_cast<std::size_t>(t)] = group[static_cast<std::size_t>(group[static_cast<std::size_t>(t)])];
+            t = group[static_cast<std::size_t>(t)];
+        }
+        return static_cast<std::size_t>(t);
+    };
+    const MeshEdges edges = find_edges(mesh);
+    std::vector<std::pair<std::int32_t, int>> votes;  // a twin on the rim, + fold or - wall
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        std::int32_t first = -1;
+        int others = 0;
+        for (const std::int32_t h : edges.uses(k)) {
+            if (twin[static_cast<std::size_t>(h / 3)] < 0) { ++others; continue; }
+            if (first < 0) first = h / 3;
+            else group[root(h / 3)] = static_cast<std::int32_t>(root(first));
+        }
+        if (first >= 0 && others > 0) votes.emplace_back(first, others % 2 == 0 ? 1 : -1);
+    }
+    std::vector<int> balance(twin.size(), 0);
+    for (const auto& [t, vote] : votes) balance[root(t)] += vote;
+    std::vector<bool> fold(twin.size(), false);
+    for (std::size_t t = 0; t < twin.size(); ++t) fold[t] = twin[t] >= 0 && balance[root(static_cast<std::int32_t>(t))] > 0;
+    return fold;
+}
+
+double median_edge(const WallMesh& mesh)
+{
+    std::vector<double> lengths;
+    lengths.reserve(3 * mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle3 tri = triangle_of(mesh, t);
+        for (const double length : {(tri.b - tri.a).norm(), (tri.c - tri.b).norm(), (tri.a - tri.c).norm()})
+            if (length > 0) lengths.push_back(length);
+    }
+    if (lengths.empty()) return 0;
+    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), middle, lengths.end());
+    return *middle;
+}
+
+/// Hash grid of representatives. Cells are 4 tolerances wide, so most points look into one cell only.
+class WeldGrid {
+public:
+    WeldGrid(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
+        : vertices_(vertices), tolerance_(tolerance), cell_(4 * tolerance), low_(low)
+    {
+        heads_.reserve(vertices.size() / 2 + 16);
+    }
+    /// The earlier vertex that v is welded to, or v itself, which then stands for its place.
+    std::int32_t representative(std::int32_t v)
+    {
+        const Vec3& p = vertices_[static_cast<std::size_t>(v)];
+        std::int32_t best = v;
+        Eigen::Vector3<std::int64_t> from, to;
+        for (int d = 0; d < 3; ++d) {
+            from[d] = static_cast<std::int64_t>(std::floor((p[d] - tolerance_ - low_[d]) / cell_));
+            to[d] = static_cast<std::int64_t>(std::floor((p[d] + tolerance_ - low_[d]) / cell_));
+        }
+        for (std::int64_t x = from[0]; x <= to[0]; ++x)
+            for (std::int64_t y = from[1]; y <= to[1]; ++y)
+                for (std::int64_t z = from[2]; z <= to[2]; ++z) best = std::min(best, search(key(x, y, z), p, v));
+        if (best == v) insert(v, p);
+        return best;
+    }
+
+private:
+    static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
+    {
+        // 21 bits a coordinate; cells that share a key are told apart by distance
+        return (static_cast<std::uint64_t>(x) & 0x1fffff) | (static_cast<std::uint64_t>(y) & 0x1fffff) << 21 |
+               (static_cast<std::uint64_t>(z) & 0x1fffff) << 42;
+    }
+    std::int32_t search(std::uint64_t cell, const Vec3& p, std::int32_t v) const
+    {
+        std::int32_t best = v;
+        const auto it = heads_.find(cell);
+        for (std::int32_t i = it == heads_.end() ? -1 : it->second; i >= 0; i = chain_[static_cast<std::size_t>(i)].next) {
+            const std::int32_t other = chain_[static_cast<std::size_t>(i)].vertex;
+            if ((vertices_[static_cast<std::size_t>(other)] - p).norm() <= tolerance_) best = std::min(best, other);
+        }
+        return best;
+    }
+    void insert(std::int32_t v, const Vec3& p)
+    {
+        Eigen::Vector3<std::int64_t> c;
+        for (int d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
+        auto [it, fresh] = heads_.try_emplace(key(c[0], c[1], c[2]), -1);
+        chain_.push_back({v, it->second});
+        it->second = static_cast<std::int32_t>(chain_.size()) - 1;
+    }
+    struct Link {
+        std::int32_t vertex, next;
+    };
+    const std::vector<Vec3>& vertices_;
+    double tolerance_, cell_;
+    Vec3 low_;
+    std::unordered_map<std::uint64_t, std::int32_t> heads_;
+    std::vector<Link> chain_;
+};
+
+}  // namespace
+
+void drop_non_finite(WallMesh& mesh, RepairReport& report)
+{
+    const auto count = static_cast<std::int32_t>(mesh.vertices.size());
+    report.non_finite_dropped = keep_triangles(mesh, [&](std::size_t t) {
+        return std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::int32_t v) {
+            return v >= 0 && v < count && mesh.vertices[static_cast<std::size_t>(v)].allFinite();
+        });
+    });
+    drop_unused_vertices(mesh);
+}
+
+void weld(WallMesh& mesh, RepairReport& report)
+{
+    if (mesh.triangles.empty()) return;
+    Eigen::AlignedBox3d box;
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+    // a mesh that is a single point has no edge to compare with; any tolerance above 0 welds it
+    const double tolerance = std::max(std::min(1e-6 * box.diagonal().norm(), 1e-3 * median_edge(mesh)), 1e-300);
+    WeldGrid grid(mesh.vertices, tolerance, box.min());
+    std::vector<std::int32_t> target(mesh.vertices.size());
+    for (std::size_t v = 0; v < target.size(); ++v) {
+        target[v] = grid.representative(static_cast<std::int32_t>(v));
+        report.vertices_welded += target[v] != static_cast<std::int32_t>(v);
+    }
+    for (auto& triangle : mesh.triangles)
+        for (auto& v : triangle) v = target[static_cast<std::size_t>(v)];
+    drop_unused_vertices(mesh);
+}
+
+void drop_degenerate(WallMesh& mesh, RepairReport& report)
+{
+    report.degenerate_dropped += keep_triangles(mesh, [&](std::size_t t) {
+        const auto& v = mesh.triangles[t];
+        return v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+    });
+}
+
+void drop_duplicates(WallMesh& mesh, RepairReport& report)
+{
+    report.duplicates_dropped += drop_equal_copies(mesh);
+    const std::vector<std::int32_t> twin = opposite_twins(mesh);
+    if (std::all_of(twin.begin(), twin.end(), [](std::int32_t t) { return t < 0; })) return;
+    const std::vector<bool> fold = folded_twins(mesh, twin);
+    long folds = 0;
+    const long dropped = keep_triangles(mesh, [&](std::size_t t) {
+        if (twin[t] < 0) return true;
+        folds += fold[t];
+        return !fold[t] && static_cast<std::size_t>(twin[t]) > t;
+    });
+    report.duplicates_dropped += dropped;
+    if (folds > 0)
+        report.notes.push_back(std::to_string(folds / 2) + " pairs of triangles lay face to face as folds without a lumen between them; "
+                                                           "both of each pair were removed.");
+}
+
+void drop_flaps(WallMesh& mesh, RepairReport& report)
+{
+    long dropped = 0;
+    for (long last = -1; last != 0;) {  // a flap may be several triangles long
+        const MeshEdges edges = find_edges(mesh);
+        std::vector<std::uint8_t> open(mesh.triangles.size(), 0);  // open edges of each triangle
+        for (std::size_t k = 0; k < edges.count(); ++k)
+            if (edges.uses(k).size() == 1) ++open[static_cast<std::size_t>(edges.uses(k)[0] / 3)];
+        std::vector<bool> flap(mesh.triangles.size(), false);
+        for (std::size_t k = 0; k < edges.count(); ++k) {
+            const auto uses = edges.uses(k);
+            if (uses.size() == 1 || uses.size() % 2 == 0) continue;  // an odd one out hangs here
+            const auto loosest = *std::max_element(uses.begin(), uses.end(), [&](std::int32_t a, std::int32_t b) {
+                return open[static_cast<std::size_t>(a / 3)] < open[static_cast<std::size_t>(b / 3)];
+            });
+            if (open[static_cast<std::size_t>(loosest / 3)] > 0) flap[static_cast<std::size_t>(loosest / 3)] = true;
+        }
+        last = keep_triangles(mesh, [&](std::size_t t) { return !flap[t]; });
+        dropped += last;
+    }
+    if (dropped > 0) {
+        report.degenerate_dropped += dropped;
+        report.notes.push_back(std::to_string(dropped) + " triangles hung on the wall as flaps and were removed.");
+    }
+    drop_unused_vertices(mesh);
+}
+
+void dissolve_needles(WallMesh& mesh, RepairReport& report)
+{
+    // height below 1e-6 of the longest edge: float32 input cannot tell such a triangle's normal
+    constexpr double kFlat = 1e-6;
+    for (int pass = 0; pass < 4; ++pass) {
+        const MeshEdges edges = find_edges(mesh);
+        const std::vector<std::int32_t> opposite = opposite_half_edges(mesh, edges);
+        std::vector<bool> gone(mesh.triangles.size(), false), touched(mesh.triangles.size(), false);
+        std::vector<std::array<std::int32_t, 3>> added;
+        bool again = false;
+        for (std::size_t t = 0; t < gone.size(); ++t) {
+            const Triangle3 tri = triangle_of(mesh, t);
+            const double length[3] = {(tri.b - tri.a).norm(), (tri.c - tri.b).norm(), (tri.a - tri.c).norm()};
+            const auto e = static_cast<std::size_t>(std::max_element(length, length + 3) - length);
+            if (double_area(tri).norm() > kFlat * length[e] * length[e] || touched[t]) continue;
+            const std::int32_t across = opposite[3 * t + e];
+            touched[t] = gone[t] = true;
+            if (across < 0) continue;
+            // neighbour (from, to, apex) lies across the long edge; cut it at the needle's tip
+            const auto n = static_cast<std::size_t>(across / 3);
+            if (touched[n]) { gone[t] = false; again = true; continue; }
+            const std::int32_t from = half_edge_from(mesh, across), to = half_edge_to(mesh, across);
+            const std::int32_t apex = mesh.triangles[n][static_cast<std::size_t>((across % 3 + 2) % 3)];
+            const std::int32_t tip = mesh.triangles[t][(e + 2) % 3];
+            touched[n] = gone[n] = true;
+            if (tip == apex) continue;  // the two lie on each other
+            added.push_back({from, tip, apex});
+            added.push_back({tip, to, apex});
+        }
+        const long needles = std::count(gone.begin(), gone.end(), true) - static_cast<long>(added.size() / 2);
+        report.degenerate_dropped += needles;
+        keep_triangles(mesh, [&](std::size_t t) { return !gone[t]; });
+        mesh.triangles.insert(mesh.triangles.end(), added.begin(), added.end());
+        if (needles == 0 && !again) break;
+    }
+    drop_unused_vertices(mesh);
+}
+
+void drop_unused_vertices(WallMesh& mesh)
+{
+    std::vector<std::int32_t> place(mesh.vertices.size(), -1);
+    for (const auto& triangle : mesh.triangles)
+        for (const std::int32_t v : triangle)
+            if (v >= 0 && static_cast<std::size_t>(v) < place.size()) place[static_cast<std::size_t>(v)] = 0;
+    std::int32_t kept = 0;
+    for (std::size_t v = 0; v < place.size(); ++v) {
+        if (place[v] < 0) continue;
+        mesh.vertices[static_cast<std::size_t>(kept)] = mesh.vertices[v];
+        place[v] = kept++;
+    }
+    mesh.vertices.resize(static_cast<std::size_t>(kept));
+    for (auto& triangle : mesh.triangles)
+        for (auto& v : triangle) v = place[static_cast<std::size_t>(v)];
+}
+
+}  // namespace seldinger::repair_steps

@@ -1,0 +1,314 @@
+// Building the AABB tree. Triangles travel through the build as small records that are partitioned in place, so that every
+// pass reads memory in order: half the time of sorting indices for 3 million triangles.
+#include "vessel/tree.h"
+
+#include "core/check.h"
+#include "vessel/mesh_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <thread>
+
+namespace seldinger {
+namespace {
+
+constexpr int kBins = 16;
+constexpr float kBoxCost = 1.0f, kTriangleCost = 1.5f;  // an exact capsule-triangle test costs a few box tests
+constexpr int kMaxDepth = SEL_TREE_STACK - 1;
+
+struct Item {  // one triangle on its way into a leaf
+    std::array<float, 3> lo;
+    std::uint32_t id;
+    std::array<float, 3> hi;
+    std::uint32_t unused;
+    [[nodiscard]] float twice_centre(int axis) const
+    {
+        return lo[static_cast<std::size_t>(axis)] + hi[static_cast<std::size_t>(axis)];
+    }
+};
+
+struct Box {
+    float lo[3] = {3e38f, 3e38f, 3e38f}, hi[3] = {-3e38f, -3e38f, -3e38f};
+    void add(const float* l, const float* h)
+    {
+        for (int d = 0; d < 3; ++d) {
+            lo[d] = std::min(lo[d], l[d]);
+            hi[d] = std::max(hi[d], h[d]);
+        }
+    }
+    void add(const Box& b) { add(b.lo, b.hi); }
+    [[nodiscard]] float half_area() const
+    {
+        const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
+        return x < 0 ? 0.0f : x * y + y * z + z * x;
+    }
+};
+
+Box bounds(const Item* begin, const Item* end)
+{
+    Box box;
+    for (const Item* it = begin; it != end; ++it) box.add(it->lo.data(), it->hi.data());
+    return box;
+}
+
+/// Levels that median splits need to bring n triangles down to leaves.
+int median_levels(std::size_t n) { return n <= SEL_TREE_LEAF ? 0 : std::bit_width((n - 1) / SEL_TREE_LEAF); }
+
+struct Split {
+    int axis = -1;  // -1: no useful plane
+    float offset = 0, scale = 0;
+    int bin = 0;    // items in bins < bin go left
+    float cost = 3e38f;
+    [[nodiscard]] int bin_of(const Item& item) const
+    {
+        return std::min(kBins - 1, static_cast<int>((item.twice_centre(axis) - offset) * scale));
+    }
+};
+
+/// Best of the 15 planes between 16 bins on each axis, over the spread of the centres.
+Split best_split(const Item* begin, const Item* end)
+{
+    float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
+    for (const Item* it = begin; it != end; ++it)
+        for (int d = 0; d < 3; ++d) {
+            low[d] = std::min(low[d], it->twice_centre(d));
+            high[d] = std::max(high[d], it->twice_centre(d));
+        }
+    Split best;
+    const float widest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    for (int axis = 0; axis < 3; ++axis) {
+        const float spread = high[axis] - low[axis];
+        // a narrow axis rarely wins, and for large ranges its pass over memory is what the build time is made of
+        if (!(spread > 0) || spread < 0.3f * widest) continue;
+        Split split{axis, low[axis], kBins / spread, 0, 3e38f};
+        if (!(split.scale < 3e38f)) continue;
+        std::array<Box, kBins> box;
+        std::array<std::uint32_t, kBins> count{};
+        for (const Item* it = begin; it != end; ++it) {
+            const auto b = static_cast<std::size_t>(split.bin_of(*it));
+            box[b].add(it->lo.data(), it->hi.data());
+            ++count[b];
+        }
+        std::array<float, kBins> right_cost{};
+        Box sweep;
+        std::uint32_t n = 0;
+        for (std::size_t b = kBins - 1; b > 0; --b) {
+            sweep.add(box[b]);
+            right_cost[b] = sweep.half_area() * static_cast<float>(n += count[b]);
+        }
+        sweep = Box{};
+        n = 0;
+        for (std::size_t b = 1; b < kBins; ++b) {
+            sweep.add(box[b - 1]);
+            n += count[b - 1];
+            const float cost = sweep.half_area() * static_cast<float>(n) + right_cost[b];
+            if (n > 0 && n < static_cast<std::uint32_t>(end - begin) && cost < best.cost) {
+                best = split;
+                best.bin = static_cast<int>(b);
+                best.cost = cost;
+            }
+        }
+    }
+    return best;
+}
+
+/// Splits at the middle of the widest axis by rank. Ties go by id, so that the result is one and the same.
+Item* median_split(Item* begin, Item* end, const Box& box)
+{
+    int axis = 0;
+    for (int d = 1; d < 3; ++d)
+        if (box.hi[d] - box.lo[d] > box.hi[axis] - box.lo[axis]) axis = d;
+    Item* middle = begin + (end - begin + 1) / 2;
+    std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
+        return a.twice_centre(axis) != b.twice_centre(axis) ? a.twice_centre(axis) < b.twice_centre(axis) : a.id < b.id;
+    });
+    return middle;
+}
+
+/// Where to divide [begin, end), or null when it is to be a leaf.
+Item* divide(Item* begin, Item* end, const Box& box, int depth)
+{
+    const auto n = static_cast<std::size_t>(end - begin);
+    if (n <= 1) return nullptr;
+    if (depth + 1 + median_levels(n) >= kMaxDepth) return n <= SEL_TREE_LEAF ? nullptr : median_split(begin, end, box);
+    const Split split = best_split(begin, end);
+    if (n <= SEL_TREE_LEAF) {
+        const float leaf_cost = kTriangleCost * static_cast<float>(n) * box.half_area();
+        if (split.axis < 0 || 2 * kBoxCost * box.half_area() + kTriangleCost * split.cost >= leaf_cost) return nullptr;
+    }
+    if (split.axis < 0) return median_split(begin, end, box);  // all centres in one place
+    return std::partition(begin, end, [&](const Item& item) { return split.bin_of(item) < split.bin; });
+}
+
+struct Range {  // a subtree still to be built
+    Item *begin, *end;
+    int depth;
+    std::uint32_t node;
+};
+
+struct Builder {
+    const Item* items;
+    std::vector<TreeNode> nodes;
+    int depth = 0;
+
+    /// Fills nodes[range.node]; ranges of more than `grain` triangles are handed back in `later` instead of built.
+    void build(Range range, std::size_t grain, std::vector<Range>* later)
+    {
+        SEL_ASSERT(range.depth <= kMaxDepth);
+        if (later && static_cast<std::size_t>(range.end - range.begin) <= grain) { later->push_back(range); return; }
+        const Box box = bounds(range.begin, range.end);
+        TreeNode node{};
+        std::copy(box.lo, box.lo + 3, node.lo);
+        std::copy(box.hi, box.hi + 3, node.hi);
+        Item* middle = divide(range.begin, range.end, box, range.depth);
+        depth = std::max(depth, range.depth);
+        if (!middle) {
+            node.left_or_first = static_cast<std::uint32_t>(range.begin - items);
+            node.count = static_cast<std::uint32_t>(range.end - range.begin);
+            nodes[range.node] = node;
+            return;
+        }
+        node.left_or_first = static_cast<std::uint32_t>(nodes.size());
+        nodes[range.node] = node;
+        nodes.resize(nodes.size() + 2);
+        build({range.begin, middle, range.depth + 1, node.left_or_first}, grain, later);
+        build({middle, range.end, range.depth + 1, node.left_or_first + 1}, grain, later);
+    }
+};
+
+/// Builds the top in this thread, the subtrees below it on `threads`, and joins them in their order.
+void build_nodes(WallTree& tree, std::vector<Item>& items, int threads)
+{
+    Builder top{items.data(), {}, 0};
+    top.nodes.reserve(items.size() + 2);
+    top.nodes.resize(1);
+    std::vector<Range> subtrees;
+    const Range all{items.data(), items.data() + items.size(), 0, 0};
+    top.build(all, threads > 1 ? items.size() / 8 + 1 : 0, threads > 1 ? &subtrees : nullptr);
+
+    std::vector<Builder> parts(subtrees.size(), Builder{items.data(), {}, 0});
+    std::atomic<std::size_t> next{0};
+    auto work = [&] {
+        for (std::size_t k = next++; k < parts.size(); k = next++) {
+            Range range = subtrees[k];
+            range.node = 0;
+            parts[k].nodes.reserve(static_cast<std::size_t>(range.end - range.begin));
+            parts[k].nodes.resize(1);
+            parts[k].build(range, 0, nullptr);
+        }
+    };
+    if (!subtrees.empty()) {
+        std::thread helper(work);
+        work();
+        helper.join();
+    }
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const auto offset = static_cast<std::uint32_t>(top.nodes.size()) - 1;  // part node i > 0 becomes offset + i
+        for (TreeNode& node : parts[k].nodes)
+            if (node.count == 0) node.left_or_first += offset;
+        top.nodes[subtrees[k].node] = parts[k].nodes[0];
+        top.nodes.insert(top.nodes.end(), parts[k].nodes.begin() + 1, parts[k].nodes.end());
+        top.depth = std::max(top.depth, parts[k].depth);
+    }
+    tree.nodes = std::move(top.nodes);
+    tree.depth = top.depth;
+}
+
+void write_triangle(WallTree& tree, const WallMesh& mesh, std::size_t k)
+{
+    const auto& corner = mesh.triangles[tree.original[k]];
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3 p = mesh.vertices[static_cast<std::size_t>(corner[c])] - tree.centre;
+        for (int d = 0; d < 3; ++d) tree.vertices[9 * k + 3 * c + static_cast<std::size_t>(d)] = static_cast<float>(p[d]);
+    }
+    const Vec3 area = double_area(tree.triangle(k));  // of the rounded triangle: that one is the wall
+    const Vec3 normal = area.norm() > 0 ? Vec3(area.normalized()) : Vec3(Vec3::Zero());
+    for (int d = 0; d < 3; ++d) tree.normals[3 * k + static_cast<std::size_t>(d)] = static_cast<float>(normal[d]);
+}
+
+std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
+{
+    std::vector<std::array<float, 3>> rounded(mesh.vertices.size());
+    for (std::size_t v = 0; v < rounded.size(); ++v)
+        for (std::size_t d = 0; d < 3; ++d)
+            rounded[v][d] = static_cast<float>(mesh.vertices[v][static_cast<int>(d)] - centre[static_cast<int>(d)]);
+    std::vector<Item> items(mesh.triangles.size());
+    for (std::size_t t = 0; t < items.size(); ++t) {
+        const auto& v = mesh.triangles[t];
+        const auto& a = rounded[static_cast<std::size_t>(v[0])];
+        const auto& b = rounded[static_cast<std::size_t>(v[1])];
+        const auto& c = rounded[static_cast<std::size_t>(v[2])];
+        items[t].id = static_cast<std::uint32_t>(t);
+        for (std::size_t d = 0; d < 3; ++d) {
+            items[t].lo[d] = std::min({a[d], b[d], c[d]});
+            items[t].hi[d] = std::max({a[d], b[d], c[d]});
+        }
+    }
+    return items;
+}
+
+std::vector<std::uint8_t> opening_bits(const WallMesh& mesh)
+{
+    std::vector<std::uint8_t> bits(mesh.triangles.size(), 0);
+    const MeshEdges edges = find_edges(mesh);
+    for (std::size_t k = 0; k < edges.count(); ++k) {
+        const auto uses = edges.uses(k);
+        if (uses.size() == 1) bits[static_cast<std::size_t>(uses[0] / 3)] |= static_cast<std::uint8_t>(1u << (uses[0] % 3));
+    }
+    return bits;
+}
+
+}  // namespace
+
+WallTree build_wall_tree(const WallMesh& mesh, int threads)
+{
+    WallTree tree;
+    if (mesh.triangles.empty()) return tree;
+    Eigen::AlignedBox3d box;
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+    tree.centre = box.center();
+    if (threads == 0) threads = mesh.triangles.size() > 50000 ? 2 : 1;
+
+    std::vector<std::uint8_t> bits;
+    std::thread edge_work;
+    if (threads > 1) edge_work = std::thread([&] { bits = opening_bits(mesh); });
+    else bits = opening_bits(mesh);
+    std::vector<Item> items = make_items(mesh, tree.centre);
+    build_nodes(tree, items, threads);
+    if (edge_work.joinable()) edge_work.join();
+    SEL_ASSERT(tree.depth < SEL_TREE_STACK);
+
+    const std::size_t count = items.size();
+    tree.original.resize(count);
+    tree.edge_bits.resize(count);
+    tree.vertices.resize(9 * count);
+    tree.normals.resize(3 * count);
+    for (std::size_t k = 0; k < count; ++k) {
+        tree.original[k] = items[k].id;
+        tree.edge_bits[k] = bits[items[k].id];
+        write_triangle(tree, mesh, k);
+    }
+    return tree;
+}
+
+void refit_wall_tree(WallTree& tree, const WallMesh& moved)
+{
+    SEL_ASSERT(moved.triangles.size() == tree.triangle_count());
+    for (std::size_t k = 0; k < tree.triangle_count(); ++k) write_triangle(tree, moved, k);
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
+        TreeNode& node = tree.nodes[i];
+        Box box;
+        if (node.count == 0) {
+            for (std::uint32_t c = 0; c < 2; ++c) box.add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
+        } else {
+            for (std::size_t p = 3 * std::size_t{node.left_or_first}; p < 3 * std::size_t{node.left_or_first + node.count}; ++p)
+                box.add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
+        }
+        std::copy(box.lo, box.lo + 3, node.lo);
+        std::copy(box.hi, box.hi + 3, node.hi);
+    }
+}
+
+}  // namespace seldinger

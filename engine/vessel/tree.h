@@ -1,0 +1,62 @@
+#pragma once
+// AABB tree over the wall: the flat arrays that kernels read, and the same queries on the host.
+//
+// Binned surface-area heuristic [Wald 2007, doi:10.1109/RT.2007.4342588], leaves of at most four triangles. Median
+// splits take over where the heuristic would let the tree grow deeper than a traversal stack of SEL_TREE_STACK holds.
+// Two threads may build it; the result does not depend on them.
+
+#include "shared/tree_types.h"
+#include "vessel/triangle_geometry.h"
+#include "vessel/wall_mesh.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace seldinger {
+
+/// The rounded wall and its tree. Arrays in leaf order go to the device as they stand.
+struct WallTree {
+    Vec3 centre = Vec3::Zero();             // world position of the arrays' origin [m]
+    std::vector<TreeNode> nodes;            // root first, children behind their parent; empty without triangles
+    std::vector<float> vertices;            // [9 T] leaf order, relative to the centre [m]; written by build and refit
+    std::vector<float> normals;             // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
+    std::vector<std::uint32_t> original;    // [T] leaf order -> index in WallMesh::triangles
+    std::vector<std::uint8_t> edge_bits;    // [T] leaf order, SEL_EDGE_IS_OPENING
+    int depth = 0;                          // deepest leaf, root = 0; always < SEL_TREE_STACK
+
+    [[nodiscard]] std::size_t triangle_count() const { return original.size(); }
+    /// Triangle `k` (leaf order) of the rounded wall, relative to the centre.
+    [[nodiscard]] Triangle3 triangle(std::size_t k) const
+    {
+        const float* v = &vertices[9 * k];
+        return {Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5]), Vec3(v[6], v[7], v[8])};
+    }
+};
+
+/// O(T log T). `threads`: 0 uses two when the mesh is large enough to repay them.
+[[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, int threads = 0);
+
+/// Moves the wall: new vertex positions, same triangles. Updates vertices, normals and boxes bottom-up in O(T), leaving
+/// the tree's shape as it was; build again when the wall has moved by more than a few triangles' length.
+void refit_wall_tree(WallTree& tree, const WallMesh& moved);
+
+struct TreeHit {
+    double distance2 = std::numeric_limits<double>::infinity();  // [m^2]
+    std::int64_t triangle = -1;                                  // leaf order; -1: nothing within the limit
+    Vec3 point = Vec3::Zero();                                   // world [m]
+    TriangleFeature feature = TriangleFeature::Face;
+};
+
+/// Nearest point of the wall within `limit` [m] of the world point p; the lower leaf index wins a tie.
+[[nodiscard]] TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p,
+                                      double limit = std::numeric_limits<double>::infinity());
+
+/// Distance along the unit direction to the first triangle that the ray meets, infinity when none. Triangles nearer
+/// than `skip` [m] to the origin do not count.
+[[nodiscard]] double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip = 0);
+
+/// Triangles (leaf order, increasing) whose boxes in the leaves overlap the world box [lo, hi].
+void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result);
+
+}  // namespace seldinger
