@@ -29,9 +29,9 @@
 // wire whose edges are five radii long) keeps from acting. With natural curvature and kappa near it, Gauss-Newton
 // B/l sum_a grad kappa_a grad kappa_a^T is exact. In between the two are blended by s = 1 - kappa.rest_kappa/|kappa|^2 in
 // [0, 1]: a convex combination of positive semidefinite matrices. Twist: Gauss-Newton (dropped: stored moment times the
-// Hessian of the writhe). So near a solution Newton with Safe converges linearly at a rate set by shear force and torque over stiffness, and
-// quadratically with Exact, which is what to try first wherever it can be factorised. Measured: a cantilever of 100 nodes
-// whipped through large angles at 1 ms takes 4.0 iterations with either, under axial load 5.3 (Safe) and 4.7 (Exact).
+// Hessian of the writhe). So near a solution Newton with Safe converges linearly at a rate set by shear force and torque over
+// stiffness, and quadratically with Exact, which is what to try first wherever it can be factorised. Measured: a
+// cantilever of 100 nodes whipped through large angles at 1 ms takes 4.0 iterations with either, under axial load 5.3 (Safe) and 4.7 (Exact).
 
 #include "rod/elastic.h"
 #include "rod/transport.h"
