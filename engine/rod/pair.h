@@ -31,7 +31,8 @@
 // [0, 1]: a convex combination of positive semidefinite matrices. Twist: Gauss-Newton (dropped: stored moment times the
 // Hessian of the writhe). So near a solution Newton with Safe converges linearly at a rate set by shear force and torque over
 // stiffness, and quadratically with Exact, which is what to try first wherever it can be factorised. Measured: a
-// cantilever of 100 nodes whipped through large angles at 1 ms takes 4.0 iterations with either, under axial load 5.3 (Safe) and 4.7 (Exact).
+// cantilever of 100 nodes whipped through large angles at 1 ms takes 4.0 iterations with either,
+// under axial load 5.3 (Safe) and 4.7 (Exact).
 
 #include "rod/elastic.h"
 #include "rod/transport.h"
