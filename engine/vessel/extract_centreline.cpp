@@ -23,7 +23,7 @@ struct Polyline {
 
 /// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a side
 /// pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest
-/// other end is at least 4/5 as far as the longest path are asked.
+/// other end is at least 0.9 times as far as the longest path are asked.
 void reroot_at_widest_end(Centreline& tree)
 {
     const std::size_t count = tree.points.size();
@@ -63,7 +63,7 @@ void reroot_at_widest_end(Centreline& tree)
     const double longest = std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
     const End* best = nullptr;
     for (const End& end : ends)
-        if (end.reach >= 0.8 * longest && (!best || end.width > best->width)) best = &end;
+        if (end.reach >= 0.9 * longest && (!best || end.width > best->width)) best = &end;
     walk_from(best->point);
     // parents anew, and points in the order of the walk, so that a parent stands before its children
     Centreline turned;
@@ -321,13 +321,13 @@ private:
         line.points = resample(raw);
         smooth(line.points, 6);
         for (int round = 0; round < 2; ++round) {
-            std::vector<Vec3> climbed = line.points;
             for (std::size_t i = 1; i + 1 < line.points.size(); ++i)
-                climbed[i] = climb(line.points[i], (line.points[i + 1] - line.points[i - 1]).normalized());
-            smooth(climbed, 2);
-            // smoothing may cut a corner of a narrow lumen: a point that would leave it stays
-            for (std::size_t i = 1; i + 1 < climbed.size(); ++i)
-                if (lumen_.signed_distance(climbed[i]) > 0) line.points[i] = climbed[i];
+                line.points[i] = climb(bring_inside(line.points[i]), (line.points[i + 1] - line.points[i - 1]).normalized());
+            std::vector<Vec3> smoothed = line.points;
+            smooth(smoothed, 2);
+            // smoothing may cut a corner of a narrow lumen: a point that would lose the middle stays
+            for (std::size_t i = 1; i + 1 < smoothed.size(); ++i)
+                if (lumen_.signed_distance(smoothed[i]) > 0.7 * radius_at(line.points[i])) line.points[i] = smoothed[i];
         }
         for (Vec3& p : line.points) {
             p = bring_inside(p);
