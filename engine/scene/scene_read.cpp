@@ -132,8 +132,9 @@ void read_feed(const toml::table& table, Scene& scene)
         const bool first = feed.keys.empty();
         feed.keys.push_back(read_feed_key(node, first ? FeedKey{} : feed.keys.back(), first));
         if (feed.keys.back().advance > scene.wire.length)
-            fail_at(node.source(), "feed.keys.advance_m", fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer",
-                                                                      feed.keys.back().advance, scene.wire.length));
+            fail_at(node.as_table()->get("advance_m")->source(), "feed.keys.advance_m",
+                    fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer", feed.keys.back().advance,
+                                scene.wire.length));
     }
 }
 
@@ -242,7 +243,8 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
         return found ? *found : none;
     };
     all.need("wire", "every scene has one [wire]");
-    if (!find_table(root, "integrator") || root.at_path("integrator.scheme").value<std::string>() != "static")
+    for (const auto name : {"wire", "integrator", "scene"}) (void)find_table(root, name);  // a wrong type is said before a missing table
+    if (root.at_path("integrator.scheme").value<std::string>() != "static")
         all.need("scene", "a table with duration_s and dt_s");
     read_integrator(table("integrator"), scene);
     read_scene_table(table("scene"), scene);
@@ -287,14 +289,11 @@ Scene read_scene_text(const std::string& text, const std::filesystem::path& file
     try {
         root = toml::parse(text, file.string());
     } catch (const toml::parse_error& error) {
-        std::string why(error.description());
-        std::replace(why.begin(), why.end(), '\n', ' ');
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", why));
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
     }
     for (const std::string& entry : overrides) apply_override(root, entry);
     refuse_what_is_not_built(root);
-    Scene scene = read_root(root, file);
-    return scene;
+    return read_root(root, file);
 }
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides)

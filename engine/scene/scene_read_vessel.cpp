@@ -35,7 +35,7 @@ std::filesystem::path existing_file(const TableReader& t, std::string_view key, 
     std::string written;
     t.text(key, written);
     std::error_code ignored;
-    const auto path = (std::filesystem::absolute(scene.source, ignored).parent_path() / written).lexically_normal();
+    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(scene.source, ignored).parent_path() / written, ignored);
     if (!std::filesystem::is_regular_file(path, ignored)) {
         try {
             t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));
@@ -84,8 +84,9 @@ void read_dimensions(const TableReader& t, VesselSpec& vessel)
     t.number("lead_in_m", vessel.lead_in, not_negative);
     t.number("lead_out_m", vessel.lead_out, not_negative);
     t.number("size_m", vessel.size, positive);
-    vessel.triangles = vessel.shape == VesselShape::Mesh ? 0 : 20'000;
-    t.count("triangles", vessel.triangles, 2, 20'000'000);
+    const bool arch = vessel.shape == VesselShape::Arch;  // its branches need some triangles (vessel/aortic_arch.h)
+    vessel.triangles = vessel.shape == VesselShape::Mesh ? 0 : arch ? 30'000 : 20'000;
+    t.count("triangles", vessel.triangles, arch ? 2'000 : 2, arch ? 1'000'000 : 20'000'000);
     if (vessel.shape == VesselShape::Arc && vessel.bend_radius <= vessel.radius)
         t.fail("bend_radius_m", "expected more than radius_m, or the tube cuts itself");
 }

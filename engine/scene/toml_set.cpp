@@ -1,6 +1,7 @@
 #include "scene/toml_set.h"
 
 #include "core/error.h"
+#include "scene/toml_table.h"
 
 #include <algorithm>
 #include <cctype>
@@ -13,7 +14,7 @@ namespace {
 
 [[noreturn]] void fail_set(const std::string& text, const std::string& message)
 {
-    throw Error(ExitCode::BadScene, fmt::format("--set {}: {}", text, message));
+    throw Error(ExitCode::BadScene, one_line(fmt::format("--set {}: {}", text, message)));
 }
 
 std::vector<std::string> split_path(const std::string& path)
