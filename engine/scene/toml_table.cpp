@@ -2,9 +2,9 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <sstream>
 
@@ -27,7 +27,8 @@ std::string shown(const toml::node& node)
 
 std::string one_line(std::string text)
 {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
     return text;
 }
 
@@ -65,10 +66,11 @@ void fail_at(const toml::source_region& where, std::string_view key, std::string
 {
     const std::string path = where.path ? *where.path : std::string("scene");
     const bool from_command_line = path.starts_with("--set ");
-    const std::string place = from_command_line ? path : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line),
-                                                                     std::max(1u, where.begin.column));
-    throw Error(ExitCode::BadScene, one_line(key.empty() ? fmt::format("{}: {}", place, message)
-                                                         : fmt::format("{}: {}: {}", place, key, message)));
+    const std::string place =
+        from_command_line ? path
+                          : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line), std::max(1u, where.begin.column));
+    throw Error(ExitCode::BadScene,
+                one_line(key.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {}: {}", place, key, message)));
 }
 
 TableReader::TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known)
@@ -165,7 +167,8 @@ bool TableReader::vector(std::string_view key, Vec3& value) const
 bool TableReader::direction(std::string_view key, Vec3& value) const
 {
     if (!vector(key, value)) return false;
-    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm())) wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
+    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm()))
+        wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
     return true;
 }
 

@@ -291,185 +291,200 @@ std::filesystem::path shared_folder()
 
 }  // namespace
 
-TEST_SUITE("scene/scene") {
+TEST_SUITE("scene/scene")
+{
+    TEST_CASE("property: what a scene leaves out has the contract's default")
+    {
+        const Scene s = read(minimal);
+        CHECK(s.name == "test");
+        CHECK(s.gravity == Vec3(0, 0, -9.81));
+        CHECK(s.steps() == 2000);
+        CHECK(s.until == Until::Time);
+        CHECK(s.record_every == 10);
+        CHECK_FALSE(s.start_settled);
+        CHECK(s.wire.nodes == 101);
+        CHECK(s.wire.place.shape == PlaceShape::Straight);
+        CHECK_FALSE(s.wire.place.rest_is_placed);
+        CHECK(s.wire.shaft.mu_static == 0.12);
+        CHECK(s.wire.shaft.mu_sliding == 0.10);
+        CHECK(s.integrator.scheme == Scheme::Newton);
+        CHECK_FALSE(s.integrator.newmark);
+        CHECK(s.integrator.damping_mass == 0);
+        CHECK(s.vessel.shape == VesselShape::None);
+        CHECK(s.contact.detection == Detection::Swept);
+        CHECK(s.contact.normal == NormalLaw::HuntCrossley);
+        CHECK(s.contact.friction == FrictionLaw::StickSlip);
+        CHECK(s.contact.stiffness_from_wall);
+        CHECK(s.contact.restitution == 0.5);
+        CHECK_FALSE(s.contact.rolling);
+        CHECK(s.wire_every == 20);  // 2000 steps, about 100 frames
+        CHECK_FALSE(s.feed.on);
+    }
 
-TEST_CASE("property: what a scene leaves out has the contract's default") {
-    const Scene s = read(minimal);
-    CHECK(s.name == "test");
-    CHECK(s.gravity == Vec3(0, 0, -9.81));
-    CHECK(s.steps() == 2000);
-    CHECK(s.until == Until::Time);
-    CHECK(s.record_every == 10);
-    CHECK_FALSE(s.start_settled);
-    CHECK(s.wire.nodes == 101);
-    CHECK(s.wire.place.shape == PlaceShape::Straight);
-    CHECK_FALSE(s.wire.place.rest_is_placed);
-    CHECK(s.wire.shaft.mu_static == 0.12);
-    CHECK(s.wire.shaft.mu_sliding == 0.10);
-    CHECK(s.integrator.scheme == Scheme::Newton);
-    CHECK_FALSE(s.integrator.newmark);
-    CHECK(s.integrator.damping_mass == 0);
-    CHECK(s.vessel.shape == VesselShape::None);
-    CHECK(s.contact.detection == Detection::Swept);
-    CHECK(s.contact.normal == NormalLaw::HuntCrossley);
-    CHECK(s.contact.friction == FrictionLaw::StickSlip);
-    CHECK(s.contact.stiffness_from_wall);
-    CHECK(s.contact.restitution == 0.5);
-    CHECK_FALSE(s.contact.rolling);
-    CHECK(s.wire_every == 20);  // 2000 steps, about 100 frames
-    CHECK_FALSE(s.feed.on);
-}
+    TEST_CASE("property: every documented key arrives where it belongs")
+    {
+        const Scene s = read(full);
+        CHECK(s.name == "a \"full\" scene, with µ");
+        CHECK(s.steps() == 6667);
+        CHECK(s.until == Until::Rest);
+        CHECK(s.seed == 42);
+        CHECK(s.start_settled);
+        CHECK(s.wire.place.bend_radius == 0.7);
+        CHECK(s.wire.place.rest_is_placed);
+        CHECK(s.wire.place.velocity == Vec3(0.01, 0.02, 0.03));
+        CHECK(s.integrator.scheme == Scheme::Linearised);
+        CHECK(s.integrator.newmark);
+        CHECK(s.vessel.shape == VesselShape::Arc);
+        CHECK(s.vessel.angle == 77.7 * std::numbers::pi / 180);
+        CHECK(s.contact.detection == Detection::Layer);
+        CHECK(s.contact.stiffness == 1e7);
+        CHECK(s.contact.samples_per_edge == 4);
+        CHECK(s.contact.mu_static == 0.2);
+        CHECK(s.wire.shaft.mu_static == 0.3);  // [wire] wins over [contact]
+        REQUIRE(s.holds.size() == 1);
+        CHECK(s.holds[0].turn[1][1] == 3.1);
+        REQUIRE(s.links.size() == 1);
+        CHECK(s.links[0].at.kind == WirePoint::Kind::Distance);
+        CHECK(s.contacts_every == 0);
+    }
 
-TEST_CASE("property: every documented key arrives where it belongs") {
-    const Scene s = read(full);
-    CHECK(s.name == "a \"full\" scene, with µ");
-    CHECK(s.steps() == 6667);
-    CHECK(s.until == Until::Rest);
-    CHECK(s.seed == 42);
-    CHECK(s.start_settled);
-    CHECK(s.wire.place.bend_radius == 0.7);
-    CHECK(s.wire.place.rest_is_placed);
-    CHECK(s.wire.place.velocity == Vec3(0.01, 0.02, 0.03));
-    CHECK(s.integrator.scheme == Scheme::Linearised);
-    CHECK(s.integrator.newmark);
-    CHECK(s.vessel.shape == VesselShape::Arc);
-    CHECK(s.vessel.angle == 77.7 * std::numbers::pi / 180);
-    CHECK(s.contact.detection == Detection::Layer);
-    CHECK(s.contact.stiffness == 1e7);
-    CHECK(s.contact.samples_per_edge == 4);
-    CHECK(s.contact.mu_static == 0.2);
-    CHECK(s.wire.shaft.mu_static == 0.3);  // [wire] wins over [contact]
-    REQUIRE(s.holds.size() == 1);
-    CHECK(s.holds[0].turn[1][1] == 3.1);
-    REQUIRE(s.links.size() == 1);
-    CHECK(s.links[0].at.kind == WirePoint::Kind::Distance);
-    CHECK(s.contacts_every == 0);
-}
+    // a solid round wire, by hand: r = 178 um, E = 60 GPa (reference/13_materials gives 4.70943e-05 for this wire's EI)
+    TEST_CASE("analytic: a material gives the stiffness of a round solid wire")
+    {
+        WireSection s;
+        s.radius = 0.000178;
+        s.youngs = 60e9;
+        s.poisson = 0.3;
+        set_stiffness_from_material(s);
+        CHECK(s.bend_stiffness == doctest::Approx(4.7307e-5).epsilon(1e-4));
+        CHECK(s.twist_stiffness == doctest::Approx(s.bend_stiffness / 1.3).epsilon(1e-12));  // C/B = 1/(1 + nu)
+        CHECK(s.stretch_stiffness == doctest::Approx(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
+    }
 
-// a solid round wire, by hand: r = 178 um, E = 60 GPa (reference/13_materials gives 4.70943e-05 for this wire's EI)
-TEST_CASE("analytic: a material gives the stiffness of a round solid wire") {
-    WireSection s;
-    s.radius = 0.000178;
-    s.youngs = 60e9;
-    s.poisson = 0.3;
-    set_stiffness_from_material(s);
-    CHECK(s.bend_stiffness == doctest::Approx(4.7307e-5).epsilon(1e-4));
-    CHECK(s.twist_stiffness == doctest::Approx(s.bend_stiffness / 1.3).epsilon(1e-12));         // C/B = 1/(1 + nu)
-    CHECK(s.stretch_stiffness == doctest::Approx(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
-}
+    TEST_CASE("property: a section inherits what it does not give, and its own stiffness wins over its material")
+    {
+        const Scene s = read(full);
+        REQUIRE(s.wire.sections.size() == 2);
+        const WireSection &shaft = s.wire.shaft, &tip = s.wire.sections[0].section, &thin = s.wire.sections[1].section;
+        CHECK(tip.bend_stiffness == 1e-6);
+        CHECK(tip.twist_stiffness == shaft.twist_stiffness);
+        CHECK(tip.youngs == shaft.youngs);
+        CHECK(tip.mu_static == 0.3);
+        CHECK(tip.mu_sliding == 0.05);
+        CHECK(tip.rest_curvature == Eigen::Vector2d(20, -3));
+        // same material, thinner and of another Poisson's ratio: B ~ r^4, C/B = 1/(1 + nu)
+        CHECK(thin.bend_stiffness == doctest::Approx(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
+        CHECK(thin.twist_stiffness == doctest::Approx(thin.bend_stiffness / 1.2).epsilon(1e-12));
+    }
 
-TEST_CASE("property: a section inherits what it does not give, and its own stiffness wins over its material") {
-    const Scene s = read(full);
-    REQUIRE(s.wire.sections.size() == 2);
-    const WireSection &shaft = s.wire.shaft, &tip = s.wire.sections[0].section, &thin = s.wire.sections[1].section;
-    CHECK(tip.bend_stiffness == 1e-6);
-    CHECK(tip.twist_stiffness == shaft.twist_stiffness);
-    CHECK(tip.youngs == shaft.youngs);
-    CHECK(tip.mu_static == 0.3);
-    CHECK(tip.mu_sliding == 0.05);
-    CHECK(tip.rest_curvature == Eigen::Vector2d(20, -3));
-    // same material, thinner and of another Poisson's ratio: B ~ r^4, C/B = 1/(1 + nu)
-    CHECK(thin.bend_stiffness == doctest::Approx(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
-    CHECK(thin.twist_stiffness == doctest::Approx(thin.bend_stiffness / 1.2).epsilon(1e-12));
-}
+    TEST_CASE("property: a scene written out reads back to the same bits")
+    {
+        check_round_trip(read(minimal));
+        check_round_trip(read(full));
+    }
 
-TEST_CASE("property: a scene written out reads back to the same bits") {
-    check_round_trip(read(minimal));
-    check_round_trip(read(full));
-}
+    TEST_CASE("property: every placement and every generated vessel survives the round trip")
+    {
+        const std::string vessels[] = {
+            "shape = \"tube\"\nradius_m = 0.01\nlength_m = 0.333333333333333314829616256247\naxis = [0, 0, 1]\n",
+            "shape = \"plane\"\nsize_m = 1\nnormal = [0.1, 0, 1]\n", "shape = \"aortic-arch\"\n",
+            "shape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.1\nangle_deg = 180\n"};
+        const std::string places[] = {"{ shape = \"ring\", twist_rad = 9.42 }", "{ shape = \"straight\", direction = [0, 0, 3] }",
+                                      "{ shape = \"centreline\", from_m = 0.1 }",
+                                      "{ shape = \"points\", points = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.2, 0]] }",
+                                      "{ shape = \"arc\", bend_radius_m = 0.05 }"};
+        for (const auto& vessel : vessels)
+            for (const auto& place : places) {
+                CAPTURE(vessel);
+                CAPTURE(place);
+                check_round_trip(read(minimal + "place = " + place + "\n[vessel]\n" + vessel));
+            }
+    }
 
-TEST_CASE("property: every placement and every generated vessel survives the round trip") {
-    const std::string vessels[] = {
-        "shape = \"tube\"\nradius_m = 0.01\nlength_m = 0.333333333333333314829616256247\naxis = [0, 0, 1]\n",
-        "shape = \"plane\"\nsize_m = 1\nnormal = [0.1, 0, 1]\n", "shape = \"aortic-arch\"\n",
-        "shape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.1\nangle_deg = 180\n"};
-    const std::string places[] = {
-        "{ shape = \"ring\", twist_rad = 9.42 }", "{ shape = \"straight\", direction = [0, 0, 3] }", "{ shape = \"centreline\", from_m = 0.1 }",
-        "{ shape = \"points\", points = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.2, 0]] }", "{ shape = \"arc\", bend_radius_m = 0.05 }"};
-    for (const auto& vessel : vessels)
-        for (const auto& place : places) {
-            CAPTURE(vessel);
-            CAPTURE(place);
-            check_round_trip(read(minimal + "place = " + place + "\n[vessel]\n" + vessel));
+    TEST_CASE("property: any angle in degrees comes back to the same radians")
+    {
+        for (int i = 1; i <= 3600; ++i) {
+            const Scene s = read(minimal, {"vessel.shape=arc", "vessel.radius_m=0.01", "vessel.bend_radius_m=0.1",
+                                           "vessel.angle_deg=" + std::to_string(i * 0.1)});
+            const Scene again = read_scene_text(write_scene(s, "."), "again.toml");
+            REQUIRE(s.vessel.angle == again.vessel.angle);
         }
-}
-
-TEST_CASE("property: any angle in degrees comes back to the same radians") {
-    for (int i = 1; i <= 3600; ++i) {
-        const Scene s = read(minimal, {"vessel.shape=arc", "vessel.radius_m=0.01", "vessel.bend_radius_m=0.1",
-                                       "vessel.angle_deg=" + std::to_string(i * 0.1)});
-        const Scene again = read_scene_text(write_scene(s, "."), "again.toml");
-        REQUIRE(s.vessel.angle == again.vessel.angle);
     }
-}
 
-TEST_CASE("property: a fed wire round-trips with its keys, and a turn left out stays as it was") {
-    const Scene s = read(minimal + "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0.1]\nkeys = [{t_s = 0, advance_m = 0.01, turn_rad = 1}, "
-                                   "{t_s = 1.1, advance_m = 0.2}, {t_s = 2, advance_m = 0.3, turn_rad = 2}]\n");
-    REQUIRE(s.feed.keys.size() == 3);
-    CHECK(s.feed.keys[1].turn == 1);
-    check_round_trip(s);
-    check_round_trip(read(minimal + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 1\n[feed]\ninlet = \"auto\"\nkeys = [{t_s = 0, advance_m = 0}]\n"));
-}
-
-TEST_CASE("property: mesh paths are re-based to where the scene is written") {
-    const TemporaryFolder folder;
-    std::filesystem::create_directories(folder.path() / "meshes");
-    std::filesystem::create_directories(folder.path() / "scenes");
-    std::filesystem::create_directories(folder.path() / "runs/one");
-    std::ofstream(folder.path() / "meshes/a b.stl") << "solid\nendsolid\n";
-    std::ofstream(folder.path() / "scenes/s.toml") << minimal << "[vessel]\nmesh = \"../meshes/a b.stl\"\nunits = \"cm\"\n";
-    const Scene s = read_scene(folder.path() / "scenes/s.toml");
-    const std::string text = write_scene(s, folder.path() / "runs/one");
-    CHECK(text.find("mesh = \"../../meshes/a b.stl\"") != std::string::npos);
-    const Scene again = read_scene_text(text, folder.path() / "runs/one/scene.toml");
-    CHECK(again.vessel.mesh == s.vessel.mesh);
-    CHECK(again.vessel.units == "cm");
-}
-
-TEST_CASE("property: --set changes numbers, words, lists and tables, and makes what is absent") {
-    const Scene s = read(minimal, {"wire.nodes=33", "contact.detection = layer", "scene.gravity=[0, 0, 1]", "vessel.shape=tube",
-                                   "vessel.radius_m=0.01", "vessel.length_m=0.2", "hold.0.position=true", "hold.0.at=tip",
-                                   "wire.section.0.from_tip_m=[0, 0.1]", "wire.section.0.bend_nm2=1e-6", "scene.name=two words",
-                                   "wire.place.shape=ring", "wire.nodes=34"});
-    CHECK(s.wire.nodes == 34);
-    CHECK(s.contact.detection == Detection::Layer);
-    CHECK(s.gravity == Vec3(0, 0, 1));
-    CHECK(s.vessel.shape == VesselShape::Tube);
-    REQUIRE(s.holds.size() == 1);
-    CHECK(s.holds[0].at.kind == WirePoint::Kind::Tip);
-    REQUIRE(s.wire.sections.size() == 1);
-    CHECK(s.wire.sections[0].section.bend_stiffness == 1e-6);
-    CHECK(s.name == "two words");
-    CHECK(s.wire.place.shape == PlaceShape::Ring);
-    const Scene turned = read(full, {"hold.0.spin=false", "hold.0.turn=[[0, 0]]", "hold.0.spin=true", "link.0.anchor.1=0.7"});
-    CHECK(turned.holds[0].turn.size() == 1);
-    CHECK(turned.links[0].anchor == Vec3(0.1, 0.7, 0.1));
-}
-
-TEST_CASE("property: sliding friction above the static one raises it, and says so") {
-    const Scene s = read(minimal, {"contact.mu_sliding=0.3"});
-    CHECK(s.contact.mu_static == 0.3);
-    CHECK(s.wire.shaft.mu_static == 0.3);
-    REQUIRE(s.notes.size() == 1);
-    CHECK(s.notes[0].first == "contact.mu_static");
-    check_round_trip(s);
-}
-
-TEST_CASE("property: the contract's own example scenes read, and round-trip") {
-    const auto scenes = shared_folder() / "scenes";
-    if (!std::filesystem::is_directory(scenes)) {
-        MESSAGE("skipped: no shared reference scenes at " << scenes.string());
-        return;
+    TEST_CASE("property: a fed wire round-trips with its keys, and a turn left out stays as it was")
+    {
+        const Scene s =
+            read(minimal +
+                 "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0.1]\nkeys = [{t_s = 0, advance_m = 0.01, turn_rad = 1}, "
+                 "{t_s = 1.1, advance_m = 0.2}, {t_s = 2, advance_m = 0.3, turn_rad = 2}]\n");
+        REQUIRE(s.feed.keys.size() == 3);
+        CHECK(s.feed.keys[1].turn == 1);
+        check_round_trip(s);
+        check_round_trip(read(minimal + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 1\n[feed]\ninlet = "
+                                        "\"auto\"\nkeys = [{t_s = 0, advance_m = 0}]\n"));
     }
-    int read_count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(scenes)) {
-        if (entry.path().extension() != ".toml") continue;
-        CAPTURE(entry.path().string());
-        check_round_trip(read_scene(entry.path()));
-        ++read_count;
-    }
-    CHECK(read_count >= 6);
-}
 
+    TEST_CASE("property: mesh paths are re-based to where the scene is written")
+    {
+        const TemporaryFolder folder;
+        std::filesystem::create_directories(folder.path() / "meshes");
+        std::filesystem::create_directories(folder.path() / "scenes");
+        std::filesystem::create_directories(folder.path() / "runs/one");
+        std::ofstream(folder.path() / "meshes/a b.stl") << "solid\nendsolid\n";
+        std::ofstream(folder.path() / "scenes/s.toml") << minimal << "[vessel]\nmesh = \"../meshes/a b.stl\"\nunits = \"cm\"\n";
+        const Scene s = read_scene(folder.path() / "scenes/s.toml");
+        const std::string text = write_scene(s, folder.path() / "runs/one");
+        CHECK(text.find("mesh = \"../../meshes/a b.stl\"") != std::string::npos);
+        const Scene again = read_scene_text(text, folder.path() / "runs/one/scene.toml");
+        CHECK(again.vessel.mesh == s.vessel.mesh);
+        CHECK(again.vessel.units == "cm");
+    }
+
+    TEST_CASE("property: --set changes numbers, words, lists and tables, and makes what is absent")
+    {
+        const Scene s = read(minimal, {"wire.nodes=33", "contact.detection = layer", "scene.gravity=[0, 0, 1]",
+                                       "vessel.shape=tube", "vessel.radius_m=0.01", "vessel.length_m=0.2", "hold.0.position=true",
+                                       "hold.0.at=tip", "wire.section.0.from_tip_m=[0, 0.1]", "wire.section.0.bend_nm2=1e-6",
+                                       "scene.name=two words", "wire.place.shape=ring", "wire.nodes=34"});
+        CHECK(s.wire.nodes == 34);
+        CHECK(s.contact.detection == Detection::Layer);
+        CHECK(s.gravity == Vec3(0, 0, 1));
+        CHECK(s.vessel.shape == VesselShape::Tube);
+        REQUIRE(s.holds.size() == 1);
+        CHECK(s.holds[0].at.kind == WirePoint::Kind::Tip);
+        REQUIRE(s.wire.sections.size() == 1);
+        CHECK(s.wire.sections[0].section.bend_stiffness == 1e-6);
+        CHECK(s.name == "two words");
+        CHECK(s.wire.place.shape == PlaceShape::Ring);
+        const Scene turned = read(full, {"hold.0.spin=false", "hold.0.turn=[[0, 0]]", "hold.0.spin=true", "link.0.anchor.1=0.7"});
+        CHECK(turned.holds[0].turn.size() == 1);
+        CHECK(turned.links[0].anchor == Vec3(0.1, 0.7, 0.1));
+    }
+
+    TEST_CASE("property: sliding friction above the static one raises it, and says so")
+    {
+        const Scene s = read(minimal, {"contact.mu_sliding=0.3"});
+        CHECK(s.contact.mu_static == 0.3);
+        CHECK(s.wire.shaft.mu_static == 0.3);
+        REQUIRE(s.notes.size() == 1);
+        CHECK(s.notes[0].first == "contact.mu_static");
+        check_round_trip(s);
+    }
+
+    TEST_CASE("property: the contract's own example scenes read, and round-trip")
+    {
+        const auto scenes = shared_folder() / "scenes";
+        if (!std::filesystem::is_directory(scenes)) {
+            MESSAGE("skipped: no shared reference scenes at " << scenes.string());
+            return;
+        }
+        int read_count = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(scenes)) {
+            if (entry.path().extension() != ".toml") continue;
+            CAPTURE(entry.path().string());
+            check_round_trip(read_scene(entry.path()));
+            ++read_count;
+        }
+        CHECK(read_count >= 6);
+    }
 }
