@@ -17,36 +17,58 @@ struct RodTrial {
 };
 
 /// A clamp ("half-Voronoi"): the tangent at `node` is prescribed, to second order in the edge length. It acts on the edge(s)
-/// that meet there through bending (and, if `spin`, twist) springs over half the edge's rest length:
-/// E = B |kappa - rest_kappa/2|^2 / (2 (rest_length/2)), kappa from (clamp tangent, edge), and likewise twist.
+/// that meet there through bending (and, if `spin`, twist) springs over half the edge's rest length, a = rest_length/2:
+/// E = B |kappa - share rest_kappa|^2 / (2 a), kappa from (clamp tangent, edge), share = a / voronoi_length (1 at tip and
+/// hub), and likewise twist. At an inner node these take the place of the node's own energy: `direction` of its bending,
+/// `spin` of its twist.
 struct RodClamp {
     int node = 0;
     bool direction = true;          // else only spin is held
     bool spin = false;
     Vec3 tangent = Vec3::UnitX();   // unit, oriented tip -> hub like the edges' tangents
     Vec3 director = Vec3::UnitZ();  // first MATERIAL director of the clamp, unit, normal to tangent
-    double turns = 0;               // continuous angle that the director was turned by [rad], to count full turns
+    // Continuous angle that the director was turned by [rad], to count full turns, in the gauge of the edges' theta: twist
+    // between clamp and edge is theta - turns + (angle of the unturned director from the edge's ref_d1).
+    double turns = 0;
 };
 
 /// Scratch of one wire at a trial configuration; allocated once for the capacity.
 struct RodFrames {
-    explicit RodFrames(int capacity = 0);
+    explicit RodFrames(int capacity = 0, int clamp_capacity = 16);
     std::vector<Vec3> tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
-    std::vector<double> edge_length, ref_twist, kappa1, kappa2, twist;
-    // clamps: reference twist between clamp director and the edge's reference director, kept continuous (two sides)
-    std::vector<double> clamp_ref_twist;        // [2 * clamps]
+    std::vector<double> edge_length;            // [n-1] [m]
+    // [n], 0 at tip and hub; kappa in the frame midway between the edges' material frames (rod/pair.h), twist unbounded [rad]
+    std::vector<double> chi, ref_twist, kappa1, kappa2, twist;  // chi = 1 + cos(turning angle)
+    // clamps, side 0: edge on the tip side, side 1: on the hub side
+    std::vector<int> clamp_node;                // [clamps]
+    std::vector<double> clamp_ref_twist;        // [2 * clamps] between clamp director and the edge's d1, kept continuous
+    std::vector<double> clamp_twist;            // [2 * clamps] that and the edge's theta; 0 without spin
+    int clamp_count = 0;
 };
 
 enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite per stencil, never indefinite
 
-/// Frames, curvature and twist at `trial`. O(n), no allocation. Edge length 0 or a fold of exactly pi gives non-finite
-/// values, which the caller must treat as inadmissible. @return false if anything is not finite
+/// Frames, curvature and twist at `trial`. O(n), no allocation. @return false where there is no such configuration: an edge of
+/// length 0, two edges (or edge and clamp) folded to pi, an edge turned by pi since the accepted state, anything not finite.
+/// `frames` is then meaningless and must not be used; the accepted state is untouched.
 [[nodiscard]] bool update_frames(const RodView& rod, const RodTrial& trial, std::span<const RodClamp> clamps, RodFrames& frames);
 
 /// Elastic energy [J] at the configuration of `frames`.
 [[nodiscard]] double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames);
 
-/// Adds +dE/dq to `gradient` [4n] (x, y, z, theta per node; theta of the last node unused) and d2E/dq2 to `hessian`.
+/// Adds +dE/dq to `gradient` [4n] (x, y, z, theta per node; theta of the last node unused) and d2E/dq2 to `hessian` (may be
+/// null). O(n), no allocation.
+///
+/// dE/dx is the force for a change of shape in which no material frame spins about its own tangent. At the accepted state
+/// that is the derivative of E(x, theta). At a trial state away from it, moving edge j also spins its frame by
+/// (t x t0).dt/(1 + t0.t), t0 the accepted tangent (holonomy), so that the derivative of the function E(x, theta) is
+/// dE/dx + (dE/dtheta_j) (that)/dx. The physical balance is the one without this term (all moments about t do the same
+/// extra work, inertia and contact included), and both vanish together where theta is free. A line search on E with theta
+/// prescribed against a torque M sees a slope wrong by M times half of the rotation since the accepted state: accept the
+/// frames between iterations of a static solve, or test the residual instead, when that matters.
+///
+/// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
+/// `Safe`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
 void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
                  std::span<double> gradient, BandMatrix* hessian, HessianMode mode);
 

@@ -20,6 +20,7 @@ struct RodView {
     std::span<double> stretch_stiffness;  // [n-1] EA [N]
     std::span<double> bend_stiffness;     // [n] B at a node [N m^2] (ends too: used by clamps)
     std::span<double> twist_stiffness;    // [n] C at a node [N m^2]
+    // integrals over the node's Voronoi cell; at tip and hub over their half cell
     std::span<double> rest_kappa1, rest_kappa2;  // [n] integrated rest curvature at a node [-]
     std::span<double> rest_twist;         // [n] integrated rest twist at a node [rad]
     std::span<double> mass;               // [n] lumped [kg]
@@ -36,7 +37,15 @@ struct RodView {
     std::span<double> tx, ty, tz;         // [n-1] unit tangent from node j to node j+1 (tip towards hub)
     std::span<double> d1x, d1y, d1z;      // [n-1] first reference director, unit, normal to the tangent
     std::span<double> ref_twist;          // [n] reference twist at inner nodes [rad]
+    // reference twist between a clamp at this node and the edge on its tip side (a), on its hub side (b), of the accepted
+    // state [rad]; kept so that full turns are not forgotten; 0 where no clamp is. Written by accept_frames
+    std::span<double> clamp_twist_a, clamp_twist_b;  // [n]
 
+    /// Half of a node's two rest edges; at tip and hub half of the only one [m].
+    [[nodiscard]] double voronoi_length(int i) const
+    {
+        return 0.5 * ((i > 0 ? rest_length[i - 1] : 0.0) + (i < n - 1 ? rest_length[i] : 0.0));
+    }
     [[nodiscard]] Vec3 pos(int i) const { return {x[i], y[i], z[i]}; }
     [[nodiscard]] Vec3 vel(int i) const { return {vx[i], vy[i], vz[i]}; }
     [[nodiscard]] Vec3 tangent(int j) const { return {tx[j], ty[j], tz[j]}; }
@@ -60,14 +69,18 @@ public:
     [[nodiscard]] int total_capacity() const { return begin_.back(); }
     /// @param n  2..capacity(wire); arrays keep their content, entries beyond the old count are unspecified
     void set_node_count(int wire, int n);
+    /// Makes room for a node at `index` in 1..n-1: it and the edge at that index repeat what was there, for the caller to
+    /// overwrite; everything hubwards moves up by one. / Takes out node and edge `index`.
+    void insert_node(int wire, int index);
+    void erase_node(int wire, int index);
     [[nodiscard]] RodView view(int wire);
     /// All state and model bytes of a wire, for checkpoints and the state hash: one span per array, in a fixed order.
     [[nodiscard]] std::vector<std::span<double>> arrays(int wire);
 
 private:
     static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
-    std::vector<int> begin_, count_;
-    std::vector<double> storage_[array_count];
+    std::vector<int> begin_, count_;        // [wires + 1], [wires]
+    std::vector<double> storage_[array_count];  // [total_capacity] each, in the order of RodView's members
 };
 
 }  // namespace seldinger

@@ -2,6 +2,7 @@
 // What a wire is, as its user describes it: every property a function of the material coordinate s [m] from the tip.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>  // cross
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,7 +1,13 @@
 #pragma once
 // Banded Newton matrix of one wire: unknowns node by node (x, y, z, theta), half bandwidth 10, 4 unknowns a node.
-// Factorised in O(n), in place of a general sparse solver; nothing is allocated after construction.
+// Factorised in O(n) by 4x4 blocks, in place of a general sparse solver; nothing is allocated after construction.
+//
+// The pattern is that of D1-D3 and of contact: the unknowns of nodes a and b couple only when |a - b| <= 2, and then only
+// within the half bandwidth (x_a never meets theta_{a+2}, 11 apart).
 
+#include "core/check.h"
+
+#include <cstdlib>
 #include <span>
 #include <vector>
 
@@ -11,14 +17,19 @@ class BandMatrix {
 public:
     static constexpr int half_bandwidth = 10;
     static constexpr int row_width = 2 * half_bandwidth + 1;
-    static constexpr int stride = 24;  // doubles per row, a multiple of the SIMD width
+    static constexpr int stride = 24;  // doubles per row, a multiple of the SIMD width; those past row_width stay zero
+    static constexpr int node_size = 4;  // unknowns of a node, the block of the factorisation
 
     explicit BandMatrix(int max_size = 0);
-    void reset(int size);  // size = 4 n unknowns; zero entries
+    void reset(int size);  // size = 4 n unknowns, <= max_size; zero entries
     [[nodiscard]] int size() const { return size_; }
 
-    /// A(i, j) += value; |i - j| <= half_bandwidth. Assembly fills both halves, also when symmetric.
-    void add(int i, int j, double value) { rows_[i * stride + (j - i) + half_bandwidth] += value; }
+    /// A(i, j) += value; |i - j| <= half_bandwidth, nodes at most two apart. Assembly fills both halves, also when symmetric.
+    void add(int i, int j, double value)
+    {
+        SEL_VALIDATE(std::abs(i - j) <= half_bandwidth && std::abs(i / node_size - j / node_size) <= 2);
+        rows_[i * stride + (j - i) + half_bandwidth] += value;
+    }
     [[nodiscard]] double at(int i, int j) const { return rows_[i * stride + (j - i) + half_bandwidth]; }
     /// Row i, entry for column i at offset half_bandwidth.
     [[nodiscard]] double* row(int i) { return rows_.data() + i * stride; }
@@ -29,18 +40,39 @@ public:
     /// y = A x
     void multiply(std::span<const double> x, std::span<double> y) const;
 
-    /// LDL^T of the lower half, into its own storage (the matrix stays as assembled). A pivot below `floor` times the
-    /// row's diagonal scale is raised to it, so that the result is always positive definite. @return pivots raised
+    /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot
+    /// that no positive definite matrix could have (below pivot_floor times its diagonal a_kk, or below c_kj^2 / a_jj for
+    /// some entry c_kj of the reduced row) is raised, at least to a_kk: the result is always positive definite, its entries
+    /// stay bounded, and the step along a raised pivot is as small as the diagonal alone would make it.
+    /// [Gill81, sec. 4.4.2.2] with the bound taken per entry, so that it does not depend on units. @return pivots raised
     int factor_ldlt();
-    void solve_ldlt(std::span<double> rhs_to_x) const;
-    /// LU with the full, unsymmetric matrix, row-scaled, without pivoting (diagonally strong by inertia or stiffness).
-    /// @return false when a pivot vanishes; the caller falls back to factor_ldlt
+    void solve_ldlt(std::span<double> rhs_to_x);
+    /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place
+    /// of an LDL^T. @return false when a pivot vanishes against its row's scale; the caller falls back to factor_ldlt
     [[nodiscard]] bool factor_lu();
-    void solve_lu(std::span<double> rhs_to_x) const;
+    void solve_lu(std::span<double> rhs_to_x);
+
+    /// Rounding leaves a pivot that should be 0 at about 1e-15 of its diagonal; the weakest honest one (the inertia of a
+    /// stiff fine wire at a long step, m/h^2 against EA/l) is about 1e-11 of it.
+    static constexpr double pivot_floor = 1e-14;
 
 private:
+    // Factors of one node's rows: columns of this node and of the next two, and (LU) the multipliers of the next two nodes'
+    // rows, transposed. In the LU upper[p][0..p-1] holds the multipliers inside the block.
+    struct alignas(32) NodeFactor {
+        double upper[4][12];
+        double lower[4][8];
+        double inverse_pivot[4];
+        double inverse_diagonal[4];  // 1 / |a_kk| of the matrix itself
+    };
+
+    void load_upper();
+    void load_lower();
+    [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero
+
     int size_ = 0;
-    std::vector<double> rows_, factor_, scratch_;
+    std::vector<double> rows_, scratch_;
+    std::vector<NodeFactor> factor_;  // two more than nodes, so that the last ones need no special case
 };
 
 }  // namespace seldinger

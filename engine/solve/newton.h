@@ -29,6 +29,8 @@ public:
     virtual void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const = 0;
     /// True when sliding friction makes the tangent unsymmetric.
     [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
+    /// Largest contact force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
+    [[nodiscard]] virtual double largest_force(int wire) const = 0;
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int wire) const = 0;
 };
@@ -48,10 +50,12 @@ struct SolveReport {
     bool non_finite = false;
     int iterations = 0;         // Newton iterations
     int evaluations = 0;        // residual evaluations, line search included
-    double residual = 0;        // largest force residual left [N]
-    double tolerance = 0;       // that it was compared with [N]
-    double force_scale = 0;     // [N]
+    double residual = 0;        // largest force residual left on a free unknown [N]; moments over the mean edge length
+    double tolerance = 0;       // that it was compared with [N]: IntegratorSpec::tolerance * force_scale + rounding noise
+    double force_scale = 0;     // largest of weight, loads, stretched springs, B/L^2 (wire_problem.cpp, set_scales) [N]
 };
+
+enum class Motion { Static, Implicit, Explicit };  // which equations: see wire_problem.h
 
 /// Workspace and options for a fixed set of wires.
 class Solver {
@@ -69,6 +73,10 @@ public:
     void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
+    /// Accelerations at the start of a run, M a = F(x, v): what Newmark needs before its first step. Backward Euler does not.
+    void initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
+                                 std::span<const std::uint8_t> active);
+
     // results of the last step or equilibrium, per wire
     [[nodiscard]] const RodFrames& frames(int wire) const;
     [[nodiscard]] const TrialState& trial() const;                  // = the accepted state after success
@@ -80,11 +88,22 @@ public:
 
 private:
     struct Work;
+    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active);
+    void iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+    void step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+                       std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+    void evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void write_trial(int wire);
+    void restore(int wire);
+    [[nodiscard]] static double move_limit(const ContactTerm* contact, int wire);
+
     RodArrays& rods_;
     IntegratorSpec spec_;
     Vec3 gravity_;
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
+    std::vector<std::uint8_t> evaluate_;  // [wires] takes part in the present evaluation of contact
 };
 
 }  // namespace seldinger

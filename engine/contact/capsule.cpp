@@ -1,0 +1,364 @@
+#include "contact/capsule.h"
+
+#include "contact/wall_law.h"
+#include "core/bytes.h"
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <tuple>
+
+namespace seldinger {
+
+namespace {
+
+// Below these counts the caller's thread is faster than waking the pool (15 us); by counts alone, so that the choice, and with it
+// the order of nothing at all, is the same on every machine.
+constexpr std::size_t heavy_evaluate = 2048, heavy_find = 256;
+constexpr std::uint32_t first_slots = 24;
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& v) { return v.size() * sizeof(T); }
+
+template <class T>
+std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::* member)
+{
+    std::vector<T> list;
+    for (const WireSetup& wire : setup.wires) list.push_back(wire.*member);
+    return list;
+}
+
+}  // namespace
+
+CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
+                               double lumen_radius)
+    : context_(context),
+      rods_(rods),
+      swept_(setup.wires[0].contact.detection == Detection::Swept),
+      wall_(context, tree, setup.mesh),
+      samples_(make_samples(per_wire(setup, &WireSetup::wire), per_wire(setup, &WireSetup::contact), setup.vessel, lumen_radius)),
+      nodes_(context, rods.total_capacity()),
+      nodes_t0_(context, rods.total_capacity()),
+      find_(context, "contact/capsule.cl", "contact_find"),
+      evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
+      reduce_(context, "contact/capsule.cl", "contact_reduce")
+{
+    const std::size_t n = samples_.models.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (const SampleModel& m : samples_.models) least = std::min(least, m.radius);
+    params_.slots = first_slots;
+    params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
+    params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
+    params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
+    params_.reach = 0.1 * least;
+    slack_ = 0.4 * least;
+    skin_ = params_.reach + slack_;
+    cull_x_.assign(n, std::numeric_limits<double>::quiet_NaN());
+    cull_y_ = cull_z_ = cull_x_;
+    counts_.assign(n, 0);
+    to_find_.reserve(n);
+    active_.reserve(n);
+    const std::size_t most_edges = rods.total_capacity();
+    edge_first_.reserve(most_edges + 1);
+    sums_.edge_node.reserve(most_edges);
+    sums_.edges.resize(most_edges);
+    sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    models_ = device::Buffer(context, n * sizeof(SampleModel));
+    places_ = device::Buffer(context, n * sizeof(SamplePlace));
+    candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
+    count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
+    forces_ = device::Buffer(context, n * sizeof(SampleForce));
+    barys_ = device::Buffer(context, n * sizeof(real));
+    edge_buffer_ = device::Buffer(context, most_edges * sizeof(EdgeForce));
+    touches_t0_ = device::Buffer(context, 2 * n * sizeof(TouchState));
+    touches_ = device::Buffer(context, 2 * n * sizeof(TouchState));
+    context_.write(device::Lane::Light, models_, samples_.models.data(), bytes_of(samples_.models));
+    context_.finish(device::Lane::Light);
+    warm_up();
+}
+
+// The first launch of a kernel on each device compiles it (0.1 s and more): here, not in the step loop.
+void CapsuleContact::warm_up()
+{
+    ContactParams none = params_;
+    none.item_count = 0;
+    for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
+        context_.enter(at);
+        launch_find(at, 1, none);
+        launch_evaluate(at, 1, none);
+        reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
+        context_.finish(at);
+    }
+}
+
+void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
+{
+    find_.launch(at, items, par, real(skin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                 wall_.vertices, candidates_, count_buffer_);
+}
+
+void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par)
+{
+    evaluate_.launch(at, items, par, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
+                     nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
+                     nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_);
+}
+
+device::Lane CapsuleContact::lane(std::size_t samples) const
+{
+    return samples < heavy_evaluate ? device::Lane::Light : device::Lane::Heavy;
+}
+
+void CapsuleContact::begin_step(RodArrays& rods)
+{
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        const int begin = rods.node_begin(w);
+        for (int i = 0; i < rod.n; ++i)
+            nodes_t0_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
+        place_samples(samples_, w, rod, begin, true);
+    }
+}
+
+void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
+{
+    const auto start = Clock::now();
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        const int begin = rods.node_begin(w);
+        place_samples(samples_, w, rod, begin, false);
+        if (!live[w]) samples_.wires[w].live = 0;
+        for (int i = 0; i < rod.n; ++i)
+            nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
+    }
+    list_stale_ = true;
+    context_.enter(device::Lane::Light);
+    nodes_t0_.upload(context_, device::Lane::Light);
+    context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
+    find_candidates(false);
+    times.detect += since(start);
+}
+
+Vec3 CapsuleContact::sample_position(int sample) const
+{
+    const SamplePlace& place = samples_.places[sample];
+    const double b = place.bary, a = 1 - b;
+    const float* hi = &nodes_.hi[3 * place.edge];
+    const double* lo = &nodes_.lo[3 * place.edge];
+    return {a * (hi[0] + lo[0]) + b * (hi[3] + lo[3]), a * (hi[1] + lo[1]) + b * (hi[4] + lo[4]),
+            a * (hi[2] + lo[2]) + b * (hi[5] + lo[5])};
+}
+
+// Renews the candidates of every live sample that has moved by its slack since they were found; then the list of samples that
+// have any. Slacks differ a little from sample to sample, so that renewals spread over steps instead of coming all at once.
+void CapsuleContact::find_candidates(bool all_live)
+{
+    to_find_.clear();
+    for (const WireSamples& wire : samples_.wires) {
+        for (int k = 0; k < wire.live; ++k) {
+            const int s = wire.begin + k;
+            const Vec3 p = sample_position(s);
+            const double dx = p.x() - cull_x_[s], dy = p.y() - cull_y_[s], dz = p.z() - cull_z_[s];
+            const double slack = slack_ * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
+            if (!all_live && dx * dx + dy * dy + dz * dz <= slack * slack) continue;
+            to_find_.push_back(static_cast<std::uint32_t>(s));
+            cull_x_[s] = p.x();
+            cull_y_[s] = p.y();
+            cull_z_[s] = p.z();
+        }
+    }
+    if (!to_find_.empty()) {
+        const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
+        context_.enter(at);
+        nodes_.upload(context_, at);
+        context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
+        ContactParams par = params_;
+        par.item_count = static_cast<uint>(to_find_.size());
+        launch_find(at, to_find_.size(), par);
+        context_.read(at, count_buffer_, counts_.data(), bytes_of(counts_));
+        std::uint32_t most = 0;
+        for (std::uint32_t s : to_find_) most = std::max(most, counts_[s]);
+        if (most > params_.slots) {  // a denser mesh than the lists were made for: make room once and find all again
+            params_.slots = (most + most / 2 + 7) / 8 * 8;
+            candidates_ = device::Buffer(context_, counts_.size() * params_.slots * sizeof(std::uint32_t));
+            find_candidates(true);
+            return;
+        }
+    }
+    if (!to_find_.empty() || list_stale_) rebuild_active_list();
+}
+
+void CapsuleContact::rebuild_active_list()
+{
+    active_.clear();
+    edge_first_.clear();
+    sums_.edge_node.clear();
+    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
+        const WireSamples& wire = samples_.wires[w];
+        sums_.wire_edges[w] = static_cast<int>(sums_.edge_node.size());
+        for (int k = 0; k < wire.live; ++k) {
+            const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
+            if (counts_[s] == 0) continue;
+            const std::uint32_t edge = samples_.places[s].edge;
+            if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
+                sums_.edge_node.push_back(edge);
+                edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
+            }
+            active_.push_back(s);
+        }
+    }
+    sums_.wire_edges.back() = static_cast<int>(sums_.edge_node.size());
+    edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
+    const device::Lane at = lane(active_.size());
+    context_.enter(at);
+    context_.write(at, active_list_, active_.data(), bytes_of(active_));
+    context_.write(at, first_buffer_, edge_first_.data(), bytes_of(edge_first_));
+    context_.finish(at);
+    list_stale_ = false;
+}
+
+void CapsuleContact::set_nodes(const TrialState& trial)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        const int begin = rods_.node_begin(w);
+        for (int i = begin; i < begin + rods_.node_count(w); ++i)
+            nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
+    }
+}
+
+void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+{
+    auto start = Clock::now();
+    set_nodes(trial);
+    find_candidates(false);
+    times.detect += since(start);
+    start = Clock::now();
+    const device::Lane at = lane(active_.size());
+    if (!active_.empty()) {
+        context_.enter(at);
+        nodes_.upload(context_, at);
+        params_.item_count = static_cast<uint>(active_.size());
+        params_.inv_dt = h > 0 ? 1 / h : 0;
+        launch_evaluate(at, active_.size(), params_);
+        reduce_.launch(at, sums_.edge_node.size(), static_cast<cl_uint>(sums_.edge_node.size()), first_buffer_, forces_, barys_, edge_buffer_);
+        context_.read(at, edge_buffer_, sums_.edges.data(), sums_.edge_node.size() * sizeof(EdgeForce));
+    }
+    times.evaluate += since(start);
+}
+
+// Samples of an accepted state are farther than r - 0.95 depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
+// one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
+double CapsuleContact::move_limit(int wire) const
+{
+    if (!swept_) return std::numeric_limits<double>::infinity();
+    double limit = std::numeric_limits<double>::infinity();
+    const WireSamples& s = samples_.wires[wire];
+    for (int k = s.begin; k < s.begin + s.capacity; ++k) limit = std::min(limit, 0.45 * samples_.models[k].radius);
+    return limit;
+}
+
+void CapsuleContact::commit(std::span<const std::uint8_t> active)
+{
+    if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
+        std::swap(touches_t0_, touches_);
+    } else {
+        context_.enter(device::Lane::Light);
+        for (std::size_t w = 0; w < active.size(); ++w) {
+            const WireSamples& wire = samples_.wires[w];
+            const std::size_t record = 2 * sizeof(TouchState);
+            if (active[w])
+                context_.copy(device::Lane::Light, touches_, touches_t0_, wire.capacity * record, wire.begin * record);
+        }
+        context_.finish(device::Lane::Light);
+    }
+    for (std::size_t w = 0; w < active.size(); ++w)
+        if (active[w]) samples_.wires[w].stamp++;
+}
+
+std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
+{
+    const std::vector<TouchState> touches = living_touches();
+    std::vector<ContactRow> rows;
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const WireSamples& wire = samples_.wires[w];
+        for (int k = 0; k < wire.live; ++k) {
+            const int s = wire.begin + k;
+            for (int side = 0; side < 2; ++side) {
+                const TouchState& touch = touches[2 * s + side];
+                if (!(touch.flags & SEL_TOUCH_ACTIVE)) continue;
+                ContactRow row;
+                row.wire = w;
+                row.edge = static_cast<int>(samples_.places[s].edge) - rods.node_begin(w);
+                row.triangle = static_cast<int>(wall_.original[touch.triangle]);
+                row.point = wall_.centre + Vec3(touch.point[0], touch.point[1], touch.point[2]);
+                row.normal = {touch.normal[0], touch.normal[1], touch.normal[2]};
+                row.gap = touch.gap;
+                row.normal_force = touch.normal_force;
+                row.friction = {touch.friction[0], touch.friction[1], touch.friction[2]};
+                row.rolling_moment = touch.moment;
+                row.stuck = touch.flags & SEL_TOUCH_STUCK;
+                row.length = samples_.models[s].length;
+                rows.push_back(row);
+            }
+        }
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& a, const ContactRow& b) {
+        return std::tie(a.wire, a.edge, a.triangle) < std::tie(b.wire, b.edge, b.triangle);
+    });
+    return rows;
+}
+
+std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() const
+{
+    const WireSamples& wire = samples_.wires[0];
+    const SampleModel& m = samples_.models[wire.begin + wire.capacity - 1];
+    return {{"contact samples", fmt::format("{} over the whole wire, {:.3g} mm apart", wire.capacity, 1e3 * wire.spacing)},
+            {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
+            {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
+            {"friction stiffness", fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)",
+                                               m.friction_stiffness)},
+            {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
+}
+
+// Records that no contact of the last step wrote are leftovers: they have no say in what comes, nor may they in the bytes saved.
+std::vector<TouchState> CapsuleContact::living_touches()
+{
+    std::vector<TouchState> touches(2 * samples_.models.size());
+    context_.enter(device::Lane::Light);
+    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
+    for (const WireSamples& wire : samples_.wires)
+        for (int k = 2 * wire.begin; k < 2 * (wire.begin + wire.capacity); ++k)
+            if (touches[k].stamp + 1 != wire.stamp) std::memset(&touches[k], 0, sizeof touches[k]);
+    return touches;
+}
+
+void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
+{
+    const std::vector<TouchState> touches = living_touches();
+    put_bytes(bytes, touches.data(), touches.size());
+    for (const WireSamples& wire : samples_.wires) put_bytes(bytes, &wire.stamp, 1);
+}
+
+// Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond `reach`).
+void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    std::vector<TouchState> touches(2 * samples_.models.size());
+    take_bytes(bytes, end, touches.data(), touches.size());
+    for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
+    std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
+    context_.enter(device::Lane::Light);
+    context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
+    context_.finish(device::Lane::Light);
+}
+
+}  // namespace seldinger

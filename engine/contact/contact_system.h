@@ -1,0 +1,64 @@
+#pragma once
+// Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
+// `nodes` is the same with one sample at each control node). Implements what the solver asks for.
+//
+// Per step: begin_step (start of the step is remembered), prepare (samples are put on the edges, candidates renewed where a sample
+// has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the edges' sums;
+// commit makes the trial's anchors the state. The wall's geometry stays on the device.
+
+#include "contact/edge_sums.h"
+#include "contact/samples.h"
+#include "device/device.h"
+#include "engine.h"
+#include "solve/newton.h"
+#include "vessel/tree.h"
+
+#include <memory>
+
+namespace seldinger {
+
+/// The wall on the device, shared by all detection methods.
+struct DeviceWall {
+    DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh);
+    device::Buffer nodes, vertices, rims;
+    Vec3 centre;                          // world position of the device's origin [m]
+    std::vector<std::uint32_t> original;  // leaf order -> triangle of the mesh
+};
+
+/// Node positions of all wires as the kernels take them: hi + lo relative to the wall's centre.
+struct DeviceNodes {
+    DeviceNodes(device::Context& context, int total_capacity);
+    std::vector<float> hi;         // [nodes][3]
+    std::vector<double> lo, theta;  // [nodes][3], [nodes]
+    device::Buffer hi_buffer, lo_buffer, theta_buffer;
+    void set(int node, double x, double y, double z, double angle, const Vec3& centre);
+    void upload(device::Context& context, device::Lane lane);
+};
+
+/// What World needs of a contact method beside what the solver needs.
+class ContactMethod : public ContactTerm {
+public:
+    /// Remembers node positions, angles and sample places at the start of the step.
+    virtual void begin_step(RodArrays& rods) = 0;
+    /// Samples on the present node set (after feeding); wires with live[w] == 0 have no contact (still in the guide).
+    virtual void prepare(RodArrays& rods, std::span<const std::uint8_t> live) = 0;
+    /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
+    virtual void commit(std::span<const std::uint8_t> active) = 0;
+    virtual void set_all_stuck(bool stuck) = 0;
+
+    [[nodiscard]] virtual ContactTotals totals(int wire) const = 0;
+    /// Adds contact forces on the nodes of a wire, [n].
+    virtual void add_nodal_forces(int wire, std::span<Vec3> forces) const = 0;
+    [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
+    /// Choices of this method, "name", "value (reason)", for summary.json.
+    [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
+    virtual void save(std::vector<std::uint8_t>& bytes) = 0;
+    virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
+
+    StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]
+};
+
+/// @param specs, contacts  per wire; must outlive the result
+[[nodiscard]] std::unique_ptr<ContactMethod> make_contact(device::Context& context, const WorldSetup& setup, RodArrays& rods);
+
+}  // namespace seldinger

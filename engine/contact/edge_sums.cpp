@@ -1,0 +1,88 @@
+#include "contact/edge_sums.h"
+
+#include <algorithm>
+
+namespace seldinger {
+
+bool EdgeSums::admissible(int wire) const
+{
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
+        if (edges[e].flags & SEL_SAMPLE_BLOCKED) return false;
+    return true;
+}
+
+bool EdgeSums::unsymmetric(int wire) const
+{
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
+        if (edges[e].flags & SEL_SAMPLE_SLIDING) return true;
+    return false;
+}
+
+double EdgeSums::largest_force(int wire) const
+{
+    double most = 0;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) most = std::max(most, edges[e].normal_sum);
+    return most;
+}
+
+void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const
+{
+    static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        const EdgeForce& f = edges[e];
+        if (f.contacts == 0) continue;
+        const int a = 4 * (static_cast<int>(edge_node[e]) - begin), t = a + 3, b = a + 4;
+        for (int i = 0; i < 3; ++i) {
+            gradient[a + i] -= f.force_a[i];
+            gradient[b + i] -= f.force_b[i];
+        }
+        gradient[t] -= f.torque;
+        if (!jacobian) continue;
+        const bool skew = !symmetric && (f.flags & SEL_SAMPLE_SLIDING);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                const int k = tri[i][j], u = 3 * i + j;
+                const double ab = f.s_ab[k] + (skew ? f.u_ab[u] : 0);
+                jacobian->add(a + i, a + j, f.s_aa[k] + (skew ? f.u_aa[u] : 0));
+                jacobian->add(a + i, b + j, ab);
+                jacobian->add(b + i, a + j, ab);
+                jacobian->add(b + i, b + j, f.s_bb[k] + (skew ? f.u_bb[u] : 0));
+            }
+            jacobian->add(a + i, t, f.st_a[i]);
+            jacobian->add(b + i, t, f.st_b[i]);
+            jacobian->add(t, a + i, f.st_a[i] + (skew ? f.ut_a[i] : 0));
+            jacobian->add(t, b + i, f.st_b[i] + (skew ? f.ut_b[i] : 0));
+        }
+        jacobian->add(t, t, f.s_tt);
+    }
+}
+
+ContactTotals EdgeSums::totals(int wire, double radius) const
+{
+    ContactTotals sum;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        const EdgeForce& f = edges[e];
+        sum.contacts += static_cast<int>(f.contacts);
+        sum.depth = std::max(sum.depth, static_cast<double>(f.depth));
+        if (f.flags & SEL_SAMPLE_OUTSIDE) sum.outside = std::max(sum.outside, f.depth - radius);
+        sum.normal += f.normal_sum;
+        sum.friction += f.friction_sum;
+        sum.sliding += f.sliding_sum;
+        sum.rolling += f.rolling_sum;
+        sum.length += f.length;
+    }
+    return sum;
+}
+
+void EdgeSums::add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const
+{
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        const int node = static_cast<int>(edge_node[e]) - begin;
+        for (int k = 0; k < 3; ++k) {
+            forces[node][k] += edges[e].force_a[k];
+            forces[node + 1][k] += edges[e].force_b[k];
+        }
+    }
+}
+
+}  // namespace seldinger

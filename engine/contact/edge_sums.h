@@ -1,0 +1,38 @@
+#pragma once
+// What the device's reduction leaves on the host: force, moment and tangent summed per edge of wire that has contact, and how the
+// solver's banded system takes them. The same for every detection method.
+
+#include "shared/contact_types.h"
+#include "solve/band_matrix.h"
+#include "rod/wire_spec.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+/// Sums over a wire's contacts at the last evaluation.
+struct ContactTotals {
+    int contacts = 0;
+    double depth = 0;    // deepest overlap [m], >= 0
+    double outside = 0;  // farthest axis point beyond the wall [m], >= 0
+    double normal = 0, friction = 0, sliding = 0, rolling = 0, length = 0;
+};
+
+struct EdgeSums {
+    std::vector<EdgeForce> edges;           // [active edges] read back from the device
+    std::vector<std::uint32_t> edge_node;   // [active edges] tip-side node in the concatenated arrays
+    std::vector<int> wire_edges;            // [wires + 1] range of each wire in the two above
+
+    [[nodiscard]] bool admissible(int wire) const;
+    [[nodiscard]] bool unsymmetric(int wire) const;
+    [[nodiscard]] double largest_force(int wire) const;
+    /// @param begin  first node of the wire in the concatenated arrays; see ContactTerm::add
+    void add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const;
+    void add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const;
+    /// @param radius  of the wire [m]
+    [[nodiscard]] ContactTotals totals(int wire, double radius) const;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,274 @@
+#include "contact/layer.h"
+
+#include "contact/wall_law.h"
+#include "core/bytes.h"
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double pair_length = 1e-3;  // stiffness of one pair = line stiffness x 1 mm [m]
+constexpr device::Lane light = device::Lane::Light;
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double pair_distance(const ContactSpec& contact, double radius) { return contact.pair_distance > 0 ? contact.pair_distance : radius / 2; }
+
+double layer_height(const ContactSpec& contact, double radius)
+{
+    return contact.layer_height > 0 ? contact.layer_height : radius + pair_distance(contact, radius);
+}
+
+// w in [r/4, 2r], smaller where the lumen is larger
+double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
+
+}  // namespace
+
+LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius)
+    : context_(context),
+      setup_(setup),
+      rods_(rods),
+      wall_(context, tree, setup.mesh),
+      typical_radius_(lumen_radius),
+      nodes_(context, rods.total_capacity()),
+      nodes_t0_(context, rods.total_capacity()),
+      find_(context, "contact/layer.cl", "layer_find"),
+      evaluate_(context, "contact/layer.cl", "layer_evaluate"),
+      reduce_(context, "contact/capsule.cl", "contact_reduce")
+{
+    params_.slots = 64;
+    params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
+    params_.smooth_speed = 1e-3;
+    const std::size_t n = rods.total_capacity();
+    edges_.reserve(n);
+    sums_.edges.resize(n);
+    sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    edge_list_ = device::Buffer(context, n * sizeof(LayerEdge));
+    count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    first_buffer_ = device::Buffer(context, (n + 1) * sizeof(std::uint32_t));
+    edge_sums_ = device::Buffer(context, n * sizeof(EdgeForce));
+    candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
+}
+
+void LayerContact::begin_step(RodArrays& rods)
+{
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        for (int i = 0; i < rod.n; ++i)
+            nodes_t0_.set(rods.node_begin(w) + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
+    }
+}
+
+double LayerContact::lumen_radius_at(const Vec3& p)
+{
+    if (setup_.centreline.empty()) return typical_radius_;
+    centreline_hint_ = setup_.centreline.nearest(p, centreline_hint_);
+    return setup_.centreline.radius[centreline_hint_];
+}
+
+void LayerContact::list_edges(std::span<const std::uint8_t> live)
+{
+    edges_.clear();
+    edge_wire_.clear();
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!live[w]) continue;
+        const RodView rod = rods_.view(w);
+        const WireSetup& wire = setup_.wires[w];
+        for (int j = 0; j + 1 < rod.n; ++j) {
+            const WireSection& section = wire.wire.at((rod.material_s[j] + rod.material_s[j + 1]) / 2);
+            LayerEdge edge{};
+            edge.node = static_cast<uint>(rods_.node_begin(w) + j);
+            edge.stamp = stamp_;
+            edge.reach = pair_distance(wire.contact, section.radius);
+            edge.height = layer_height(wire.contact, section.radius);
+            edge.width = layer_width(section.radius, lumen_radius_at((rod.pos(j) + rod.pos(j + 1)) / 2));
+            edge.model = line_sample(section, wire.contact, setup_.vessel, typical_radius_, pair_length);
+            edge.model.length = 0;
+            edge.model.depth_limit = 0;  // as published: no hardening
+            edges_.push_back(edge);
+            edge_wire_.push_back(static_cast<std::uint32_t>(w));
+        }
+    }
+}
+
+void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
+{
+    const auto start = Clock::now();
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        for (int i = 0; i < rod.n; ++i)
+            nodes_.set(rods.node_begin(w) + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
+    }
+    list_edges(live);
+    counts_.assign(edges_.size(), 0);
+    if (!edges_.empty()) {
+        context_.enter(light);
+        nodes_.upload(context_, light);
+        nodes_t0_.upload(context_, light);
+        context_.write(light, edge_list_, edges_.data(), edges_.size() * sizeof(LayerEdge));
+        for (bool again = true; again;) {
+            params_.item_count = static_cast<uint>(edges_.size());
+            find_.launch(light, edges_.size(), params_, edge_list_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
+                         candidates_, count_buffer_);
+            context_.read(light, count_buffer_, counts_.data(), counts_.size() * sizeof(std::uint32_t));
+            const std::uint32_t most = *std::max_element(counts_.begin(), counts_.end());
+            again = most > params_.slots;
+            if (again) {
+                params_.slots = (most + most / 2 + 7) / 8 * 8;
+                candidates_ = device::Buffer(context_, rods.total_capacity() * params_.slots * sizeof(std::uint32_t));
+            }
+        }
+        candidates_host_.resize(edges_.size() * params_.slots);
+        context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
+    }
+    list_pairs();
+    times.detect += since(start);
+}
+
+// Pairs ordered by wire, edge and triangle, each with its record of the last step where it had one.
+void LayerContact::list_pairs()
+{
+    pairs_.clear();
+    keys_.clear();
+    first_.clear();
+    sums_.edge_node.clear();
+    std::fill(sums_.wire_edges.begin(), sums_.wire_edges.end(), 0);
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+        if (counts_[e] == 0) continue;
+        std::uint32_t* found = &candidates_host_[e * params_.slots];
+        std::sort(found, found + counts_[e]);
+        first_.push_back(static_cast<std::uint32_t>(pairs_.size()));
+        sums_.edge_node.push_back(edges_[e].node);
+        for (std::size_t w = edge_wire_[e] + 1; w < sums_.wire_edges.size(); ++w) sums_.wire_edges[w]++;
+        for (std::uint32_t k = 0; k < counts_[e]; ++k) {
+            const Key key{edge_wire_[e], edges_[e].node, found[k]};
+            const auto last = std::lower_bound(last_keys_.begin(), last_keys_.end(), key);
+            const bool known = last != last_keys_.end() && *last == key;
+            keys_.push_back(key);
+            pairs_.push_back({static_cast<uint>(e), found[k], known ? static_cast<uint>(last - last_keys_.begin()) : SEL_NO_EDGE, 0});
+        }
+    }
+    first_.push_back(static_cast<std::uint32_t>(pairs_.size()));
+    const std::size_t n = std::max<std::size_t>(pairs_.size(), 1);
+    if (forces_.bytes() < n * sizeof(SampleForce)) {  // grows in a few jumps at the start of a run
+        const std::size_t room = 2 * n;
+        forces_ = device::Buffer(context_, room * sizeof(SampleForce));
+        barys_ = device::Buffer(context_, room * sizeof(real));
+        pair_list_ = device::Buffer(context_, room * sizeof(LayerPair));
+        touches_ = device::Buffer(context_, room * sizeof(TouchState));
+    }
+    context_.write(light, pair_list_, pairs_.data(), pairs_.size() * sizeof(LayerPair));
+    context_.write(light, first_buffer_, first_.data(), first_.size() * sizeof(std::uint32_t));
+    context_.finish(light);
+}
+
+void LayerContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+{
+    const auto start = Clock::now();
+    if (!pairs_.empty()) {
+        for (int w = 0; w < rods_.wire_count(); ++w)
+            for (int i = rods_.node_begin(w); i < rods_.node_begin(w) + rods_.node_count(w); ++i)
+                nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
+        context_.enter(light);
+        nodes_.upload(context_, light);
+        params_.item_count = static_cast<uint>(pairs_.size());
+        params_.inv_dt = h > 0 ? 1 / h : 0;
+        if (touches_t0_.bytes() == 0) touches_t0_ = device::Buffer(context_, sizeof(TouchState));
+        evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_.vertices, nodes_.hi_buffer, nodes_.lo_buffer,
+                         nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_,
+                         forces_, barys_);
+        const std::size_t edges = sums_.edge_node.size();
+        reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
+        context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
+    }
+    times.evaluate += since(start);
+}
+
+double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }
+
+// With several wires of which some go on in half steps, the pairs of the others are the same as they were: nothing is lost.
+void LayerContact::commit(std::span<const std::uint8_t>)
+{
+    std::swap(touches_t0_, touches_);
+    if (touches_.bytes() < touches_t0_.bytes()) touches_ = device::Buffer(context_, touches_t0_.bytes());
+    last_keys_ = keys_;
+    stamp_++;
+}
+
+std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
+{
+    std::vector<TouchState> touches(last_keys_.size());
+    context_.enter(light);
+    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState));
+    std::vector<ContactRow> rows;
+    for (std::size_t k = 0; k < touches.size(); ++k) {
+        const TouchState& touch = touches[k];
+        if (!(touch.flags & SEL_TOUCH_ACTIVE)) continue;
+        ContactRow row;
+        row.wire = static_cast<int>(last_keys_[k].wire);
+        row.edge = static_cast<int>(last_keys_[k].edge) - rods.node_begin(row.wire);
+        row.triangle = static_cast<int>(wall_.original[last_keys_[k].triangle]);
+        row.point = wall_.centre + Vec3(touch.point[0], touch.point[1], touch.point[2]);
+        row.normal = {touch.normal[0], touch.normal[1], touch.normal[2]};
+        row.gap = touch.gap;
+        row.normal_force = touch.normal_force;
+        row.friction = {touch.friction[0], touch.friction[1], touch.friction[2]};
+        row.rolling_moment = touch.moment;
+        row.stuck = touch.flags & SEL_TOUCH_STUCK;
+        rows.push_back(row);
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& a, const ContactRow& b) {
+        return std::tie(a.wire, a.edge, a.triangle) < std::tie(b.wire, b.edge, b.triangle);
+    });
+    return rows;
+}
+
+std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
+{
+    const WireSection& section = setup_.wires[0].wire.shaft;
+    const ContactSpec& contact = setup_.wires[0].contact;
+    const SampleModel m = line_sample(section, contact, setup_.vessel, typical_radius_, pair_length);
+    return {{"layer", fmt::format("L' by {} halvings, w = r (1/4 + 7/4 r/R), h {:.3g} mm, H {:.3g} mm", SEL_LAYER_HALVINGS,
+                                  1e3 * layer_height(contact, section.radius), 1e3 * pair_distance(contact, section.radius))},
+            {"pair stiffness", fmt::format("{:.4g} N/m^{:.3g} (line stiffness x 1 mm), exponent {}", m.stiffness * m.weight, m.exponent,
+                                           m.exponent)}};
+}
+
+void LayerContact::save(std::vector<std::uint8_t>& bytes)
+{
+    std::vector<TouchState> touches(last_keys_.size());
+    context_.enter(light);
+    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState));
+    const std::uint64_t count = touches.size();
+    put_bytes(bytes, &count, 1);
+    put_bytes(bytes, last_keys_.data(), last_keys_.size());
+    put_bytes(bytes, touches.data(), touches.size());
+    put_bytes(bytes, &stamp_, 1);
+}
+
+void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    std::uint64_t count = 0;
+    take_bytes(bytes, end, &count, 1);
+    if (count * sizeof(TouchState) > static_cast<std::size_t>(end - bytes))
+        throw Error(ExitCode::BadFile, "the saved state is shorter than this scene's; it was written by another scene or version");
+    last_keys_.resize(count);
+    std::vector<TouchState> touches(count);
+    take_bytes(bytes, end, last_keys_.data(), count);
+    take_bytes(bytes, end, touches.data(), count);
+    take_bytes(bytes, end, &stamp_, 1);
+    touches_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(TouchState));
+    context_.write(light, touches_t0_, touches.data(), count * sizeof(TouchState));
+    context_.finish(light);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,76 @@
+#include "contact/samples.h"
+
+#include "contact/wall_law.h"
+#include "core/check.h"
+#include "rod/place.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+double sample_spacing(const WireSpec& spec, const ContactSpec& contact)
+{
+    if (contact.detection == Detection::Nodes) return uniform_edge(spec);
+    double radius = spec.shaft.radius;
+    for (const WireSectionRange& range : spec.sections) radius = std::min(radius, range.section.radius);
+    if (contact.samples_per_edge > 0 && spec.nodes > 1) return spec.length / (spec.nodes - 1) / contact.samples_per_edge;
+    return radius;
+}
+
+}  // namespace
+
+SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const VesselSpec& wall,
+                       double lumen_radius)
+{
+    SampleSet set;
+    for (std::size_t w = 0; w < specs.size(); ++w) {
+        const WireSpec& spec = specs[w];
+        WireSamples samples;
+        const int stretches = std::max(1, static_cast<int>(std::lround(spec.length / sample_spacing(spec, contacts[w]))));
+        samples.spacing = spec.length / stretches;
+        samples.begin = set.total();
+        samples.capacity = stretches + 1;
+        samples.s.push_back(0);
+        set.models.push_back(tip_sample(spec.at(0), contacts[w], wall, lumen_radius));
+        // `nodes`: one sample at each control node, with its Voronoi length (the tip's is half an edge)
+        const bool at_nodes = contacts[w].detection == Detection::Nodes;
+        for (int k = 0; k < stretches; ++k) {
+            const double s = (at_nodes ? k : k + 0.5) * samples.spacing;
+            const double weight = at_nodes && k == 0 ? samples.spacing / 2 : samples.spacing;
+            samples.s.push_back(s);
+            set.models.push_back(line_sample(spec.at(s), contacts[w], wall, lumen_radius, weight));
+        }
+        set.wires.push_back(std::move(samples));
+    }
+    set.places.assign(set.models.size(), SamplePlace{0, SEL_NO_EDGE, 0, 0, 0, 0});
+    return set;
+}
+
+void place_samples(SampleSet& set, int wire, const RodView& rod, int begin, bool start)
+{
+    WireSamples& samples = set.wires[wire];
+    const double end = rod.material_s[rod.n - 1];
+    int edge = 0, k = 0;
+    // a stretch counts once its middle is inside; the base's last half spacing is in the clamp's shadow
+    for (; k < samples.capacity && samples.s[k] <= end; ++k) {
+        while (edge < rod.n - 2 && samples.s[k] > rod.material_s[edge + 1]) ++edge;
+        const double length = rod.material_s[edge + 1] - rod.material_s[edge];
+        SamplePlace& place = set.places[samples.begin + k];
+        place.edge = static_cast<uint>(begin + edge);
+        place.stamp = samples.stamp;
+        place.bary = std::clamp((samples.s[k] - rod.material_s[edge]) / length, 0.0, 1.0);
+    }
+    if (start) {
+        for (int i = 0; i < samples.capacity; ++i) {
+            SamplePlace& place = set.places[samples.begin + i];
+            place.edge_t0 = i < k ? place.edge : SEL_NO_EDGE;
+            place.bary_t0 = place.bary;
+        }
+    }
+    samples.live = k;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,115 @@
+#include "contact/wall_law.h"
+
+#include "core/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+double own_weight(const WireSection& section)
+{
+    return section.density * pi * section.radius * section.radius * weight_gravity;  // [N/m]
+}
+
+double effective_radius(double r, double lumen_radius) { return 1 / (1 / r - (lumen_radius > r ? 1 / lumen_radius : 0)); }
+
+// (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth; from a user's stiffness the Hertz half-width
+// a^2 = (4 r / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre, with a wire that gives no modulus taken as rigid.
+void set_rolling(SampleModel& m, const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double r_star)
+{
+    m.roll_arm = m.roll_depth = m.roll_force = 0;
+    if (!contact.rolling) return;
+    m.roll_arm = 2 * contact.rolling_alpha / (3 * pi) +
+                 (contact.rolling_sigma_b + contact.rolling_sigma_s / 2) / (6 * contact.rolling_hardness);
+    if (contact.stiffness_from_wall) {
+        m.roll_depth = 2 * r_star;
+    } else {
+        const double wire = section.youngs > 0 ? (1 - section.poisson * section.poisson) / section.youngs : 0;
+        m.roll_force = 4 * r_star / pi * (wire + (1 - wall.poisson * wall.poisson) / wall.youngs);
+    }
+}
+
+// Constants that follow from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor of
+// v- (D7): at smaller approach speeds the damping of a resting contact would exceed critical.
+void set_scales(SampleModel& m, double own_load)
+{
+    const double depth = depth_under(own_load, m.stiffness, m.exponent);
+    m.friction_stiffness = 2.0 / 3.0 * m.exponent * own_load / depth;
+    m.speed_floor = std::max(m.damping / 2 * std::sqrt(weight_gravity * depth / m.exponent), 1e-12);
+}
+
+}  // namespace
+
+double exact_damping(double e)
+{
+    SEL_ASSERT(e > 0 && e <= 1);
+    if (e == 1) return 0;
+    double low = 1e-12, high = (1 - 1e-15) / e;  // the left side less the right is negative at 0+, +infinity at 1/e
+    for (int i = 0; i < 200; ++i) {
+        const double beta = (low + high) / 2;
+        (std::log1p(beta) - std::log1p(-beta * e) - beta * (1 + e) < 0 ? low : high) = beta;
+    }
+    return (low + high) / 2;
+}
+
+double published_damping(double e) { return 0.75 * (1 - e * e); }
+
+double foundation_modulus(const VesselSpec& wall)
+{
+    const double nu = wall.poisson;
+    return wall.youngs * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * wall.thickness);
+}
+
+double line_stiffness(double modulus, double wire_radius, double lumen_radius)
+{
+    return 4.0 / 3.0 * modulus * std::sqrt(2 * effective_radius(wire_radius, lumen_radius));
+}
+
+double depth_under(double load, double stiffness, double exponent) { return std::pow(load / stiffness, 1 / exponent); }
+
+SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius,
+                        double weight)
+{
+    SampleModel m{};
+    m.weight = m.length = weight;
+    m.radius = section.radius;
+    if (contact.stiffness_from_wall) {
+        m.stiffness = line_stiffness(foundation_modulus(wall), section.radius, lumen_radius);
+        m.exponent = 1.5;
+        m.depth_limit = std::min(wall.thickness, section.radius) / 2;
+    } else {
+        m.stiffness = contact.stiffness;
+        m.exponent = contact.exponent;
+        m.depth_limit = section.radius / 2;
+    }
+    m.damping = contact.normal == NormalLaw::LankaraniNikravesh ? published_damping(contact.restitution)
+                                                                : exact_damping(contact.restitution);
+    m.mu_static = section.mu_static;
+    m.mu_sliding = section.mu_sliding;
+    set_scales(m, own_weight(section));
+    set_rolling(m, section, contact, wall, effective_radius(section.radius, lumen_radius));
+    return m;
+}
+
+SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius)
+{
+    SampleModel m = line_sample(section, contact, wall, lumen_radius, 1.0);
+    m.length = 0;
+    if (!contact.stiffness_from_wall) {
+        m.weight = 0;
+        return m;
+    }
+    m.stiffness = pi * foundation_modulus(wall) * section.radius;
+    m.exponent = 2;
+    m.roll_arm = 0;  // a ball's end rolls on the line contact behind it
+    set_scales(m, own_weight(section) * 10 * section.radius);  // ten radii of wire rest on the tip
+    return m;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,40 @@
+#pragma once
+// The numbers of the contact laws of one section of wire against one wall (D6b, D6c, D7, D10), from what the user gave.
+
+#include "contact/contact_spec.h"
+#include "rod/wire_spec.h"
+#include "shared/contact_types.h"
+#include "vessel/vessel_spec.h"
+
+namespace seldinger {
+
+/// Gravity by which "the wire's own weight" is reckoned in the laws' constants [m/s^2]; not the scene's, which may be zero.
+inline constexpr double weight_gravity = 9.81;
+
+/// beta of (D7) that gives back just the restitution e asked for: ln((1+beta)/(1-beta e)) = beta (1+e); 0 for e = 1.
+/// [Gonthier04; Carvalho19]. @param e  in (0, 1]
+[[nodiscard]] double exact_damping(double e);
+
+/// beta = 3/4 (1 - e^2) [Lankarani90], the published choice: restitution never below 0.663.
+[[nodiscard]] double published_damping(double e);
+
+/// Foundation modulus of a thin layer on a stiff bed, k_f = E (1-nu) / ((1+nu) (1-2nu) H)  [N/m^3] (D6)
+[[nodiscard]] double foundation_modulus(const VesselSpec& wall);
+
+/// Line law of a wire lying along a lumen: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre, 1/r* = 1/r - 1/R (D6b).
+/// @param lumen_radius  R [m]; infinity for a plane
+[[nodiscard]] double line_stiffness(double modulus, double wire_radius, double lumen_radius);
+
+/// Depth [m] at which k depth^n carries `load`.
+[[nodiscard]] double depth_under(double load, double stiffness, double exponent);
+
+/// Everything that the kernels need for a sample of `weight` metres on this section.
+[[nodiscard]] SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
+                                      double lumen_radius, double weight);
+
+/// The tip's own point law f = pi k_f r depth^2 (D6c), added to its share of the line law. With a stiffness given by the user
+/// there is no such law: its weight is 0.
+[[nodiscard]] SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
+                                     double lumen_radius);
+
+}  // namespace seldinger

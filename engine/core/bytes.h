@@ -1,0 +1,33 @@
+#pragma once
+// Plain values to and from the bytes of a saved state.
+
+#include "core/error.h"
+
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace seldinger {
+
+template <class T>
+void put_bytes(std::vector<std::uint8_t>& bytes, const T* data, std::size_t count)
+{
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto* first = reinterpret_cast<const std::uint8_t*>(data);
+    bytes.insert(bytes.end(), first, first + count * sizeof(T));
+}
+
+/// @throws Error BadFile when fewer bytes are left
+template <class T>
+void take_bytes(const std::uint8_t*& bytes, const std::uint8_t* end, T* data, std::size_t count)
+{
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::size_t size = count * sizeof(T);
+    if (static_cast<std::size_t>(end - bytes) < size)
+        throw Error(ExitCode::BadFile, "the saved state is shorter than this scene's; it was written by another scene or version");
+    if (size > 0) std::memcpy(data, bytes, size);
+    bytes += size;
+}
+
+}  // namespace seldinger

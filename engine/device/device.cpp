@@ -1,0 +1,203 @@
+#include "device/device.h"
+
+#include "core/error.h"
+#include "device/enumerate.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+namespace seldinger::device {
+
+namespace {
+
+const char* error_name(cl_int status)
+{
+    switch (status) {
+        case CL_DEVICE_NOT_FOUND: return "CL_DEVICE_NOT_FOUND";
+        case CL_DEVICE_NOT_AVAILABLE: return "CL_DEVICE_NOT_AVAILABLE";
+        case CL_COMPILER_NOT_AVAILABLE: return "CL_COMPILER_NOT_AVAILABLE";
+        case CL_MEM_OBJECT_ALLOCATION_FAILURE: return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
+        case CL_OUT_OF_RESOURCES: return "CL_OUT_OF_RESOURCES";
+        case CL_OUT_OF_HOST_MEMORY: return "CL_OUT_OF_HOST_MEMORY";
+        case CL_BUILD_PROGRAM_FAILURE: return "CL_BUILD_PROGRAM_FAILURE";
+        case CL_INVALID_VALUE: return "CL_INVALID_VALUE";
+        case CL_INVALID_DEVICE: return "CL_INVALID_DEVICE";
+        case CL_INVALID_BUFFER_SIZE: return "CL_INVALID_BUFFER_SIZE";
+        case CL_INVALID_ARG_SIZE: return "CL_INVALID_ARG_SIZE";
+        case CL_INVALID_ARG_INDEX: return "CL_INVALID_ARG_INDEX";
+        case CL_INVALID_KERNEL_ARGS: return "CL_INVALID_KERNEL_ARGS";
+        case CL_INVALID_WORK_GROUP_SIZE: return "CL_INVALID_WORK_GROUP_SIZE";
+        case CL_INVALID_KERNEL_NAME: return "CL_INVALID_KERNEL_NAME";
+        default: return "OpenCL error";
+    }
+}
+
+}  // namespace
+
+void check(cl_int status, const char* call)
+{
+    if (status == CL_SUCCESS) return;
+    const std::string name(call, std::strcspn(call, "("));
+    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists what is usable",
+                                                name, error_name(status), status));
+}
+
+Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : bytes)
+{
+    cl_int status = CL_SUCCESS;
+    memory_ = clCreateBuffer(context.handle(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes_, nullptr, &status);
+    check(status, "clCreateBuffer");
+    context.counters().buffers_created++;
+    const std::vector<char> zeros(bytes_, 0);
+    context.write(Lane::Light, *this, zeros.data(), bytes_);
+    context.finish(Lane::Light);
+}
+
+Buffer::~Buffer()
+{
+    if (memory_) clReleaseMemObject(memory_);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept : memory_(std::exchange(other.memory_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept
+{
+    std::swap(memory_, other.memory_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+}
+
+Context::Context(int index, bool float32) : float32_(float32)
+{
+    const auto all = all_devices();
+    if (all.empty())
+        throw Error(ExitCode::NoDevice, "no OpenCL device was found; install one, for example `apt-get install pocl-opencl-icd`");
+    if (index >= static_cast<int>(all.size()))
+        throw Error(ExitCode::NoDevice,
+                    fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, all.size() - 1));
+    cl_device_id heavy = all[index < 0 ? default_device(all) : index];
+    cl_device_id light = heavy;
+    cl_platform_id platform = nullptr;
+    CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr));
+    cl_device_type type = 0;
+    CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
+    cpu_ = type & CL_DEVICE_TYPE_CPU;
+    name_ = device_text(heavy, CL_DEVICE_NAME);
+    if (!float32 && device_text(heavy, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") == std::string::npos)
+        throw Error(ExitCode::NoDevice, fmt::format("device \"{}\" has no double precision, which these kernels need", name_));
+    if (index < 0)
+        for (cl_device_id other : all)
+            if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;
+
+    devices_ = {heavy};
+    if (light != heavy) devices_.push_back(light);
+    cl_int status = CL_SUCCESS;
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(platform), 0};
+    context_ = clCreateContext(properties, static_cast<cl_uint>(devices_.size()), devices_.data(), nullptr, nullptr, &status);
+    check(status, "clCreateContext");
+    queues_[1] = clCreateCommandQueue(context_, heavy, 0, &status);
+    check(status, "clCreateCommandQueue");
+    queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(context_, light, 0, &status);
+    check(status, "clCreateCommandQueue");
+}
+
+Context::~Context()
+{
+    for (auto& entry : programs_) clReleaseProgram(entry.second);
+    if (queues_[0] && queues_[0] != queues_[1]) clReleaseCommandQueue(queues_[0]);
+    if (queues_[1]) clReleaseCommandQueue(queues_[1]);
+    if (context_) clReleaseContext(context_);
+}
+
+void Context::enter(Lane lane)
+{
+    if (lane != lane_ && queues_[0] != queues_[1]) finish(lane_);
+    lane_ = lane;
+}
+
+void Context::write(Lane lane, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset)
+{
+    if (bytes == 0) return;
+    SEL_ASSERT(offset + bytes <= to.bytes());
+    CL_CHECK(clEnqueueWriteBuffer(queue(lane), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
+    counters_.writes++;
+}
+
+void Context::read(Lane lane, const Buffer& from, void* target, std::size_t bytes, std::size_t offset)
+{
+    if (bytes == 0) return;
+    SEL_ASSERT(offset + bytes <= from.bytes());
+    CL_CHECK(clEnqueueReadBuffer(queue(lane), from.handle(), CL_TRUE, offset, bytes, target, 0, nullptr, nullptr));
+    counters_.reads++;
+}
+
+void Context::copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
+{
+    if (bytes == 0) return;
+    SEL_ASSERT(offset + bytes <= from.bytes() && offset + bytes <= to.bytes());
+    CL_CHECK(clEnqueueCopyBuffer(queue(lane), from.handle(), to.handle(), offset, offset, bytes, 0, nullptr, nullptr));
+}
+
+void Context::finish(Lane lane) { CL_CHECK(clFinish(queue(lane))); }
+
+void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup)
+{
+    const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
+    CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
+    counters_.launches++;
+}
+
+cl_program Context::program(const std::string& file)
+{
+    for (const auto& entry : programs_)
+        if (entry.first == file) return entry.second;
+    const std::string source = assemble_source(file);
+    const char* text = source.c_str();
+    const std::size_t length = source.size();
+    cl_int status = CL_SUCCESS;
+    cl_program built = clCreateProgramWithSource(context_, 1, &text, &length, &status);
+    check(status, "clCreateProgramWithSource");
+    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", Kernel::workgroup, float32_ ? " -DSEL_FLOAT32" : "");
+    status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+    if (status != CL_SUCCESS) {
+        std::size_t size = 0;
+        clGetProgramBuildInfo(built, devices_[0], CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
+        std::string log(size, '\0');
+        clGetProgramBuildInfo(built, devices_[0], CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
+        clReleaseProgram(built);
+        log.resize(std::strlen(log.c_str()));
+        const std::size_t at = log.find("error");
+        std::string first = log.substr(at == std::string::npos ? 0 : at);
+        first = first.substr(0, first.find('\n'));
+        throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({})", file, name_, first,
+                                                    error_name(status)));
+    }
+    counters_.programs_built++;
+    programs_.emplace_back(file, built);
+    return built;
+}
+
+Kernel::Kernel(Context& context, const std::string& file, const char* name) : context_(&context)
+{
+    cl_int status = CL_SUCCESS;
+    kernel_ = clCreateKernel(context.program(file), name, &status);
+    check(status, "clCreateKernel");
+}
+
+Kernel::~Kernel()
+{
+    if (kernel_) clReleaseKernel(kernel_);
+}
+
+Kernel::Kernel(Kernel&& other) noexcept : context_(other.context_), kernel_(std::exchange(other.kernel_, nullptr)) {}
+
+Kernel& Kernel::operator=(Kernel&& other) noexcept
+{
+    std::swap(context_, other.context_);
+    std::swap(kernel_, other.kernel_);
+    return *this;
+}
+
+}  // namespace seldinger::device

@@ -1,0 +1,128 @@
+#pragma once
+// The only C++ that names OpenCL: devices, one context with its queues, buffers, programs and launches.
+//
+// On PoCL the context holds two devices on the same buffers: `pthread` (15 us a launch, all cores) and `basic` (0.35 us, the
+// caller's thread). A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread
+// count), and ends with one blocking read. Results are the same bits on both.
+
+#include "core/check.h"
+
+#include <CL/cl.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seldinger::device {
+
+/// Throws Error(NoDevice) naming the call, the OpenCL error and the device.
+void check(cl_int status, const char* call);
+#define CL_CHECK(call) ::seldinger::device::check((call), #call)
+
+/// What the step loop did on the device, counted to prove that it neither allocates nor builds.
+struct Counters {
+    std::uint64_t launches = 0, reads = 0, writes = 0, buffers_created = 0, programs_built = 0;
+};
+
+class Context;
+
+/// Device memory of fixed size, zero-filled. Grows only through a new Buffer.
+class Buffer {
+public:
+    Buffer() = default;
+    Buffer(Context& context, std::size_t bytes);
+    ~Buffer();
+    Buffer(Buffer&& other) noexcept;
+    Buffer& operator=(Buffer&& other) noexcept;
+    [[nodiscard]] cl_mem handle() const { return memory_; }
+    [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+private:
+    cl_mem memory_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+/// Which queue a chain of launches goes to.
+enum class Lane { Light, Heavy };
+
+class Context {
+public:
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first device with what is needed
+    /// @param float32  build kernels for `float` arithmetic
+    explicit Context(int index = -1, bool float32 = false);
+    ~Context();
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+
+    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the lane.
+    void write(Lane lane, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
+    /// Copies and waits for everything enqueued on the lane before.
+    void read(Lane lane, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
+    void copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset = 0);
+    void finish(Lane lane);
+    /// Waits for the other lane when the lane changes, so that buffers written there are seen here.
+    void enter(Lane lane);
+
+    /// Builds the .cl file (name relative to kernels/) once; later calls return the same program.
+    [[nodiscard]] cl_program program(const std::string& file);
+    void enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup);
+
+    [[nodiscard]] cl_context handle() const { return context_; }
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] bool float32() const { return float32_; }
+    [[nodiscard]] bool on_cpu() const { return cpu_; }
+    [[nodiscard]] Counters& counters() { return counters_; }
+
+private:
+    [[nodiscard]] cl_command_queue queue(Lane lane) const { return queues_[lane == Lane::Light ? 0 : 1]; }
+    cl_context context_ = nullptr;
+    std::vector<cl_device_id> devices_;
+    cl_command_queue queues_[2] = {nullptr, nullptr};  // light, heavy; the same queue on one device
+    std::vector<std::pair<std::string, cl_program>> programs_;
+    std::string name_;
+    bool float32_ = false, cpu_ = false;
+    Lane lane_ = Lane::Light;
+    Counters counters_;
+};
+
+/// One kernel with its fixed work-group size. Arguments are set at every launch, in order.
+class Kernel {
+public:
+    static constexpr std::size_t workgroup = 64;
+    Kernel() = default;
+    Kernel(Context& context, const std::string& file, const char* name);
+    ~Kernel();
+    Kernel(Kernel&& other) noexcept;
+    Kernel& operator=(Kernel&& other) noexcept;
+
+    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items.
+    template <class... Args>
+    void launch(Lane lane, std::size_t items, const Args&... args)
+    {
+        if (items == 0) return;
+        cl_uint index = 0;
+        (set(index++, args), ...);
+        context_->enqueue(lane, kernel_, items, workgroup);
+    }
+
+private:
+    void set(cl_uint index, const Buffer& buffer)
+    {
+        cl_mem memory = buffer.handle();
+        CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));
+    }
+    template <class T>
+    void set(cl_uint index, const T& value)
+    {
+        CL_CHECK(clSetKernelArg(kernel_, index, sizeof value, &value));
+    }
+    Context* context_ = nullptr;
+    cl_kernel kernel_ = nullptr;
+};
+
+/// The text that the OpenCL compiler is given for a kernel file: includes replaced by their text, once each.
+[[nodiscard]] std::string assemble_source(const std::string& file);
+
+}  // namespace seldinger::device

@@ -1,0 +1,82 @@
+#include "device/enumerate.h"
+
+#include "engine.h"
+
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+namespace seldinger::device {
+
+std::vector<cl_device_id> all_devices()
+{
+    static std::once_flag once;
+    std::call_once(once, [] {
+        setenv("POCL_DEVICES", "basic pthread", 0);
+        setenv("POCL_SIGFPE_HANDLER", "0", 0);  // else an integer division by zero in our own code would go unseen
+    });
+    std::vector<cl_device_id> devices;
+    cl_uint platform_count = 0;
+    if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;
+    std::vector<cl_platform_id> platforms(platform_count);
+    clGetPlatformIDs(platform_count, platforms.data(), nullptr);
+    for (cl_platform_id platform : platforms) {
+        cl_uint count = 0;
+        if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
+        const std::size_t first = devices.size();
+        devices.resize(first + count);
+        clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, devices.data() + first, nullptr);
+    }
+    return devices;
+}
+
+std::string device_text(cl_device_id device, cl_device_info what)
+{
+    std::size_t size = 0;
+    if (clGetDeviceInfo(device, what, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+    std::string text(size, '\0');
+    clGetDeviceInfo(device, what, size, text.data(), nullptr);
+    text.resize(std::strlen(text.c_str()));
+    return text;
+}
+
+int default_device(const std::vector<cl_device_id>& devices)
+{
+    for (std::size_t i = 0; i < devices.size(); ++i)
+        if (device_text(devices[i], CL_DEVICE_NAME).rfind("pthread", 0) == 0) return static_cast<int>(i);
+    return 0;
+}
+
+}  // namespace seldinger::device
+
+namespace seldinger {
+
+std::vector<DeviceInfo> list_devices()
+{
+    std::vector<DeviceInfo> list;
+    for (cl_device_id id : device::all_devices()) {
+        DeviceInfo info;
+        info.index = static_cast<int>(list.size());
+        info.name = device::device_text(id, CL_DEVICE_NAME);
+        info.version = device::device_text(id, CL_DEVICE_VERSION);
+        info.fp64 = device::device_text(id, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
+        cl_device_type type = 0;
+        clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, nullptr);
+        info.type = type & CL_DEVICE_TYPE_GPU ? "GPU" : type & CL_DEVICE_TYPE_CPU ? "CPU" : "accelerator";
+        cl_uint units = 0;
+        clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, nullptr);
+        info.compute_units = static_cast<int>(units);
+        cl_ulong memory = 0;
+        clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory, nullptr);
+        info.memory_bytes = memory;
+        cl_platform_id platform = nullptr;
+        clGetDeviceInfo(id, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr);
+        char name[256] = {};
+        clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
+        info.platform = name;
+        list.push_back(info);
+    }
+    return list;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,21 @@
+#pragma once
+// Which OpenCL devices there are, and which one is the default.
+
+#include <CL/cl.h>
+
+#include <string>
+#include <vector>
+
+namespace seldinger::device {
+
+/// Every device of every platform, in the order of their indices on the command line. Never throws; empty without OpenCL.
+/// The first call asks PoCL, unless the user has set POCL_DEVICES, to offer its caller's-thread device beside the threaded one.
+[[nodiscard]] std::vector<cl_device_id> all_devices();
+
+/// PoCL's threaded CPU device where present (the built-in default), else the first device.
+[[nodiscard]] int default_device(const std::vector<cl_device_id>& devices);
+
+/// A textual property; empty where the device does not answer.
+[[nodiscard]] std::string device_text(cl_device_id device, cl_device_info what);
+
+}  // namespace seldinger::device

@@ -1,0 +1,142 @@
+#include "rod/place.h"
+
+#include "core/error.h"
+#include "rod/elastic.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// A polyline by arc length.
+struct Polyline {
+    std::vector<Vec3> points;
+    std::vector<double> at;  // arc length of each point
+
+    explicit Polyline(std::vector<Vec3> list) : points(std::move(list)), at(points.size(), 0.0)
+    {
+        for (std::size_t i = 1; i < points.size(); ++i) at[i] = at[i - 1] + (points[i] - points[i - 1]).norm();
+    }
+    [[nodiscard]] double length() const { return at.back(); }
+    [[nodiscard]] Vec3 operator()(double u) const
+    {
+        const auto above = std::upper_bound(at.begin() + 1, at.end() - 1, u);
+        const std::size_t i = static_cast<std::size_t>(above - at.begin());
+        const double span = at[i] - at[i - 1];
+        return points[i - 1] + (span > 0 ? (u - at[i - 1]) / span : 0.0) * (points[i] - points[i - 1]);
+    }
+};
+
+Polyline centreline_path(const Centreline& centreline, double from)
+{
+    if (centreline.empty())
+        throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
+    std::vector<Vec3> points;
+    for (int i : centreline.main_path()) points.push_back(centreline.points[i]);
+    Polyline whole(std::move(points));
+    if (from >= whole.length())
+        throw Error(ExitCode::BadScene, fmt::format("wire.place.from_m: {} m is beyond the vessel's centreline of {:.4g} m", from, whole.length()));
+    std::vector<Vec3> rest = {whole(from)};
+    for (std::size_t i = 0; i < whole.points.size(); ++i)
+        if (whole.at[i] > from) rest.push_back(whole.points[i]);
+    return Polyline(std::move(rest));
+}
+
+struct Curve {
+    std::function<Vec3(double)> at;  // by arc length from the base
+    double length;                   // infinity where it goes on
+};
+
+Curve curve_of(const WirePlacement& place, double wire_length, const Centreline& centreline)
+{
+    const Vec3 d = place.direction.normalized();
+    Vec3 n = (place.normal - place.normal.dot(d) * d);
+    if (n.norm() < 1e-9) n = d.unitOrthogonal();
+    n.normalize();
+    const double forever = std::numeric_limits<double>::infinity();
+    switch (place.shape) {
+        case PlaceShape::Arc: {
+            const double r = place.bend_radius;
+            return {[=, base = place.base](double u) -> Vec3 { return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n; }, forever};
+        }
+        case PlaceShape::Ring: {
+            const double r = wire_length / (2 * pi);
+            return {[=, base = place.base](double u) -> Vec3 { return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n; }, forever};
+        }
+        case PlaceShape::Points: {
+            const Polyline line(place.points);
+            return {line, line.length()};
+        }
+        case PlaceShape::Centreline: {
+            const Polyline line = centreline_path(centreline, place.from);
+            return {line, line.length()};
+        }
+        default: return {[=, base = place.base](double u) -> Vec3 { return base + u * d; }, forever};
+    }
+}
+
+// The next point of the curve beyond u whose distance from p is `chord`: bisection, to rounding.
+double next_at_chord(const Curve& curve, double u, const Vec3& p, double chord)
+{
+    double low = u + 0.5 * chord, high = u + chord;
+    while ((curve.at(high) - p).norm() < chord && high < u + 20 * chord) high += 0.25 * chord;
+    for (int i = 0; i < 80; ++i) {
+        const double mid = (low + high) / 2;
+        ((curve.at(mid) - p).norm() < chord ? low : high) = mid;
+    }
+    return (low + high) / 2;
+}
+
+}  // namespace
+
+double uniform_edge(const WireSpec& spec)
+{
+    return spec.length / (uniform_node_count(spec) - 1);
+}
+
+int uniform_node_count(const WireSpec& spec)
+{
+    if (spec.nodes > 0) return spec.nodes;
+    const double edge = std::max(spec.min_edge, 0.4 * spec.max_edge);
+    return std::max(2, static_cast<int>(std::ceil(spec.length / edge - 1e-9)) + 1);
+}
+
+void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centreline& centreline)
+{
+    const int n = uniform_node_count(spec);
+    rods.set_node_count(wire, n);
+    const RodView rod = rods.view(wire);
+    const WirePlacement& place = spec.place;
+    const Curve curve = curve_of(place, spec.length, centreline);
+    const double h = spec.length / (n - 1);
+    // a closed polygon on the ring's circle; everywhere else chords are rest lengths
+    const bool ring = place.shape == PlaceShape::Ring;
+    double u = 0;
+    for (int i = n - 1; i >= 0; --i) {
+        rod.set_pos(i, curve.at(u));
+        rod.material_s[i] = i * h;
+        rod.set_vel(i, place.velocity);
+        rod.ax[i] = rod.ay[i] = rod.az[i] = 0;
+        rod.theta[i] = rod.spin_acc[i] = rod.ref_twist[i] = 0;
+        rod.spin_rate[i] = place.spin_rate;
+        if (i > 0) u = ring ? (n - i) * h : next_at_chord(curve, u, rod.pos(i), h);
+        if (u > curve.length * (1 + 1e-9))
+            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers",
+                                                        spec.length, curve.length));
+    }
+    initialise_frames(rod, place.normal);
+    if (ring)
+        for (int j = 0; j < n - 1; ++j) rod.theta[j] = place.twist * ((n - 2 - j) + 0.5) / (n - 1);
+    set_rest_shape(rod, spec, place.rest_is_placed);
+}
+
+}  // namespace seldinger

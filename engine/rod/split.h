@@ -1,0 +1,49 @@
+#pragma once
+// Nodes come and go while material is fed and where the wire is refined: one edge becomes two, or two become one, so that
+// what the wire carries (axial force, moment, torque, momentum) does not jump.
+//
+// A chord is shorter than its arc: with the axial force kept, the rest lengths after a split sum to
+// h (kappa h)^2/32 more than before. That length is reported and is the caller's debt: feeding drains it from later
+// advance; taken out at once it would be an axial force jump of EA (kappa h)^2/32, newtons for a steel wire.
+
+#include "rod/elastic.h"
+
+namespace seldinger {
+
+/// What a split or a merge changed besides the node set.
+struct SplitResult {
+    double rest_length_added = 0;  // [m], of the whole wire; < 0 for a merge. material_s of all nodes hubwards moved by it
+};
+
+/// Splits edge `edge` (between nodes edge and edge + 1) at `fraction` in (0, 1) of its rest length from its tip side. The new
+/// node has index edge + 1. Capacity must allow one node more; views taken before are stale afterwards.
+///
+/// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and
+///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of zero curvature.
+///   Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
+/// - rest lengths: both new edges carry the axial force of the old one.
+/// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
+/// - velocity, acceleration, spin rates: linear along the wire; linear and spin momentum are kept exactly.
+/// - stiffness, mass, rest curvature from the spec at material_s; with `rest_is_placed` rest curvature and twist are shared
+///   out by length instead.
+/// @param clamps  those of the accepted state, with node indices before the split
+SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, const WireSpec& spec,
+                       std::span<const RodClamp> clamps, bool rest_is_placed = false);
+
+/// Takes out inner node `node`: edges node - 1 and node become one with their mean axial force (by length), the mean of
+/// their material angles, and their momentum. No clamp may sit at the node.
+SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
+                        bool rest_is_placed = false);
+
+/// Feeding: the base edge (between nodes n-2 and n-1).
+inline SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec,
+                                   std::span<const RodClamp> clamps)
+{
+    return split_edge(rods, wire, rods.node_count(wire) - 2, fraction, spec, clamps);
+}
+inline SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps)
+{
+    return merge_edges(rods, wire, rods.node_count(wire) - 2, spec, clamps);
+}
+
+}  // namespace seldinger

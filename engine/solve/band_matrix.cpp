@@ -1,0 +1,258 @@
+#include "solve/band_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+// A node's four unknowns are one SIMD vector: all loads and stores are whole aligned blocks, so that a store is always
+// forwarded whole to the next step's load. (A column-by-column factorisation shifts its window by one entry each time,
+// which defeats store forwarding.)
+
+namespace seldinger {
+
+namespace {
+
+typedef double Vec4d __attribute__((vector_size(32), may_alias));
+
+inline Vec4d& block(double* p) { return *reinterpret_cast<Vec4d*>(p); }
+inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4d*>(p); }
+
+}  // namespace
+
+BandMatrix::BandMatrix(int max_size)
+{
+    SEL_ASSERT(max_size % node_size == 0);
+    rows_.resize(static_cast<std::size_t>(max_size) * stride);
+    scratch_.resize(max_size + 2 * node_size + 4);  // 4 more to align it
+    factor_.resize(max_size / node_size + 2);
+}
+
+void BandMatrix::reset(int size)
+{
+    SEL_ASSERT(size % node_size == 0 && static_cast<std::size_t>(size) * stride <= rows_.size());
+    size_ = size;
+    std::fill_n(rows_.begin(), static_cast<std::size_t>(size) * stride, 0.0);
+}
+
+void BandMatrix::fix(int i)
+{
+    std::fill_n(row(i), row_width, 0.0);
+    const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
+    for (int j = first; j <= last; ++j) row(j)[i - j + half_bandwidth] = 0.0;
+    row(i)[half_bandwidth] = 1.0;
+}
+
+void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
+{
+    for (int i = 0; i < size_; ++i) {
+        const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
+        double sum = 0;
+        for (int j = first; j <= last; ++j) sum += at(i, j) * x[j];
+        y[i] = sum;
+    }
+}
+
+double BandMatrix::row_scale(int i) const
+{
+    double scale = 0;
+    for (int c = 0; c < row_width; ++c) scale = std::max(scale, std::abs(row(i)[c]));
+    return scale > 0 ? scale : 1.0;
+}
+
+// Row p of a node holds columns 4b .. 4b+11 contiguously from offset 10 - p; the padding of the row supplies the zero that
+// row 0 needs at column 4b+11.
+void BandMatrix::load_upper()
+{
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b)
+        for (int p = 0; p < 4; ++p)
+            std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));
+    for (int b = nodes; b < nodes + 2; ++b) std::memset(&factor_[b], 0, sizeof(NodeFactor));
+}
+
+void BandMatrix::load_lower()
+{
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b)
+        for (int p = 0; p < 4; ++p)
+            for (int t = 0; t < 8; ++t) {
+                const int i = 4 * b + 4 + t, j = 4 * b + p;
+                factor_[b].lower[p][t] = i < size_ && i - j <= half_bandwidth ? at(i, j) : 0.0;
+            }
+}
+
+namespace {
+
+inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
+
+}  // namespace
+
+int BandMatrix::factor_ldlt()
+{
+    load_upper();
+    const int nodes = size_ / node_size;
+    for (int i = 0; i < size_; ++i) {
+        const double diagonal = std::abs(at(i, i));
+        factor_[i / 4].inverse_diagonal[i % 4] = 1.0 / (diagonal > 0 ? diagonal : row_scale(i));
+    }
+    int raised = 0;
+    for (int b = 0; b < nodes; ++b) {
+        NodeFactor &f = factor_[b], &f1 = factor_[b + 1], &f2 = factor_[b + 2];
+        Vec4d near[4], far[4];  // rows of the following two nodes' columns, scaled by the pivot
+        for (int p = 0; p < 4; ++p) {
+            double pivot = f.upper[p][p];
+            for (int c = 0; c <= p; ++c) f.upper[p][c] = 0.0;  // so that the solve can use whole blocks
+            const Vec4d own = block(f.upper[p]), row1 = block(f.upper[p] + 4), row2 = block(f.upper[p] + 8);
+            const Vec4d bound = own * own * block(f.inverse_diagonal) + row1 * row1 * block(f1.inverse_diagonal) +
+                                row2 * row2 * block(f2.inverse_diagonal);
+            // the sum of three squares is at most three times the largest
+            const double needed = largest(bound) / 3;
+            if (!(pivot * f.inverse_diagonal[p] > pivot_floor && pivot > 0.5 * needed)) {  // not-a-number too
+                pivot = std::max(1.0 / f.inverse_diagonal[p], needed);
+                ++raised;
+            }
+            const double inverse = 1.0 / pivot;
+            f.inverse_pivot[p] = inverse;
+            for (int q = p + 1; q < 4; ++q) {
+                const double multiplier = f.upper[p][q] * inverse;
+                block(f.upper[q]) -= multiplier * own;
+                block(f.upper[q] + 4) -= multiplier * row1;
+                block(f.upper[q] + 8) -= multiplier * row2;
+            }
+            near[p] = row1 * inverse;
+            far[p] = row2 * inverse;
+        }
+        for (int t = 0; t < 4; ++t) {
+            Vec4d a = block(f1.upper[t]), c = block(f1.upper[t] + 4), d = block(f2.upper[t]);
+            for (int p = 0; p < 4; ++p) {
+                a -= near[p][t] * block(f.upper[p] + 4);
+                c -= near[p][t] * block(f.upper[p] + 8);
+                d -= far[p][t] * block(f.upper[p] + 8);
+            }
+            block(f1.upper[t]) = a;
+            block(f1.upper[t] + 4) = c;
+            block(f2.upper[t]) = d;
+        }
+    }
+    return raised;
+}
+
+namespace {
+
+double* aligned(std::vector<double>& scratch)
+{
+    auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
+    return reinterpret_cast<double*>((address + 31) & ~std::uintptr_t{31});
+}
+
+inline double sum(const Vec4d& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+
+}  // namespace
+
+void BandMatrix::solve_ldlt(std::span<double> rhs_to_x)
+{
+    SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
+    const int nodes = size_ / node_size;
+    double* x = aligned(scratch_);
+    std::copy_n(rhs_to_x.begin(), size_, x);
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = 0; b < nodes; ++b) {
+        const NodeFactor& f = factor_[b];
+        Vec4d own = block(x + 4 * b), near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
+        for (int p = 0; p < 4; ++p) {
+            const double z = own[p] * f.inverse_pivot[p];
+            own -= z * block(f.upper[p]);
+            near -= z * block(f.upper[p] + 4);
+            far -= z * block(f.upper[p] + 8);
+        }
+        block(x + 4 * b) = own * block(f.inverse_pivot);
+        block(x + 4 * b + 4) = near;
+        block(x + 4 * b + 8) = far;
+    }
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = nodes - 1; b >= 0; --b) {
+        const NodeFactor& f = factor_[b];
+        double own[4], from_others[4];
+        const Vec4d near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
+        for (int p = 0; p < 4; ++p) from_others[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
+        for (int p = 3; p >= 0; --p) {
+            double inner = from_others[p];
+            for (int c = p + 1; c < 4; ++c) inner += f.upper[p][c] * own[c];
+            own[p] = x[4 * b + p] - f.inverse_pivot[p] * inner;
+        }
+        std::memcpy(x + 4 * b, own, sizeof own);
+    }
+    std::copy_n(x, size_, rhs_to_x.begin());
+}
+
+bool BandMatrix::factor_lu()
+{
+    load_upper();
+    load_lower();
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b) {
+        NodeFactor& f = factor_[b];
+        for (int p = 0; p < 4; ++p) {
+            const double pivot = f.upper[p][p];
+            if (!(std::abs(pivot) > pivot_floor * row_scale(4 * b + p))) return false;
+            const double inverse = 1.0 / pivot;
+            f.inverse_pivot[p] = inverse;
+            Vec4d own = block(f.upper[p]);
+            for (int c = 0; c <= p; ++c) own[c] = 0.0;  // multipliers and the pivot itself
+            for (int q = p + 1; q < 4; ++q) {
+                const double multiplier = f.upper[q][p] * inverse;
+                block(f.upper[q]) -= multiplier * own;
+                block(f.upper[q] + 4) -= multiplier * block(f.upper[p] + 4);
+                block(f.upper[q] + 8) -= multiplier * block(f.upper[p] + 8);
+                f.upper[q][p] = multiplier;
+            }
+            block(f.lower[p]) *= inverse;
+            block(f.lower[p] + 4) *= inverse;
+            for (int q = p + 1; q < 4; ++q) {
+                block(f.lower[q]) -= f.upper[p][q] * block(f.lower[p]);
+                block(f.lower[q] + 4) -= f.upper[p][q] * block(f.lower[p] + 4);
+            }
+        }
+        NodeFactor &f1 = factor_[b + 1], &f2 = factor_[b + 2];
+        for (int t = 0; t < 4; ++t)
+            for (int p = 0; p < 4; ++p) {
+                block(f1.upper[t]) -= f.lower[p][t] * block(f.upper[p] + 4);
+                block(f1.upper[t] + 4) -= f.lower[p][t] * block(f.upper[p] + 8);
+                block(f1.lower[t]) -= f.upper[p][4 + t] * block(f.lower[p] + 4);
+                block(f2.upper[t]) -= f.lower[p][4 + t] * block(f.upper[p] + 8);
+            }
+    }
+    return true;
+}
+
+void BandMatrix::solve_lu(std::span<double> rhs_to_x)
+{
+    SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
+    const int nodes = size_ / node_size;
+    double* x = aligned(scratch_);
+    std::copy_n(rhs_to_x.begin(), size_, x);
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = 0; b < nodes; ++b) {
+        const NodeFactor& f = factor_[b];
+        double* own = x + 4 * b;
+        for (int p = 0; p < 4; ++p) {
+            for (int q = p + 1; q < 4; ++q) own[q] -= f.upper[q][p] * own[p];
+            block(own + 4) -= own[p] * block(f.lower[p]);
+            block(own + 8) -= own[p] * block(f.lower[p] + 4);
+        }
+    }
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = nodes - 1; b >= 0; --b) {
+        const NodeFactor& f = factor_[b];
+        double* own = x + 4 * b;
+        for (int p = 3; p >= 0; --p) {
+            double inner = sum(block(f.upper[p] + 4) * block(own + 4) + block(f.upper[p] + 8) * block(own + 8));
+            for (int c = p + 1; c < 4; ++c) inner += f.upper[p][c] * own[c];
+            own[p] = (own[p] - inner) * f.inverse_pivot[p];
+        }
+    }
+    std::copy_n(x, size_, rhs_to_x.begin());
+}
+
+}  // namespace seldinger

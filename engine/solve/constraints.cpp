@@ -1,0 +1,199 @@
+#include "solve/constraints.h"
+
+#include "core/error.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+/// Piecewise linear through rows [t, v...], constant outside.
+template <std::size_t width>
+std::array<double, width - 1> interpolate(const std::vector<std::array<double, width>>& keys, double t)
+{
+    std::array<double, width - 1> value{};
+    if (keys.empty()) return value;
+    const auto next = std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key[0] > t; });
+    const auto& b = next == keys.end() ? keys.back() : *next;
+    const auto& a = next == keys.begin() || next == keys.end() ? b : *(next - 1);
+    const double weight = &a == &b ? 0.0 : (t - a[0]) / (b[0] - a[0]);
+    for (std::size_t c = 0; c + 1 < width; ++c) value[c] = a[c + 1] + weight * (b[c + 1] - a[c + 1]);
+    return value;
+}
+
+Vec3 displacement(const HoldSpec& hold, double t)
+{
+    const auto [x, y, z] = interpolate(hold.move, t);
+    const Vec3 moved = {x, y, z};
+    return hold.velocity.isZero() ? moved : Vec3(moved + t * hold.velocity);  // t may be infinite
+}
+
+double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std::clamp(t / load.ramp, 0.0, 1.0) : 1.0; }
+
+/// Parallel transport of v from unit vector a to unit vector b.
+Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b)
+{
+    return Eigen::Quaterniond::FromTwoVectors(a, b) * v;
+}
+
+Vec3 material_director(const RodView& rod, int edge)
+{
+    const Vec3 d1 = rod.ref_d1(edge), d2 = rod.tangent(edge).cross(d1);
+    return std::cos(rod.theta[edge]) * d1 + std::sin(rod.theta[edge]) * d2;
+}
+
+void check_on_wire(const char* what, std::size_t index, const WirePoint& at, double length)
+{
+    if (at.kind != WirePoint::Kind::Distance) return;
+    if (at.from_tip >= 0 && at.from_tip <= length * (1 + 1e-9)) return;
+    throw Error(ExitCode::BadScene, fmt::format("{}[{}].at: {:g} m from the tip is not on the wire, which is {:g} m long; "
+                                                "give \"base\", \"tip\" or a distance from 0 to {:g}",
+                                                what, index, at.from_tip, length, length));
+}
+
+}  // namespace
+
+// At an inner node the mean of the two edges; at an end the straight continuation of the turning from edge to edge, since
+// the edge's own tangent is that of its middle.
+NodeFrame node_frame(const RodView& rod, int node)
+{
+    const int last = rod.n - 2;
+    const int before = std::max(node - 1, 0), after = std::min(node, last);
+    Vec3 tangent = rod.tangent(before) + rod.tangent(after);
+    if (before == after && rod.n > 2) {
+        const int neighbour = node == 0 ? 1 : last - 1;
+        tangent = 1.5 * rod.tangent(after) - 0.5 * rod.tangent(neighbour);
+    }
+    tangent.normalize();
+    Vec3 director = transport(material_director(rod, before), rod.tangent(before), tangent) +
+                    transport(material_director(rod, after), rod.tangent(after), tangent);
+    director -= director.dot(tangent) * tangent;
+    return {tangent, director.normalized()};
+}
+
+WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> loads, std::span<const LinkSpec> links,
+                     const RodView& rod, double wire_length)
+    : loads_(loads.begin(), loads.end()), links_(links.begin(), links.end())
+{
+    for (std::size_t k = 0; k < loads_.size(); ++k) check_on_wire("load", k, loads_[k].at, wire_length);
+    for (std::size_t k = 0; k < links_.size(); ++k) check_on_wire("link", k, links_[k].at, wire_length);
+    for (std::size_t k = 0; k < holds.size(); ++k) {
+        const HoldSpec& spec = holds[k];
+        // a hold must find its node now; what is fed in later cannot be held
+        check_on_wire("hold", k, spec.at, rod.material_s[rod.n - 1]);
+        if (!spec.position && !spec.direction && !spec.spin)
+            throw Error(ExitCode::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", k));
+        Hold hold;
+        hold.spec = spec;
+        const int at_node = nearest_node(spec.at, spec.at.from_tip, rod);
+        hold.material_s = rod.material_s[at_node];
+        if (spec.at.kind == WirePoint::Kind::Distance) {
+            hold.offset = std::abs(hold.material_s - spec.at.from_tip);
+            held_distances_.push_back(hold.material_s);
+        }
+        hold.position = rod.pos(at_node);
+        const NodeFrame frame = node_frame(rod, at_node);
+        hold.tangent = frame.tangent;
+        hold.director = frame.director;
+        holds_.push_back(hold);
+    }
+    refuse_contradictions(rod);
+}
+
+void WireHolds::refuse_contradictions(const RodView& rod) const
+{
+    for (std::size_t a = 0; a < holds_.size(); ++a)
+        for (std::size_t b = a + 1; b < holds_.size(); ++b) {
+            const HoldSpec &first = holds_[a].spec, &second = holds_[b].spec;
+            if (node(static_cast<int>(a), rod) != node(static_cast<int>(b), rod)) continue;
+            const char* what = first.position && second.position     ? "position"
+                               : first.direction && second.direction ? "direction"
+                               : first.spin && second.spin           ? "spin"
+                                                                     : nullptr;
+            if (what)
+                throw Error(ExitCode::BadScene,
+                            fmt::format("hold[{}] and hold[{}] both hold the {} of the same node, {:g} m from the tip: "
+                                        "keep one of them, or place them farther apart than the node spacing",
+                                        a, b, what, holds_[a].material_s));
+        }
+}
+
+int WireHolds::nearest_node(const WirePoint& at, double material_s, const RodView& rod)
+{
+    if (at.kind == WirePoint::Kind::Tip) return 0;
+    if (at.kind == WirePoint::Kind::Base) return rod.n - 1;
+    const auto begin = rod.material_s.begin(), end = begin + rod.n;
+    const auto above = std::lower_bound(begin, end, material_s);
+    if (above == end) return rod.n - 1;
+    if (above != begin && material_s - *(above - 1) < *above - material_s) return static_cast<int>(above - begin) - 1;
+    return static_cast<int>(above - begin);
+}
+
+int WireHolds::node(int hold, const RodView& rod) const
+{
+    return nearest_node(holds_[hold].spec.at, holds_[hold].material_s, rod);
+}
+
+WireHolds::Place WireHolds::locate(const WirePoint& at, const RodView& rod)
+{
+    if (at.kind == WirePoint::Kind::Tip) return {0, 0.0, true};
+    if (at.kind == WirePoint::Kind::Base) return {rod.n - 2, 1.0, true};
+    const auto begin = rod.material_s.begin(), end = begin + rod.n;
+    const double length = rod.material_s[rod.n - 1];
+    if (at.from_tip > length * (1 + 1e-9)) return {0, 0.0, false};
+    const int above = static_cast<int>(std::upper_bound(begin, end, at.from_tip) - begin);
+    const int edge = std::clamp(above - 1, 0, rod.n - 2);
+    const double start = rod.material_s[edge], span = rod.material_s[edge + 1] - start;
+    return {edge, std::clamp((at.from_tip - start) / span, 0.0, 1.0), true};
+}
+
+void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
+{
+    out.prescribed.clear();
+    out.clamps.clear();
+    out.loads.clear();
+    out.springs.clear();
+    for (std::size_t k = 0; k < holds_.size(); ++k) {
+        const Hold& hold = holds_[k];
+        const int at_node = node(static_cast<int>(k), rod);
+        if (hold.spec.position) {
+            const Vec3 position = hold.position + displacement(hold.spec, t);
+            for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(4 * at_node + c, position[c]);
+        }
+        if (hold.spec.direction || hold.spec.spin) {
+            const double turned = interpolate(hold.spec.turn, t)[0];
+            const Vec3 director = Eigen::AngleAxisd(turned, hold.tangent) * hold.director;
+            out.clamps.push_back({at_node, hold.spec.direction, hold.spec.spin, hold.tangent, director, turned});
+        }
+    }
+    for (const LoadSpec& load : loads_) {
+        const Place place = locate(load.at, rod);
+        const double factor = ramp_factor(load, t);
+        if (place.inside) out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment});
+    }
+    for (const LinkSpec& link : links_) {
+        const Place place = locate(link.at, rod);
+        const auto [x, y, z] = interpolate(link.move, t);
+        if (place.inside) out.springs.push_back({place.edge, place.bary, link.anchor + Vec3(x, y, z), link.stiffness});
+    }
+}
+
+FeedKey FeedSpec::at(double t) const
+{
+    if (keys.empty()) return {t, 0, 0};
+    if (t <= keys.front().t) return {t, keys.front().advance, keys.front().turn};
+    for (std::size_t k = 1; k < keys.size(); ++k) {
+        const FeedKey &a = keys[k - 1], &b = keys[k];
+        if (t >= b.t) continue;
+        const double weight = (t - a.t) / (b.t - a.t);
+        return {t, a.advance + weight * (b.advance - a.advance), a.turn + weight * (b.turn - a.turn)};
+    }
+    return {t, keys.back().advance, keys.back().turn};
+}
+
+}  // namespace seldinger

@@ -1,0 +1,64 @@
+#pragma once
+// Holds, loads and links of one wire: what the scene asks for (solve_spec.h), resolved to nodes and edges at a given time.
+//
+// What a hold keeps (position, tangent, director) is taken once, from the wire as it is placed at t = 0. Afterwards points
+// are found by their material distance from the tip, never by node index, so that nodes may come and go.
+
+#include "solve/newton.h"
+#include "solve/solve_spec.h"
+
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+class WireHolds {
+public:
+    /// Checks the specs against the wire as placed and keeps what the holds hold. Throws Error (BadScene) for a point that
+    /// is not on the wire, a hold that holds nothing, and two holds that hold the same thing at the same node.
+    /// @param rod          placed, frames set
+    /// @param wire_length  the whole wire's [m]; a fed wire has less of it inside
+    WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> loads, std::span<const LinkSpec> links,
+              const RodView& rod, double wire_length);
+
+    /// Overwrites `out` with the constraints at time t [s] (infinity: ramps and moves are over). No allocation once `out`
+    /// has been filled before. A load or link on a part of the wire that is not inside yet is left out.
+    void fill(double t, const RodView& rod, WireConstraints& out) const;
+
+    /// Material distances [m] from the tip at which a node must stay (holds between the ends): not to be merged away.
+    [[nodiscard]] std::span<const double> held_distances() const { return held_distances_; }
+    /// Distance between where hold k was asked for and the node that took it [m].
+    [[nodiscard]] double offset(int hold) const { return holds_[hold].offset; }
+    /// Node that hold k acts on.
+    [[nodiscard]] int node(int hold, const RodView& rod) const;
+
+private:
+    struct Hold {
+        HoldSpec spec;
+        double material_s = 0, offset = 0;      // of the node [m]; base and tip follow the wire's ends instead
+        Vec3 position = Vec3::Zero();           // as placed [m]
+        Vec3 tangent = Vec3::UnitX(), director = Vec3::UnitZ();
+    };
+    struct Place {
+        int edge;
+        double bary;
+        bool inside;
+    };
+
+    [[nodiscard]] static int nearest_node(const WirePoint& at, double material_s, const RodView& rod);
+    [[nodiscard]] static Place locate(const WirePoint& at, const RodView& rod);
+    void refuse_contradictions(const RodView& rod) const;
+
+    std::vector<Hold> holds_;
+    std::vector<LoadSpec> loads_;
+    std::vector<LinkSpec> links_;
+    std::vector<double> held_distances_;
+};
+
+/// Tangent (tip -> hub) and first material director of the wire at a node, second order in the edge length also at the ends.
+struct NodeFrame {
+    Vec3 tangent, director;
+};
+[[nodiscard]] NodeFrame node_frame(const RodView& rod, int node);
+
+}  // namespace seldinger

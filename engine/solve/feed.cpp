@@ -1,0 +1,152 @@
+#include "solve/feed.h"
+
+#include "core/check.h"
+#include "rod/split.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+Vec3 turned_director(const FeedState& state)
+{
+    return Eigen::AngleAxisd(state.turn, state.direction) * state.director;
+}
+
+// The piece of wire in the guide: two nodes, half an edge long, its tip `advance` beyond the inlet.
+void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double speed, double spin)
+{
+    rods.set_node_count(index, 2);
+    const RodView rod = rods.view(index);
+    const double length = state.edge / 2;
+    rod.set_pos(0, state.point + state.advance * state.direction);
+    rod.set_pos(1, state.point + (state.advance - length) * state.direction);
+    rod.material_s[0] = 0;
+    rod.material_s[1] = length;
+    for (int i = 0; i < 2; ++i) {
+        rod.set_vel(i, speed * state.direction);
+        rod.ax[i] = rod.ay[i] = rod.az[i] = rod.ref_twist[i] = rod.theta[i] = rod.spin_acc[i] = 0;
+        rod.spin_rate[i] = -spin;  // theta turns about the edge's tangent, which points back at the hub
+    }
+    initialise_frames(rod, turned_director(state));
+    // the frame is the turned one, so the angle from it is none; but the count of turns must go on
+    rod.theta[0] = -state.turn;
+    rod.set_ref_d1(0, state.director - state.director.dot(state.direction) * state.direction);
+    set_rest_shape(rod, wire, false);
+}
+
+}  // namespace
+
+void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index)
+{
+    state.on = 1;
+    state.point = spec.point;
+    state.direction = spec.direction.normalized();
+    // first director: the upright side of the wire as it lies in the guide
+    Vec3 up = Vec3::UnitZ() - state.direction.z() * state.direction;
+    if (up.norm() < 0.1) up = Vec3::UnitX() - state.direction.x() * state.direction;
+    state.director = up.normalized();
+    const FeedKey key = spec.at(0);
+    state.advance = key.advance;
+    state.turn = key.turn;
+    place_in_guide(state, wire, rods, index, 0, 0);
+    if (state.advance > state.edge / 2) {  // starts with a length inside: straight along the inlet
+        const double inside = state.advance;
+        const int edges = std::max(1, static_cast<int>(std::lround(inside / state.edge)));
+        rods.set_node_count(index, edges + 1);
+        const RodView rod = rods.view(index);
+        for (int i = 0; i <= edges; ++i) {
+            rod.material_s[i] = inside * i / edges;
+            rod.set_pos(i, state.point + (inside - rod.material_s[i]) * state.direction);
+            rod.set_vel(i, Vec3::Zero());
+            rod.ax[i] = rod.ay[i] = rod.az[i] = rod.ref_twist[i] = rod.spin_rate[i] = rod.spin_acc[i] = 0;
+        }
+        initialise_frames(rod, state.director);
+        for (int j = 0; j < edges; ++j) rod.theta[j] = -state.turn;
+        set_rest_shape(rod, wire, false);
+        state.inside = 1;
+    }
+}
+
+void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h)
+{
+    const FeedKey key = spec.at(t);
+    const double fed = key.advance - state.advance, turned = key.turn - state.turn;
+    state.advance = key.advance;
+    state.turn = key.turn;
+    if (!state.inside) {
+        place_in_guide(state, wire, rods, index, fed / h, turned / h);
+        state.inside = state.advance >= state.edge / 2;
+        if (state.inside) {  // what is beyond half an edge is already base edge
+            const RodView rod = rods.view(index);
+            rod.set_pos(1, state.point);
+            rod.material_s[1] = state.advance;
+            set_rest_shape(rod, wire, false);
+        }
+        return;
+    }
+    const RodView rod = rods.view(index);
+    const int hub = rod.n - 1;
+    if (hub == 1 && state.advance < state.edge / 2) {  // pulled back into the guide
+        state.inside = 0;
+        state.debt = 0;
+        place_in_guide(state, wire, rods, index, fed / h, turned / h);
+        return;
+    }
+    // the debt is drained in proportion to what is fed, at most a thousandth of it per length fed either way
+    const double most = 1e-3 * std::abs(fed) + std::abs(state.debt) * std::min(1.0, std::abs(fed) / state.edge);
+    const double drained = std::clamp(state.debt, -most, most);
+    state.debt -= drained;
+    rod.material_s[hub] += fed - drained;
+    set_rest_shape(rod, wire, false);
+}
+
+void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)
+{
+    const int hub = rod.n - 1;
+    for (int k = 0; k < 3; ++k) out.prescribed.emplace_back(4 * hub + k, state.point[k]);
+    RodClamp clamp;
+    clamp.node = hub;
+    clamp.direction = clamp.spin = true;
+    clamp.tangent = -state.direction;
+    clamp.director = turned_director(state);
+    clamp.turns = -state.turn;
+    out.clamps.push_back(clamp);
+}
+
+namespace {
+
+double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrames& frames)
+{
+    const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
+    return update_frames(rod, now, clamps, frames) ? elastic_energy(rod, clamps, frames) : 0.0;
+}
+
+}  // namespace
+
+double adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index)
+{
+    RodView rod = rods.view(index);
+    const int base = rod.n - 2;  // the base edge
+    const double length = rod.rest_length[base];
+    const bool split = length > 1.5 * state.edge && rod.n < rods.capacity(index);
+    const bool merge = length < 0.5 * state.edge && rod.n > 2;
+    if (!split && !merge) return 0;
+    WireConstraints inlet;
+    add_feed_constraints(state, rod, inlet);
+    RodFrames frames(rods.capacity(index));  // a split happens once per edge fed, not once per step
+    const double before = energy_now(rod, inlet.clamps, frames);
+    const SplitResult result = split ? split_base_edge(rods, index, state.edge / length, wire, inlet.clamps)
+                                     : merge_base_edges(rods, index, wire, inlet.clamps);
+    state.debt += result.rest_length_added;
+    rod = rods.view(index);
+    inlet = {};
+    add_feed_constraints(state, rod, inlet);
+    return energy_now(rod, inlet.clamps, frames) - before;
+}
+
+}  // namespace seldinger

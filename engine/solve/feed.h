@@ -1,0 +1,38 @@
+#pragma once
+// Feeding a wire through the hub: the base node stays at the inlet, its tangent clamped there, and the base edge's rest length
+// grows (or shrinks) with what the hand advances (design section 1, Feeding).
+//
+// Until half an edge is inside, the wire is a rigid piece gliding through the guide behind `point`: no unknowns, no contact. From
+// then on the base edge is kept within [h/2, 3h/2] by splitting and merging between steps. A split leaves the polygon's edges
+// with the same strain as before, so the sum of rest lengths grows by O(h^3 curvature^2); this debt is drained from later
+// feeding, over about one edge, so that neither force nor fed length jumps.
+
+#include "rod/elastic.h"
+#include "solve/newton.h"
+#include "solve/solve_spec.h"
+
+namespace seldinger {
+
+struct FeedState {
+    double advance = 0, turn = 0;   // at the accepted time [m], [rad]
+    double debt = 0;                // rest length inside beyond what was fed [m]
+    double edge = 0;                // h, target edge length at the hub [m]
+    double direction_sign = 1;      // of the last feed
+    Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
+    std::uint8_t on = 0;            // the wire is fed
+    std::uint8_t inside = 0;        // it has left the rigid guide and is being solved
+};
+
+/// Puts a fed wire into its guide at advance 0.
+void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index);
+
+/// Advances and turns the hub to time t [s] over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
+void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h);
+
+/// Adds the inlet's clamp to the constraints of a fed wire.
+void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out);
+
+/// Splits or merges the base edge where it left [h/2, 3h/2]. @return energy made by it [J]
+double adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index);
+
+}  // namespace seldinger

@@ -1,0 +1,195 @@
+#include "solve/newton.h"
+
+#include "core/error.h"
+#include "solve/solver_work.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace seldinger {
+
+Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
+    : rods_(rods), spec_(spec), gravity_(gravity)
+{
+    if (spec.newmark && !(spec.beta > 0))
+        throw Error(ExitCode::BadScene, "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
+                                        "method set scheme = \"explicit\"");
+    for (int w = 0; w < rods.wire_count(); ++w)
+        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec.damping_stiffness > 0));
+    for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
+    evaluate_.resize(rods.wire_count());
+}
+
+Solver::~Solver() = default;
+
+// ---- the lockstep ---------------------------------------------------------------------------------------------------------
+
+void Solver::write_trial(int wire)
+{
+    const WireProblem& problem = work_[wire]->newton.problem;
+    const int begin = rods_.node_begin(wire);
+    for (int i = 0; i < problem.rod.n; ++i) {
+        trial_.x[begin + i] = problem.trial[4 * i];
+        trial_.y[begin + i] = problem.trial[4 * i + 1];
+        trial_.z[begin + i] = problem.trial[4 * i + 2];
+        trial_.theta[begin + i] = problem.trial[4 * i + 3];
+    }
+}
+
+void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+{
+    const int wires = rods_.wire_count();
+    for (;;) {
+        bool any_running = false, any_finite = false;
+        for (int w = 0; w < wires; ++w) {
+            NewtonWire& newton = work_[w]->newton;
+            evaluate_[w] = 0;
+            if (!active[w] || !newton.running()) continue;
+            any_running = true;
+            write_trial(w);
+            evaluate_[w] = newton.problem.update();
+            any_finite = any_finite || evaluate_[w];
+        }
+        if (!any_running) return;
+        if (contact && any_finite) contact->evaluate(trial_, h, evaluate_);
+        for (int w = 0; w < wires; ++w)
+            if (active[w] && work_[w]->newton.running()) work_[w]->newton.advance(evaluate_[w], contact, w);
+    }
+}
+
+void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active)
+{
+    SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        WireProblem& problem = work_[w]->newton.problem;
+        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h);
+        const RodView rod = rods_.view(w);
+        const int at = rods_.node_begin(w);
+        std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
+        std::copy_n(rod.y.begin(), rod.n, trial_.y.begin() + at);
+        std::copy_n(rod.z.begin(), rod.n, trial_.z.begin() + at);
+        std::copy_n(rod.theta.begin(), rod.n - 1, trial_.theta.begin() + at);
+    }
+}
+
+/// Failure leaves the wire as it was: the trial and the frames are those of the accepted state again.
+void Solver::restore(int wire)
+{
+    WireProblem& problem = work_[wire]->newton.problem;
+    problem.trial = problem.start;
+    (void)problem.update();
+    write_trial(wire);
+}
+
+void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!active[w]) continue;
+        NewtonWire& newton = work_[w]->newton;
+        reports[w] = newton.report();
+        if (newton.converged()) newton.problem.commit(spec_.newmark);
+        else restore(w);
+    }
+}
+
+// ---- one step -------------------------------------------------------------------------------------------------------------
+
+void Solver::step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+                  std::span<const std::uint8_t> active, std::span<SolveReport> reports)
+{
+    SEL_ASSERT(h > 0);
+    if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
+    if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
+    begin(Motion::Implicit, h, constraints, active);
+    NewtonOptions options;
+    options.linearised = spec_.scheme == Scheme::Linearised;
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
+    iterate(h, contact, active);
+    finish(active, reports);
+}
+
+double Solver::move_limit(const ContactTerm* contact, int wire)
+{
+    return contact ? contact->move_limit(wire) : std::numeric_limits<double>::infinity();
+}
+
+// Symplectic Euler: v+ = v + h F(x, v)/m, x+ = x + h v+. A baseline; its step is limited by the axial wave (design, F1).
+void Solver::step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+                           std::span<const std::uint8_t> active, std::span<SolveReport> reports)
+{
+    begin(Motion::Explicit, h, constraints, active);
+    evaluate_forces(h, contact, active);
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!active[w]) continue;
+        WireProblem& problem = work_[w]->newton.problem;
+        for (int i = 0; i < problem.size(); ++i) {
+            if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
+            else problem.trial[i] += h * (problem.velocity(i) - h * problem.residual[i] / problem.inertia[i]);
+        }
+        write_trial(w);
+        evaluate_[w] = evaluate_[w] && problem.update();
+    }
+    if (contact) contact->evaluate(trial_, h, evaluate_);  // so that contact keeps the state that is accepted
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!active[w]) continue;
+        WireProblem& problem = work_[w]->newton.problem;
+        reports[w] = {};
+        reports[w].evaluations = 2;
+        reports[w].converged = evaluate_[w] && (!contact || contact->admissible(w));
+        reports[w].non_finite = !evaluate_[w];
+        if (!reports[w].converged) restore(w);
+        else problem.commit_explicit();
+    }
+}
+
+/// R at the present state into each active wire's residual; evaluate_[w] = 0 where that is not possible.
+void Solver::evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) evaluate_[w] = active[w] && work_[w]->newton.problem.update();
+    if (contact) contact->evaluate(trial_, h, evaluate_);
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (evaluate_[w]) evaluate_[w] = work_[w]->newton.problem.evaluate_residual(contact, w);
+}
+
+void Solver::initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
+                                     std::span<const std::uint8_t> active)
+{
+    begin(Motion::Explicit, 0, constraints, active);
+    evaluate_forces(0, contact, active);
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (evaluate_[w]) work_[w]->newton.problem.set_acceleration_from_residual();
+}
+
+// ---- readings -------------------------------------------------------------------------------------------------------------
+
+const RodFrames& Solver::frames(int wire) const { return work_[wire]->newton.problem.frames; }
+
+const TrialState& Solver::trial() const { return trial_; }
+
+double Solver::reaction(int wire, int unknown) const { return work_[wire]->newton.problem.residual[unknown]; }
+
+double Solver::elastic_energy(int wire) const
+{
+    const WireProblem& problem = work_[wire]->newton.problem;
+    return seldinger::elastic_energy(rods_.view(wire), problem.clamps, problem.frames);
+}
+
+double Solver::kinetic_energy(int wire) const
+{
+    const RodView rod = rods_.view(wire);
+    double twice = 0;
+    for (int i = 0; i < rod.n; ++i) twice += rod.mass[i] * rod.vel(i).squaredNorm();
+    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
+    return 0.5 * twice;
+}
+
+double Solver::potential_energy(int wire) const
+{
+    const RodView rod = rods_.view(wire);
+    double energy = 0;
+    for (int i = 0; i < rod.n; ++i) energy -= rod.mass[i] * gravity_.dot(rod.pos(i));
+    return energy;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,326 @@
+#include "solve/newton_wire.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
+constexpr double smallest_alpha = 1e-6;
+constexpr int full_tangent_after = 3;      // iterations with the symmetric part only
+
+}  // namespace
+
+NewtonWire::NewtonWire(int capacity, bool stiffness_damping) : problem(capacity, stiffness_damping)
+{
+    for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_, &scratch_})
+        array->resize(4 * capacity);
+}
+
+SolveReport NewtonWire::report() const
+{
+    SolveReport report;
+    report.converged = converged();
+    report.non_finite = non_finite_;
+    report.iterations = iterations_;
+    report.evaluations = evaluations_;
+    report.residual = norm_;
+    report.tolerance = problem.tolerance;
+    report.force_scale = problem.force_scale;
+    return report;
+}
+
+// ---- first guess: the accepted state moved on with its velocity -------------------------------------------------------
+
+void NewtonWire::start(const NewtonOptions& options, double move_limit)
+{
+    options_ = options;
+    move_limit_ = move_limit;
+    phase_ = Phase::Guess;
+    non_finite_ = unsymmetric_ = chord_ = false;
+    iterations_ = evaluations_ = retreats_ = 0;
+    norm_ = contraction_ = 0;
+    const int size = problem.size(), n = problem.rod.n;
+    std::fill(guess_.begin(), guess_.begin() + size, 0.0);
+    if (problem.motion == Motion::Implicit && !options.linearised)
+        for (int i = 0; i < n; ++i) {
+            const RodView& rod = problem.rod;
+            const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < n - 1 ? rod.spin_rate[i] : 0.0};
+            for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
+        }
+    const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
+    double fraction = 1;
+    if (move > move_limit) fraction = move_limit / move;
+    if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
+    set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
+
+    // shift: in units of B/L^3 per node, so that 1 doubles a cantilever's stiffness or so
+    double length = 0, bend = 0, mass = 0;
+    for (int j = 0; j < n - 1; ++j) length += problem.rod.rest_length[j];
+    for (int i = 0; i < n; ++i) {
+        bend = std::max(bend, problem.rod.bend_stiffness[i]);
+        mass += problem.rod.mass[i];
+    }
+    const double unit = 3 * bend / (length * length * length * n);
+    for (int i = 0; i < size; ++i)
+        shift_weight_[i] = i % 4 == 3 ? unit * problem.length_scale * problem.length_scale : unit;
+    smallest_shift_ = 1e-3;
+    shift_ = options.gradient_flow ? 100 : 0;
+}
+
+// A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
+void NewtonWire::set_guess(double fraction)
+{
+    guess_fraction_ = fraction;
+    for (int i = 0; i < problem.size(); ++i) {
+        problem.trial[i] = problem.start[i] + fraction * guess_[i];
+        if (problem.prescribed[i] && std::abs(problem.prescribed_value[i] - problem.trial[i]) < 1e-6 * problem.length_scale)
+            problem.trial[i] = problem.prescribed_value[i];
+    }
+}
+
+/// The trial cannot be: nearer to the last state that could.
+void NewtonWire::retreat()
+{
+    if (phase_ == Phase::Search) return shorten(0.3 * alpha_);
+    if (guess_fraction_ == 0) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    set_guess(++retreats_ < 6 ? 0.5 * guess_fraction_ : 0.0);
+}
+
+// ---- decisions ------------------------------------------------------------------------------------------------------------
+
+void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
+{
+    ++evaluations_;
+    const bool usable = finite && (!contact || contact->admissible(wire));
+    if (!usable || !problem.evaluate_residual(contact, wire)) {
+        non_finite_ = non_finite_ || !finite;
+        return retreat();
+    }
+    norm_ = problem.residual_norm();
+    non_finite_ = false;
+    if (options_.linearised && phase_ == Phase::Search) {
+        phase_ = Phase::Done;
+        return;
+    }
+    if (norm_ <= problem.tolerance && at_prescribed()) {
+        phase_ = Phase::Done;
+        return;
+    }
+    if (phase_ == Phase::Search && !acceptable(norm_)) {
+        if (at_kink(contact, wire)) phase_ = Phase::Done;
+        return;
+    }
+    if (iterations_ >= options_.max_iterations) {
+        phase_ = at_kink(contact, wire) ? Phase::Done : Phase::Failed;
+        return;
+    }
+    take_base();
+    new_direction(contact, wire);
+    launch();
+}
+
+bool NewtonWire::at_prescribed() const
+{
+    for (int i = 0; i < problem.size(); ++i)
+        if (problem.prescribed[i] && problem.trial[i] != problem.prescribed_value[i]) return false;
+    return true;
+}
+
+/// The tests at the top of newton_wire.h; a shorter trial is set when they fail.
+bool NewtonWire::acceptable(double norm)
+{
+    chord_ = false;
+    double slope = 0;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) slope += problem.residual[i] * direction_[i];
+    const bool slope_falls = std::abs(slope) <= 0.9 * std::abs(slope_);
+    if (options_.gradient_flow) {
+        if (slope_falls || slope <= 0) return true;
+        raise_shift();
+        return false;
+    }
+    correction_at_trial(part(correction_), 1 - alpha_);
+    contraction_ = problem.norm(part(correction_)) / direction_norm_;
+    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) {
+        // the correction is at hand: use it as the next step when its own error will be below the tolerance
+        chord_ = alpha_ == 1 && contraction_ < 0.1 && 4 * contraction_ * norm < problem.tolerance;
+        return true;
+    }
+    // what the linear equations did not foresee of the correction grows with alpha^2
+    for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
+    const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(part(scratch_));
+    const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
+    shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
+    return false;
+}
+
+/// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
+/// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
+/// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
+bool NewtonWire::at_kink(const ContactTerm* contact, int wire) const
+{
+    if (iterations_ < 4 || options_.shifted) return false;
+    const double smallest_radius = *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
+    const double jump = contact ? 1e-3 * contact->largest_force(wire) : 0.0;
+    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= 1e-6 * smallest_radius &&
+           at_prescribed();
+}
+
+void NewtonWire::shorten(double alpha)
+{
+    if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
+    if (alpha < smallest_alpha) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    set_trial(alpha);
+}
+
+void NewtonWire::take_base()
+{
+    const int size = problem.size();
+    // equilibrium: trust the model more after a good full step
+    if (options_.shifted && phase_ == Phase::Search) {
+        if (options_.gradient_flow) shift_ *= 0.7;
+        else if (alpha_ == first_alpha_) shift_ *= contraction_ < 0.5 ? 0.1 : 0.5;
+        if (shift_ < smallest_shift_) shift_ = 0;
+    }
+    if (phase_ == Phase::Search) problem.predict_tension(base_, direction_, alpha_);
+    std::copy_n(problem.trial.begin(), size, base_.begin());
+    std::copy_n(problem.residual.begin(), size, base_residual_.begin());
+    phase_ = Phase::Search;
+    ++iterations_;
+}
+
+// ---- direction ------------------------------------------------------------------------------------------------------------
+
+void NewtonWire::new_direction(const ContactTerm* contact, int wire)
+{
+    if (chord_) {
+        chord_ = false;
+        std::copy_n(correction_.begin(), problem.size(), direction_.begin());
+        return;
+    }
+    if (options_.shifted) factorise_shifted(contact, wire);
+    else factorise(contact, wire);
+    correction_at_trial(part(direction_), 1);
+}
+
+void NewtonWire::factorise(const ContactTerm* contact, int wire)
+{
+    unsymmetric_ = contact && (iterations_ > full_tangent_after || options_.linearised) && contact->unsymmetric(wire);
+    if (factorise_with(HessianMode::Exact, contact, wire) == 0) return;
+    unsymmetric_ = false;
+    (void)factorise_with(HessianMode::Safe, contact, wire);
+}
+
+/// @return pivots raised; for LU 1 when it fails
+int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int wire)
+{
+    problem.assemble_tangent(mode, !unsymmetric_, contact, wire);
+    // prescribed unknowns move by a known amount, which loads the others
+    const int size = problem.size();
+    bool moves = false;
+    for (int i = 0; i < size; ++i) {
+        scratch_[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i] : 0.0;
+        moves = moves || scratch_[i] != 0;
+    }
+    if (moves) problem.matrix.multiply(part(scratch_), part(coupling_));
+    else std::fill_n(coupling_.begin(), size, 0.0);
+    for (int i = 0; i < size; ++i)
+        if (problem.prescribed[i]) problem.matrix.fix(i);
+    if (unsymmetric_) return problem.matrix.factor_lu() ? 0 : 1;
+    add_shift(shift_);
+    return problem.matrix.factor_ldlt();
+}
+
+void NewtonWire::add_shift(double amount)
+{
+    if (amount == 0) return;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) problem.matrix.add(i, i, amount * shift_weight_[i]);
+}
+
+/// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles.
+void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
+{
+    unsymmetric_ = false;
+    int raised = factorise_with(HessianMode::Exact, contact, wire);
+    for (int attempt = 0; attempt < 12 && raised > 0; ++attempt) {
+        const double larger = std::max(4 * shift_, smallest_shift_);
+        add_shift(larger - shift_);
+        shift_ = larger;
+        raised = problem.matrix.factor_ldlt();
+    }
+    if (raised > 0) (void)factorise_with(HessianMode::Safe, contact, wire);
+}
+
+/// The direction failed at any useful length: a shorter, more downhill one from the same base.
+void NewtonWire::raise_shift()
+{
+    const double larger = std::max(10 * shift_, 10 * smallest_shift_);
+    if (larger > 1e15) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    add_shift(larger - shift_);
+    shift_ = larger;
+    (void)problem.matrix.factor_ldlt();
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    std::copy_n(base_residual_.begin(), problem.size(), problem.residual.begin());
+    correction_at_trial(part(direction_), 1);
+    launch();
+}
+
+void NewtonWire::solve(std::span<double> rhs_to_x)
+{
+    if (unsymmetric_) problem.matrix.solve_lu(rhs_to_x);
+    else problem.matrix.solve_ldlt(rhs_to_x);
+}
+
+/// -A^-1 R at the trial, with the present factors; prescribed unknowns go to their values.
+/// @param prescribed_left  how much of the prescribed unknowns' move at the base is still to be made
+void NewtonWire::correction_at_trial(std::span<double> out, double prescribed_left)
+{
+    for (int i = 0; i < problem.size(); ++i)
+        out[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i]
+                                       : -problem.residual[i] - prescribed_left * coupling_[i];
+    solve(out);
+}
+
+// ---- step -------------------------------------------------------------------------------------------------------------------
+
+void NewtonWire::launch()
+{
+    direction_norm_ = problem.norm(part(direction_));
+    if (!std::isfinite(direction_norm_) || direction_norm_ == 0) {
+        phase_ = Phase::Failed;
+        non_finite_ = true;
+        return;
+    }
+    slope_ = 0;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) slope_ += problem.residual[i] * direction_[i];
+    const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
+    first_alpha_ = 1;
+    if (move > move_limit_) first_alpha_ = move_limit_ / move;
+    if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
+    set_trial(first_alpha_);
+}
+
+void NewtonWire::set_trial(double alpha)
+{
+    alpha_ = alpha;
+    for (int i = 0; i < problem.size(); ++i) problem.trial[i] = base_[i] + alpha * direction_[i];
+    if (alpha == 1)
+        for (int i = 0; i < problem.size(); ++i)
+            if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
+}
+
+}  // namespace seldinger

@@ -1,0 +1,80 @@
+#pragma once
+// Newton's method for one wire as a state machine: the solver evaluates all wires' trial states together, then lets each wire
+// take its own decision. Nothing here looks at another wire.
+//
+// Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one; with sliding friction the full,
+// unsymmetric tangent after three iterations. The geometric stiffness of stretching is taken at the tension that the *linear*
+// equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens
+// it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is far too stiff
+// sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed
+// equations in position and tension; same solution, since both tensions agree there.)
+//
+// Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
+// either the simplified Newton correction A^-1 R(q + alpha d), in metres, has shrunk against d (the natural monotonicity test of
+// [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has: |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is
+// reduced. No edge turns by more than half a radian and no node moves farther than contact has searched in one update.
+
+#include "solve/wire_problem.h"
+
+#include <vector>
+
+namespace seldinger {
+
+struct NewtonOptions {
+    int max_iterations = 40;
+    bool linearised = false;       // D5: one step from the start of the step, taken as it is if admissible
+    // equilibrium only: shift * scale added on the diagonal, adapted (Levenberg-Marquardt)
+    bool shifted = false;
+    bool gradient_flow = false;    // pseudo-time: start with a large shift, lower it slowly, trust the derivative alone
+};
+
+class NewtonWire {
+public:
+    NewtonWire(int capacity, bool stiffness_damping);
+
+    /// Starts a solve of `problem`, begun by the caller; the first trial is set.
+    void start(const NewtonOptions& options, double move_limit);
+    /// Takes in the evaluation at problem.trial and decides: done, failed, or a new trial.
+    /// @param finite  frames at the trial are finite, and contact has been evaluated there
+    void advance(bool finite, const ContactTerm* contact, int wire);
+
+    [[nodiscard]] bool running() const { return phase_ == Phase::Guess || phase_ == Phase::Search; }
+    [[nodiscard]] bool converged() const { return phase_ == Phase::Done; }
+    [[nodiscard]] SolveReport report() const;
+
+    WireProblem problem;
+
+private:
+    enum class Phase { Guess, Search, Done, Failed };
+
+    void set_guess(double fraction);
+    void retreat();
+    [[nodiscard]] bool at_prescribed() const;
+    [[nodiscard]] bool acceptable(double norm);
+    [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
+    void shorten(double alpha);
+    void take_base();
+    void new_direction(const ContactTerm* contact, int wire);
+    void factorise(const ContactTerm* contact, int wire);
+    void factorise_shifted(const ContactTerm* contact, int wire);
+    [[nodiscard]] int factorise_with(HessianMode mode, const ContactTerm* contact, int wire);
+    void add_shift(double amount);
+    void raise_shift();
+    void solve(std::span<double> rhs_to_x);
+    void correction_at_trial(std::span<double> out, double prescribed_left);
+    void launch();
+    void set_trial(double alpha);
+
+    [[nodiscard]] std::span<double> part(std::vector<double>& v) { return {v.data(), static_cast<std::size_t>(problem.size())}; }
+
+    NewtonOptions options_;
+    Phase phase_ = Phase::Done;
+    bool non_finite_ = false, unsymmetric_ = false, chord_ = false;
+    int iterations_ = 0, evaluations_ = 0, retreats_ = 0;
+    double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
+    double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
+    double shift_ = 0, smallest_shift_ = 0;
+    std::vector<double> base_, base_residual_, direction_, correction_, coupling_, guess_, shift_weight_, scratch_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,14 @@
+#pragma once
+// What the solver keeps per wire; private to solve/.
+
+#include "solve/newton.h"
+#include "solve/newton_wire.h"
+
+namespace seldinger {
+
+struct Solver::Work {
+    Work(int capacity, bool stiffness_damping) : newton(capacity, stiffness_damping) {}
+    NewtonWire newton;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,360 @@
+#include "solve/wire_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+Vec3 node_of(std::span<const double> q, int i) { return {q[4 * i], q[4 * i + 1], q[4 * i + 2]}; }
+
+void add_to_node(std::span<double> q, int i, const Vec3& value)
+{
+    for (int c = 0; c < 3; ++c) q[4 * i + c] += value[c];
+}
+
+}  // namespace
+
+WireProblem::WireProblem(int capacity, bool stiffness_damping)
+    : frames(capacity), matrix(4 * capacity), damping_(stiffness_damping ? 4 * capacity : 0)
+{
+    for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
+                        &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_})
+        array->resize(4 * capacity);
+    prescribed.resize(4 * capacity);
+    tension.resize(capacity);
+}
+
+void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
+                        const Vec3& gravity, Motion kind, double step)
+{
+    rod = view;
+    constraints_ = &constraints;
+    clamps.assign(constraints.clamps.begin(), constraints.clamps.end());
+    motion = kind;
+    h = step;
+    const int n = rod.n;
+    for (int i = 0; i < n; ++i) {
+        const double theta = i < n - 1 ? rod.theta[i] : 0.0;
+        const double q[4] = {rod.x[i], rod.y[i], rod.z[i], theta};
+        const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < n - 1 ? rod.spin_rate[i] : 0.0};
+        const double m[4] = {rod.mass[i], rod.mass[i], rod.mass[i], i < n - 1 ? rod.spin_inertia[i] : 0.0};
+        std::copy_n(q, 4, &start[4 * i]);
+        std::copy_n(v, 4, &start_velocity_[4 * i]);
+        std::copy_n(m, 4, &inertia[4 * i]);
+    }
+    std::copy_n(start.begin(), 4 * n, trial.begin());
+    std::fill_n(prescribed.begin(), 4 * n, 0);
+    for (const auto& [unknown, value] : constraints.prescribed) {
+        SEL_ASSERT(unknown >= 0 && unknown < 4 * n - 1);
+        prescribed[unknown] = 1;
+        prescribed_value[unknown] = value;
+    }
+    prescribed[4 * n - 1] = 1;  // no edge begins at the last node
+    prescribed_value[4 * n - 1] = start[4 * n - 1];
+    for (int j = 0; j < n - 1; ++j)
+        tension[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+    set_kinematics(spec);
+    set_external(gravity);
+    set_scales(spec, gravity);
+    set_damping(spec);
+}
+
+void WireProblem::set_kinematics(const IntegratorSpec& spec)
+{
+    const int size = 4 * rod.n;
+    velocity_rate_ = acceleration_rate_ = 0;
+    std::fill_n(velocity_base_.begin(), size, 0.0);
+    std::fill_n(acceleration_base_.begin(), size, 0.0);
+    if (motion == Motion::Explicit) std::copy_n(start_velocity_.begin(), size, velocity_base_.begin());
+    if (motion != Motion::Implicit) return;
+    if (!spec.newmark) {  // backward Euler
+        velocity_rate_ = 1 / h;
+        acceleration_rate_ = 1 / (h * h);
+        for (int i = 0; i < size; ++i) acceleration_base_[i] = -start_velocity_[i] / h;
+        return;
+    }
+    // D4 solved for a+ and v+
+    acceleration_rate_ = 1 / (spec.beta * h * h);
+    velocity_rate_ = spec.gamma * h * acceleration_rate_;
+    for (int i = 0; i < rod.n; ++i) {
+        const double a[4] = {rod.ax[i], rod.ay[i], rod.az[i], i < rod.n - 1 ? rod.spin_acc[i] : 0.0};
+        for (int c = 0; c < 4; ++c) {
+            const double v = start_velocity_[4 * i + c];
+            const double base = -(h * v + h * h * (0.5 - spec.beta) * a[c]) * acceleration_rate_;
+            acceleration_base_[4 * i + c] = base;
+            velocity_base_[4 * i + c] = v + h * ((1 - spec.gamma) * a[c] + spec.gamma * base);
+        }
+    }
+}
+
+// Weight and dead forces; moments follow the edge and are added at each evaluation.
+void WireProblem::set_external(const Vec3& gravity)
+{
+    std::fill_n(external_.begin(), 4 * rod.n, 0.0);
+    for (int i = 0; i < rod.n; ++i) add_to_node(external_, i, rod.mass[i] * gravity);
+    for (const auto& load : constraints_->loads) {
+        add_to_node(external_, load.edge, (1 - load.bary) * load.force);
+        add_to_node(external_, load.edge + 1, load.bary * load.force);
+    }
+}
+
+// What the residual is measured against: the largest of total weight, loads (moments over the wire's length), stretched
+// springs, and B/L^2, the force that bends the wire to its own length. The floor is what rounding of positions far from the
+// origin does to the stretching and inertia forces.
+void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)
+{
+    const int n = rod.n;
+    double length = 0, mass = 0, bend = 0, twist = 0, reach = 0, stiffness = 0, spin = 0;
+    for (int j = 0; j < n - 1; ++j) {
+        length += rod.rest_length[j];
+        stiffness = std::max(stiffness, rod.stretch_stiffness[j] / rod.rest_length[j]);
+        twist = std::max(twist, rod.twist_stiffness[j] / rod.rest_length[j] * std::abs(rod.theta[j]));
+        spin = std::max(spin, inertia[4 * j + 3] * std::abs(rod.theta[j]));
+    }
+    double heaviest = 0;
+    for (int i = 0; i < n; ++i) {
+        mass += rod.mass[i];
+        heaviest = std::max(heaviest, rod.mass[i]);
+        bend = std::max(bend, rod.bend_stiffness[i]);
+        reach = std::max({reach, std::abs(rod.x[i]), std::abs(rod.y[i]), std::abs(rod.z[i])});
+    }
+    length_scale = length / (n - 1);
+    force_scale = std::max(mass * gravity.norm(), bend / (length * length));
+    double loads = 0, springs = 0;
+    for (const auto& load : constraints_->loads) loads += load.force.norm() + load.moment.norm() / length;
+    for (const auto& spring : constraints_->springs) {
+        const Vec3 at = (1 - spring.bary) * rod.pos(spring.edge) + spring.bary * rod.pos(spring.edge + 1);
+        springs += spring.stiffness * (at - spring.anchor).norm();
+    }
+    force_scale = std::max({force_scale, loads, springs});
+    const double force_noise = (stiffness + heaviest * acceleration_rate_) * reach;
+    const double moment_noise = (twist + spin * acceleration_rate_) / length_scale;
+    tolerance = spec.tolerance * force_scale + 8 * epsilon * std::max(force_noise, moment_noise);
+}
+
+void WireProblem::set_damping(const IntegratorSpec& spec)
+{
+    damping_mass_ = motion == Motion::Static ? 0 : spec.damping_mass;
+    damping_stiffness_ = motion == Motion::Static ? 0 : spec.damping_stiffness;
+    if (damping_stiffness_ == 0) return;
+    damping_.reset(size());
+    if (!update()) return;  // a broken start is found out by the first evaluation
+    std::fill_n(scratch_.begin(), size(), 0.0);
+    add_elastic(rod, clamps, frames, {scratch_.data(), static_cast<std::size_t>(size())}, &damping_, HessianMode::Safe);
+}
+
+RodTrial WireProblem::trial_view() const
+{
+    const std::size_t n = rod.n;
+    double* s = split_.data();
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t c = 0; c < 4; ++c) s[c * n + i] = trial[4 * i + c];
+    return {{s, n}, {s + n, n}, {s + 2 * n, n}, {s + 3 * n, n}};
+}
+
+bool WireProblem::update() { return update_frames(rod, trial_view(), clamps, frames); }
+
+double WireProblem::velocity(int i) const
+{
+    if (motion == Motion::Implicit && prescribed[i]) return (trial[i] - start[i]) / h;
+    return velocity_rate_ * (trial[i] - start[i]) + velocity_base_[i];
+}
+
+double WireProblem::acceleration(int i) const
+{
+    if (motion == Motion::Implicit && prescribed[i]) return (velocity(i) - start_velocity_[i]) / h;
+    return acceleration_rate_ * (trial[i] - start[i]) + acceleration_base_[i];
+}
+
+bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
+{
+    const int size = 4 * rod.n;
+    const std::span<double> r(residual.data(), size);
+    for (int i = 0; i < size; ++i)
+        r[i] = inertia[i] * (acceleration(i) + damping_mass_ * velocity(i)) - external_[i];
+    if (damping_stiffness_ > 0) {
+        for (int i = 0; i < size; ++i) damped_velocity_[i] = damping_stiffness_ * velocity(i);
+        damping_.multiply(damped_velocity_, scratch_);
+        for (int i = 0; i < size; ++i) r[i] += scratch_[i];
+    }
+    add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
+    add_loads();
+    if (contact) contact->add(wire, r, nullptr, true);
+    r[size - 1] = 0;
+    double sum = 0;
+    for (int i = 0; i < size; ++i) sum += std::abs(r[i]);
+    return std::isfinite(sum);
+}
+
+// Springs, and dead moments. A moment m turns the edge that it acts on: a couple of forces +-(m x t)/|e| on its ends does the
+// work of m on the edge's rotation, and m.t that on its spin. (The tangent stiffness of this is not symmetric, small against
+// bending on the scale of an edge, m l/B, and left out.)
+void WireProblem::add_loads()
+{
+    const std::span<double> r(residual.data(), 4 * rod.n);
+    for (const auto& spring : constraints_->springs) {
+        const Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
+        const Vec3 pull = spring.stiffness * (at - spring.anchor);
+        add_to_node(r, spring.edge, (1 - spring.bary) * pull);
+        add_to_node(r, spring.edge + 1, spring.bary * pull);
+    }
+    for (const auto& load : constraints_->loads) {
+        if (load.moment.isZero()) continue;
+        const Vec3& t = frames.tangent[load.edge];
+        const Vec3 couple = load.moment.cross(t) / frames.edge_length[load.edge];
+        add_to_node(r, load.edge + 1, -couple);
+        add_to_node(r, load.edge, couple);
+        r[4 * load.edge + 3] -= load.moment.dot(t);
+    }
+}
+
+void WireProblem::add_springs_to(BandMatrix& target) const
+{
+    for (const auto& spring : constraints_->springs) {
+        const double weight[2] = {1 - spring.bary, spring.bary};
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b)
+                for (int c = 0; c < 3; ++c)
+                    target.add(4 * (spring.edge + a) + c, 4 * (spring.edge + b) + c,
+                               spring.stiffness * weight[a] * weight[b]);
+    }
+}
+
+// The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1). Puts `tension` in place of N.
+void WireProblem::replace_tension()
+{
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const double length = frames.edge_length[j];
+        const double actual = rod.stretch_stiffness[j] * (length / rod.rest_length[j] - 1);
+        const double change = (tension[j] - actual) / length;
+        const Vec3& t = frames.tangent[j];
+        for (int c = 0; c < 3; ++c)
+            for (int d = 0; d < 3; ++d) {
+                const double value = change * ((c == d ? 1.0 : 0.0) - t[c] * t[d]);
+                matrix.add(4 * j + c, 4 * j + d, value);
+                matrix.add(4 * j + 4 + c, 4 * j + 4 + d, value);
+                matrix.add(4 * j + c, 4 * j + 4 + d, -value);
+                matrix.add(4 * j + 4 + c, 4 * j + d, -value);
+            }
+    }
+}
+
+void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire)
+{
+    const int size = 4 * rod.n;
+    matrix.reset(size);
+    const std::span<double> unused(scratch_.data(), size);
+    std::fill(unused.begin(), unused.end(), 0.0);
+    add_elastic(rod, clamps, frames, unused, &matrix, mode);
+    if (mode == HessianMode::Exact) replace_tension();
+    const double rate = acceleration_rate_ + damping_mass_ * velocity_rate_;
+    for (int i = 0; i < size; ++i) matrix.add(i, i, rate * inertia[i]);
+    add_springs_to(matrix);
+    if (contact) contact->add(wire, unused, &matrix, symmetric);
+    if (damping_stiffness_ > 0)
+        for (int i = 0; i < size; ++i)
+            for (int c = 0; c < BandMatrix::row_width; ++c)
+                matrix.row(i)[c] += damping_stiffness_ * velocity_rate_ * damping_.row(i)[c];
+}
+
+double WireProblem::residual_norm() const
+{
+    double largest = 0;
+    for (int i = 0; i < 4 * rod.n; ++i) {
+        if (prescribed[i]) continue;
+        largest = std::max(largest, i % 4 == 3 ? std::abs(residual[i]) / length_scale : std::abs(residual[i]));
+    }
+    return largest;
+}
+
+double WireProblem::norm(std::span<const double> d) const
+{
+    double squares = 0;
+    for (int i = 0; i < 4 * rod.n; ++i) {
+        const double value = i % 4 == 3 ? d[i] * length_scale : d[i];
+        squares += value * value;
+    }
+    return std::sqrt(squares);
+}
+
+double WireProblem::largest_move(std::span<const double> d) const
+{
+    double largest = 0;
+    for (int i = 0; i < rod.n; ++i) largest = std::max(largest, node_of(d, i).squaredNorm());
+    return std::sqrt(largest);
+}
+
+double WireProblem::largest_turn(std::span<const double> d) const
+{
+    double largest = 0;
+    for (int j = 0; j < rod.n - 1; ++j)
+        largest = std::max(largest, (node_of(d, j + 1) - node_of(d, j)).norm() / rod.rest_length[j]);
+    return largest;
+}
+
+void WireProblem::predict_tension(std::span<const double> base, std::span<const double> d, double alpha)
+{
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const Vec3 edge = node_of(base, j + 1) - node_of(base, j);
+        const double length = edge.norm(), rest = rod.rest_length[j];
+        const double longer = length - rest + edge.dot(node_of(d, j + 1) - node_of(d, j)) / length;
+        tension[j] += alpha * (rod.stretch_stiffness[j] / rest * longer - tension[j]);
+    }
+}
+
+void WireProblem::write_velocity(int i, const double (&v)[4])
+{
+    rod.set_vel(i, {v[0], v[1], v[2]});
+    if (i < rod.n - 1) rod.spin_rate[i] = v[3];
+}
+
+void WireProblem::write_acceleration(int i, const double (&a)[4])
+{
+    rod.ax[i] = a[0];
+    rod.ay[i] = a[1];
+    rod.az[i] = a[2];
+    if (i < rod.n - 1) rod.spin_acc[i] = a[3];
+}
+
+void WireProblem::commit(bool newmark)
+{
+    for (int i = 0; i < rod.n; ++i) {
+        double v[4] = {}, a[4] = {};
+        for (int c = 0; c < 4 && motion == Motion::Implicit; ++c) {
+            v[c] = velocity(4 * i + c);
+            a[c] = acceleration(4 * i + c);
+        }
+        write_velocity(i, v);
+        if (newmark) write_acceleration(i, a);
+    }
+    accept_frames(rod, trial_view(), frames);
+}
+
+void WireProblem::commit_explicit()
+{
+    for (int i = 0; i < rod.n; ++i) {
+        double v[4];
+        for (int c = 0; c < 4; ++c) v[c] = (trial[4 * i + c] - start[4 * i + c]) / h;
+        write_velocity(i, v);
+    }
+    accept_frames(rod, trial_view(), frames);
+}
+
+void WireProblem::set_acceleration_from_residual()
+{
+    for (int i = 0; i < rod.n; ++i) {
+        double a[4];
+        for (int c = 0; c < 4; ++c) {
+            const int k = 4 * i + c;
+            a[c] = prescribed[k] || inertia[k] == 0 ? 0.0 : -residual[k] / inertia[k];
+        }
+        write_acceleration(i, a);
+    }
+}
+
+}  // namespace seldinger

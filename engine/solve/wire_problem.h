@@ -1,0 +1,95 @@
+#pragma once
+// The equations of motion of one wire during one step, as a root-finding problem in q = (x_i, y_i, z_i, theta_i) per node:
+//
+//   R(q) = M a+ + dE/dq + c_m M v+ + c_k K_0 v+ - f_weight - f_loads - f_springs - f_contact = 0 on free unknowns
+//
+// with v+ = velocity_rate (q - q_0) + v_base and a+ = acceleration_rate (q - q_0) + a_base, which covers backward Euler,
+// Newmark (D4) and statics (rates 0, bases 0). K_0 is the safe elastic Hessian at the start of the step. On a prescribed
+// unknown R is the force that the hold exerts on the wire.
+
+#include "solve/newton.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+// Motion::Explicit: R is minus the force at the start of the step (rates 0, v_base = v, a_base = 0).
+
+class WireProblem {
+public:
+    explicit WireProblem(int capacity, bool stiffness_damping);
+
+    /// Takes over the start of the step and the constraints at its end. No allocation once clamps have been seen.
+    void begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
+               Motion motion, double h);
+
+    /// Frames at `trial`. @return false if anything is not finite
+    [[nodiscard]] bool update();
+    /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
+    [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
+    /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed. Exact: with the geometric stiffness of `tension`.
+    void assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire);
+
+    /// Largest free residual [N]; moments divided by length_scale.
+    [[nodiscard]] double residual_norm() const;
+    /// sqrt(sum d^2) over all unknowns [m]; angles times length_scale.
+    [[nodiscard]] double norm(std::span<const double> d) const;
+    /// Largest move of a node in d [m].
+    [[nodiscard]] double largest_move(std::span<const double> d) const;
+    /// Largest change of an edge vector by d, relative to the edge's rest length.
+    [[nodiscard]] double largest_turn(std::span<const double> d) const;
+    /// Tension after a move by alpha d from `base`, as linear theory has it: see newton_wire.h.
+    void predict_tension(std::span<const double> base, std::span<const double> d, double alpha);
+
+    /// Velocity and acceleration of unknown i at `trial`.
+    [[nodiscard]] double velocity(int i) const;
+    [[nodiscard]] double acceleration(int i) const;
+    /// Makes `trial` the accepted state in the wire's arrays (velocities zero when static).
+    void commit(bool newmark);
+    /// The same for symplectic Euler, where v+ = (q - q_0)/h.
+    void commit_explicit();
+    /// M a = -R, 0 where prescribed, into the wire's arrays.
+    void set_acceleration_from_residual();
+
+    [[nodiscard]] int size() const { return 4 * rod.n; }
+    [[nodiscard]] RodTrial trial_view() const;
+
+    RodView rod;
+    std::vector<RodClamp> clamps;
+    RodFrames frames;
+    BandMatrix matrix;
+
+    // [4 capacity], node by node
+    std::vector<double> start, trial;            // q_0, q
+    std::vector<double> residual;                // R at trial
+    std::vector<double> inertia;                 // mass [kg] or spin inertia [kg m^2]
+    std::vector<double> prescribed_value;
+    std::vector<std::uint8_t> prescribed;        // 1: fixed at prescribed_value (and the unused last theta)
+    std::vector<double> tension;                 // [capacity] per edge [N], for the geometric stiffness
+
+    Motion motion = Motion::Implicit;
+    double h = 0;              // [s]
+    double length_scale = 0;   // mean rest length of an edge [m]: turns angles into lengths and moments into forces
+    double force_scale = 0, tolerance = 0;  // [N], see set_scales
+
+private:
+    void write_velocity(int i, const double (&v)[4]);
+    void write_acceleration(int i, const double (&a)[4]);
+    void set_kinematics(const IntegratorSpec& spec);
+    void set_external(const Vec3& gravity);
+    void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
+    void set_damping(const IntegratorSpec& spec);
+    void add_loads();
+    void add_springs_to(BandMatrix& target) const;
+    void replace_tension();
+
+    const WireConstraints* constraints_ = nullptr;
+    double velocity_rate_ = 0, acceleration_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
+    std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
+    mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
+    BandMatrix damping_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,30 @@
+#pragma once
+// The stages of step.cpp. Each opens the timer of its name.
+
+#include "world.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace seldinger {
+
+using WireMask = std::vector<std::uint8_t>;
+
+[[nodiscard]] WireMask everyone(const World::Impl& state);
+void clear_timers(World::Impl& state);
+void collect_timers(World::Impl& state, StepReport& report);
+
+/// Nothing of the last step is needed any more.
+void begin_step(World::Impl& state);
+
+/// Advances the wires of the mask by h. A wire that does not converge is put back and advanced by two half steps instead, down to
+/// h / 64; a wire that fails even then stays at the start of that sub-step, and the report says so.
+void advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth = 0);
+
+/// Static equilibrium with contact (scheme "static", start "settled").
+void find_equilibrium(World::Impl& state, StepReport& report);
+
+void adapt_nodes(World::Impl& state, StepReport& report);
+void check_state(World::Impl& state, StepReport& report);
+
+}  // namespace seldinger

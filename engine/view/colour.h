@@ -1,0 +1,37 @@
+#pragma once
+// Colours of the picture and the scale that turns a force into one. Linear light inside, sRGB at the edges.
+
+#include <array>
+#include <cstdint>
+
+namespace seldinger {
+
+/// Linear-light red, green, blue, 0 ... 1.
+struct Rgb {
+    float r = 0, g = 0, b = 0;
+};
+
+/// 0xRRGGBB as written in a style sheet (sRGB) to linear light. [IEC 61966-2-1]
+[[nodiscard]] Rgb rgb_from_hex(std::uint32_t hex);
+
+/// Linear light to 8-bit sRGB, clamped.
+[[nodiscard]] std::array<std::uint8_t, 3> srgb_bytes(const Rgb& colour);
+
+/// Oklab lightness L of a colour, 0 black ... 1 white. [Ottosson 2020, "A perceptual color space for image processing"]
+[[nodiscard]] float lightness(const Rgb& colour);
+
+/// The force scale: t in 0 ... 1 (clamped) to a colour whose Oklab lightness rises linearly with t, so that equal steps of
+/// force look equal and the order survives greyscale print. Violet - blue - green - yellow: no hue of tissue or of the wire.
+[[nodiscard]] Rgb force_colour(double t);
+
+namespace palette {  // sRGB; used with rgb_from_hex
+inline constexpr std::uint32_t background_top = 0xfdfdfd, background_bottom = 0xdfe4ea;
+inline constexpr std::uint32_t tissue = 0xf2bba8;       // the lumen's far wall
+inline constexpr std::uint32_t tissue_deep = 0xb0574b;  // the same at grazing view
+inline constexpr std::uint32_t glass = 0x97332e;        // the near wall's rim
+inline constexpr std::uint32_t wire = 0x15304f;         // blued steel
+inline constexpr std::uint32_t halo = 0xfff4ea;         // light line around wire and contacts
+inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7;
+}  // namespace palette
+
+}  // namespace seldinger

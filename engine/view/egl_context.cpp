@@ -1,0 +1,116 @@
+#include "view/egl_context.h"
+
+#include "core/error.h"
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <array>
+#include <vector>
+
+namespace seldinger {
+namespace {
+
+struct Display {
+    EGLDisplay display = EGL_NO_DISPLAY;
+    EGLConfig config = nullptr;
+};
+
+/// Every way to ask for a display, best first, each with a name for the error message.
+std::vector<EGLDisplay> candidate_displays(std::string& tried)
+{
+    std::vector<EGLDisplay> displays;
+    if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+        tried += "surfaceless platform";
+    }
+    if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
+        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device")) {
+        std::array<EGLDeviceEXT, 32> devices{};
+        EGLint count = 0;
+        if (eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) {
+            for (EGLint i = 0; i < count; ++i) {
+                displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
+            }
+        }
+        tried += (tried.empty() ? "" : ", ") + std::to_string(count) + " EGL device(s)";
+    }
+    return displays;
+}
+
+EGLContext create_context(const Display& d)
+{
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
+    return eglCreateContext(d.display, d.config, EGL_NO_CONTEXT, attributes);
+}
+
+/// A display that is initialised, draws desktop OpenGL 4.5 and needs no surface; otherwise display is EGL_NO_DISPLAY.
+Display usable(EGLDisplay display)
+{
+    Display d;
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return d;
+    if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context")) return d;
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    EGLint count = 0;
+    if (!eglChooseConfig(display, wanted, &d.config, 1, &count) || count < 1) return d;
+    d.display = display;
+    const EGLContext probe = create_context(d);
+    if (probe == EGL_NO_CONTEXT) return {};
+    eglDestroyContext(display, probe);
+    return d;
+}
+
+Display open_display()
+{
+    std::string tried;
+    for (EGLDisplay candidate : candidate_displays(tried)) {
+        const Display d = usable(candidate);
+        if (d.display != EGL_NO_DISPLAY) return d;
+    }
+    throw Error(ExitCode::NoDevice,
+                "no off-screen OpenGL 4.5 through EGL (tried: " + (tried.empty() ? std::string("nothing is offered") : tried) +
+                    "); install Mesa's software renderer, on Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri");
+}
+
+/// Opened once; a failure is tried again next time. Never terminated: other contexts and libraries may share it.
+const Display& shared_display()
+{
+    static const Display display = open_display();
+    return display;
+}
+
+}  // namespace
+
+EglContext::EglContext()
+{
+    context_ = create_context(shared_display());
+    if (context_ == EGL_NO_CONTEXT) throw Error(ExitCode::NoDevice, "EGL gave no OpenGL 4.5 context: out of memory?");
+    make_current();
+}
+
+EglContext::~EglContext()
+{
+    const EGLDisplay display = shared_display().display;
+    if (eglGetCurrentContext() == context_) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display, context_);
+}
+
+void EglContext::make_current()
+{
+    if (eglGetCurrentContext() == context_) return;
+    // the API binding is per thread, and this may be a new one
+    if (!eglBindAPI(EGL_OPENGL_API) || !eglMakeCurrent(shared_display().display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
+        throw Error(ExitCode::NoDevice, "EGL cannot make its context current: is the renderer in use on another thread?");
+    }
+}
+
+std::string EglContext::renderer_name()
+{
+    make_current();
+    return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+}
+
+}  // namespace seldinger

@@ -1,0 +1,28 @@
+#pragma once
+// An OpenGL context without a display or a window.
+
+#include <memory>
+#include <string>
+
+namespace seldinger {
+
+/// OpenGL 4.5 core through EGL: the surfaceless platform first, then the first EGL device that gives a context.
+/// Every context of the process shares one EGL display, which lives until the process ends.
+class EglContext {
+public:
+    /// @throws Error NoDevice, saying what was tried and what to install
+    EglContext();
+    ~EglContext();
+    EglContext(const EglContext&) = delete;
+    EglContext& operator=(const EglContext&) = delete;
+
+    /// Makes the context current on the calling thread.
+    void make_current();
+    /// What draws, for example "llvmpipe (LLVM 15.0.6, 256 bits)".
+    [[nodiscard]] std::string renderer_name();
+
+private:
+    void* context_ = nullptr;  // EGLContext
+};
+
+}  // namespace seldinger

@@ -1,0 +1,195 @@
+#include "view/legend.h"
+
+#include "view/colour.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+/// A force with the unit that keeps it readable.
+std::string force_text(double newton)
+{
+    return std::abs(newton) < 0.9995 ? fmt::format("{:.3g} mN", 1e3 * newton) : fmt::format("{:.3g} N", newton);
+}
+
+std::string length_text(double metre) { return fmt::format("{:.3g} mm", 1e3 * metre); }
+
+double round_up(double value, std::initializer_list<double> steps)
+{
+    const double decade = std::pow(10.0, std::floor(std::log10(value)));
+    for (double step : steps) {
+        if (value <= step * decade * (1 + 1e-9)) return step * decade;
+    }
+    return 10 * decade;
+}
+
+/// A bar of a round length, between half and 1.25 times `share` of the view's width, true at the depth of the camera's target.
+void draw_scale_bar(Canvas& canvas, const Font& font, const Camera& camera, const Viewport& view, double unit, double share)
+{
+    const double scale = pixels_per_metre(camera, view, (camera.target - camera.eye).norm());
+    const double length = round_up_125(0.5 * share * view.width / scale), bar = length * scale;
+    const double x = view.x + 14 * unit, y = view.y + view.height - 16 * unit;
+    canvas.fill(x, y - 1.5 * unit, bar, 3 * unit, palette::ink);
+    canvas.fill(x, y - 5 * unit, 1.5 * unit, 8 * unit, palette::ink);
+    canvas.fill(x + bar - 1.5 * unit, y - 5 * unit, 1.5 * unit, 8 * unit, palette::ink);
+    canvas.text(font, x + 4 * unit, y - 9 * unit, 13 * unit, length_text(length), palette::ink);
+}
+
+void draw_tip_mark(Canvas& canvas, const LegendFacts& facts, const Camera& camera, const Viewport& view, double radius)
+{
+    if (facts.frame->wires.empty()) return;
+    for (const WireLine& wire : facts.frame->wires) {
+        if (wire.nodes.empty()) continue;
+        const Projected tip = project(camera, view, wire.nodes.front());
+        if (tip.depth <= 0 || tip.column < view.x || tip.column > view.x + view.width || tip.row < view.y ||
+            tip.row > view.y + view.height) {
+            continue;
+        }
+        const double unit = facts.layout.unit;
+        canvas.ring(tip.column, tip.row, radius, 4.0 * unit, 0xffffff, 0.9);
+        canvas.ring(tip.column, tip.row, radius, 2.0 * unit, palette::accent);
+    }
+}
+
+/// The inset's frame, its own scale bar, and its outline in the main view.
+void draw_inset(Canvas& canvas, const Font& font, const LegendFacts& facts)
+{
+    const double unit = facts.layout.unit;
+    const Viewport &box = facts.layout.inset, &main = facts.layout.main;
+    const double main_scale =
+        pixels_per_metre(facts.main_camera, main, project(facts.main_camera, main, facts.inset_camera.target).depth);
+    const double reach = (facts.inset_camera.target - facts.inset_camera.eye).norm();
+    const double inset_scale = pixels_per_metre(facts.inset_camera, box, reach);
+    const Projected centre = project(facts.main_camera, main, facts.inset_camera.target);
+    const double side = box.width * main_scale / inset_scale;
+    canvas.frame(centre.column - side / 2 - 1.5 * unit, centre.row - side / 2 - 1.5 * unit, side + 3 * unit, side + 3 * unit,
+                 1.2 * unit, palette::accent, 0.9);
+    canvas.frame(box.x - 1.5 * unit, box.y - 1.5 * unit, box.width + 3 * unit, box.height + 3 * unit, 1.5 * unit,
+                 palette::accent);
+    draw_scale_bar(canvas, font, facts.inset_camera, box, unit, 0.22);
+    const std::string label = fmt::format("tip, {:.2g}\u00d7", inset_scale / main_scale);
+    const double width = Canvas::text_width(font, 13 * unit, label);
+    canvas.text(font, box.x + box.width - width - 8 * unit, box.y + 18 * unit, 13 * unit, label, palette::accent);
+}
+
+struct Row {
+    std::string name, value;
+};
+
+std::vector<Row> readings(const WireFrame& frame)
+{
+    std::vector<Row> rows;
+    if (std::isfinite(frame.inserted)) rows.push_back({"inserted", fmt::format("{:.1f} mm", 1e3 * frame.inserted)});
+    if (std::isfinite(frame.time)) rows.push_back({"time", fmt::format("{:.3f} s", frame.time)});
+    if (std::isfinite(frame.hand_force)) rows.push_back({"hand force", force_text(frame.hand_force)});
+    double peak = 0;
+    for (const ContactMark& c : frame.contacts) peak = std::max(peak, c.force);
+    rows.push_back({"peak contact", force_text(peak)});
+    rows.push_back({"contacts", std::to_string(frame.contacts.size())});
+    return rows;
+}
+
+/// @return the y below the last row
+double draw_readings(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
+{
+    const double unit = facts.layout.unit, size = 14 * unit;
+    for (const Row& row : readings(*facts.frame)) {
+        y += 21 * unit;
+        canvas.text(font, x, y, size, row.name, palette::faint_ink);
+        canvas.text(font, x + width - Canvas::text_width(font, size, row.value), y, size, row.value, palette::ink);
+    }
+    return y;
+}
+
+double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y)
+{
+    if (!(facts.wire_radius > 0)) return y;
+    const double unit = facts.layout.unit, size = 12 * unit, thick = std::max(facts.least_pixels, 3 * unit);
+    y += 24 * unit;
+    canvas.line(x + 2 * unit, y - 4 * unit, x + 26 * unit, y - 4 * unit, thick, palette::wire);
+    canvas.text(font, x + 36 * unit, y, size, fmt::format("wire, \u00d8 {:.3g} mm", 2e3 * facts.wire_radius), palette::ink);
+    if (facts.widened) {
+        y += 16 * unit;
+        canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels),
+                    palette::faint_ink);
+    }
+    y += 20 * unit;
+    canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::accent);
+    canvas.text(font, x + 36 * unit, y, size, "tip", palette::ink);
+    return y;
+}
+
+void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
+{
+    const double unit = facts.layout.unit, size = 12 * unit, height = std::round(12 * unit);
+    y += 26 * unit;
+    canvas.text(font, x, y, size, "contact force on the wire", palette::ink);
+    // whole pixels: a column shared by two colours would be neither
+    x = std::round(x), y = std::round(y + 8 * unit), width = std::round(width);
+    for (int column = 0; column < static_cast<int>(width); ++column) {
+        const auto c = srgb_bytes(force_colour((column + 0.5) / width));
+        canvas.fill(x + column, y, 1, height, (c[0] << 16) | (c[1] << 8) | c[2]);
+    }
+    canvas.frame(x, y, width, height, std::max(1.0, 0.8 * unit), palette::faint_ink, 0.8);
+    for (int k = 0; k <= 2; ++k) {
+        const std::string label = k == 0 ? "0" : force_text(0.5 * k * facts.force_scale);
+        const double at = x + 0.5 * k * width, wide = Canvas::text_width(font, size, label);
+        canvas.fill(at - (k == 2 ? unit : 0), y + height, unit, 4 * unit, palette::faint_ink);
+        canvas.text(font, at - 0.5 * k * wide, y + height + 17 * unit, size, label, palette::ink);
+    }
+}
+
+}  // namespace
+
+double round_up_125(double value) { return round_up(value, {1, 2, 5}); }
+double round_force_up(double newton) { return round_up(newton, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }
+
+Layout lay_out_sheet(int width, int height, const Look& look)
+{
+    Layout layout;
+    layout.main = {0, 0, width, height};
+    layout.side_panel = width >= 1.15 * height;
+    layout.unit = layout.side_panel ? std::min(height / 720.0, width / 1000.0) : std::min(width / 720.0, height / 900.0);
+    layout.panel_dropped = layout.unit < 0.4;  // letters under 6 pixels
+    if (!look.legend || layout.panel_dropped) return layout;
+    const int across = static_cast<int>(std::lround(290 * layout.unit)), gap = static_cast<int>(std::lround(18 * layout.unit));
+    if (layout.side_panel) {
+        layout.main.width = width - across;
+        layout.panel = {width - across, 0, across, height};
+        layout.inset = {width - across + gap / 3, gap, across - gap - gap / 3, across - gap - gap / 3};
+    } else {
+        layout.main.height = height - across;
+        layout.panel = {0, height - across, width, across};
+        layout.inset = {gap, height - across + gap / 3, across - gap - gap / 3, across - gap - gap / 3};
+    }
+    return layout;
+}
+
+void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
+{
+    const Layout& layout = facts.layout;
+    const double unit = layout.unit;
+    draw_scale_bar(canvas, font, facts.main_camera, layout.main, unit, 0.12);
+    draw_tip_mark(canvas, facts, facts.main_camera, layout.main, 8 * unit);
+    double x = layout.panel.x + 6 * unit, y = layout.panel.y + 14 * unit, width = layout.panel.width - 24 * unit;
+    if (facts.inset) {
+        draw_inset(canvas, font, facts);
+        if (layout.side_panel) {
+            y = layout.inset.y + layout.inset.height + 12 * unit;
+        } else {
+            x = layout.inset.x + layout.inset.width + 24 * unit;
+        }
+    } else if (!layout.side_panel) {
+        x += 18 * unit;
+    }
+    if (!layout.side_panel) width = std::min(260 * unit, layout.panel.x + layout.panel.width - x - 18 * unit);
+    y = draw_readings(canvas, font, facts, x, y, width);
+    y = draw_wire_key(canvas, font, facts, x, y);
+    if (facts.force_scale > 0) draw_force_scale(canvas, font, facts, x, y, width);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,77 @@
+#pragma once
+// Draws a vessel with the wire inside it, without a screen. For files see render.h; this is the part that needs none.
+//
+// How the wire stays visible: of each tube of the vessel only the far wall is opaque (its lumen side faces the eye); the near
+// wall is glass with a rim. What another tube's far wall still hides is drawn through it as a ghost.
+
+#include "view/camera.h"
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct WireLine {
+    std::vector<Vec3> nodes;     // tip to hub [m]
+    std::vector<double> radius;  // [m], one per node
+};
+
+/// One contact of the picture.
+struct ContactMark {
+    Vec3 point = Vec3::Zero();   // on the wall [m]
+    Vec3 normal = Vec3::Zero();  // unit, into the lumen; zero: no pin
+    double force = 0;            // [N] >= 0
+};
+
+/// What changes from picture to picture. NaN: not known, and left out of the legend.
+struct WireFrame {
+    std::vector<WireLine> wires;
+    std::vector<ContactMark> contacts;
+    double time = std::numeric_limits<double>::quiet_NaN();        // [s]
+    double inserted = std::numeric_limits<double>::quiet_NaN();    // [m]
+    double hand_force = std::numeric_limits<double>::quiet_NaN();  // [N]
+};
+
+/// What does not.
+struct Look {
+    bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
+    bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide
+    double force_scale = 0;   // force at the top of the scale [N]; 0: a round number above the strongest contact drawn
+    double least_pixels = 3;  // the wire is drawn at least this wide, and the legend says so
+};
+
+class Renderer {
+public:
+    /// @throws Error NoDevice (no off-screen OpenGL), BadScene (a size no picture can have), BadFile (no font)
+    Renderer(int width, int height, const Look& look = {});
+    ~Renderer();
+    Renderer(Renderer&&) noexcept;
+    Renderer& operator=(Renderer&&) noexcept;
+
+    /// @param mesh  normals into the lumen; copied. Empty: no vessel
+    void set_wall(const WallMesh& mesh);
+    void set_camera(const Camera& camera);
+    /// Aims by itself, so that the vessel and these points are in view; draw() does so with the wire if nobody has.
+    void aim(const std::vector<Vec3>& points);
+    [[nodiscard]] const Camera& camera() const;
+    /// Where in the picture the camera's view lies: all of it without a legend.
+    [[nodiscard]] const Viewport& main_view() const;
+    void set_force_scale(double newton);
+
+    void draw(const WireFrame& frame);
+    /// The last picture: rows from the top, 3 bytes (sRGB) per pixel.
+    [[nodiscard]] const std::vector<std::uint8_t>& pixels() const;
+    [[nodiscard]] int width() const;
+    [[nodiscard]] int height() const;
+    /// The OpenGL device that draws.
+    [[nodiscard]] std::string device_name() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,186 @@
+#include "view/run_folder.h"
+
+#include "core/error.h"
+#include "core/vtp_read.h"
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace seldinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what)
+{
+    throw Error(ExitCode::BadFile, path.string() + ": " + what);
+}
+
+Vec3 to_vec3(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
+
+/// Triangles and fans of larger polygons.
+WallMesh read_wall(const fs::path& path)
+{
+    const PolyData data = read_poly_data(path);
+    WallMesh mesh;
+    mesh.vertices.reserve(data.points.size());
+    for (const auto& p : data.points) {
+        mesh.vertices.push_back(to_vec3(p));
+        if (!mesh.vertices.back().allFinite()) fail(path, "a point of the wall is not finite");
+    }
+    std::int64_t begin = 0;
+    for (std::int64_t end : data.polys.offsets) {
+        const auto corner = [&](std::int64_t k) { return static_cast<std::int32_t>(data.polys.connectivity[k]); };
+        for (std::int64_t k = begin + 1; k + 1 < end; ++k) mesh.triangles.push_back({corner(begin), corner(k), corner(k + 1)});
+        begin = end;
+    }
+    if (mesh.triangles.empty()) fail(path, "holds no triangle");
+    return mesh;
+}
+
+/// wire_000123.vtp lies beside contacts_000123.vtp.
+fs::path contacts_beside(const fs::path& wire)
+{
+    std::string name = wire.filename().string();
+    const std::size_t at = name.find("wire");
+    return at == std::string::npos ? fs::path() : wire.parent_path() / name.replace(at, 4, "contacts");
+}
+
+std::vector<FrameFile> read_frame_list(const fs::path& pvd)
+{
+    pugi::xml_document document;
+    const pugi::xml_parse_result parsed = document.load_file(pvd.c_str());
+    if (!parsed) fail(pvd, std::string("not a ParaView collection (") + parsed.description() + ")");
+    std::vector<FrameFile> frames;
+    for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet")) {
+        FrameFile frame;
+        frame.time = node.attribute("timestep").as_double();
+        frame.wire = pvd.parent_path() / node.attribute("file").as_string();
+        frame.contacts = contacts_beside(frame.wire);
+        frames.push_back(frame);
+    }
+    if (frames.empty()) fail(pvd, "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
+    return frames;
+}
+
+std::vector<std::string> split(const std::string& line)
+{
+    std::vector<std::string> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    return cells;
+}
+
+/// Columns are found by name; a trace without them is not an error, only a legend without those lines.
+std::vector<TraceRow> read_trace(const fs::path& path)
+{
+    std::ifstream stream(path);
+    std::string line;
+    if (!std::getline(stream, line)) return {};
+    const std::vector<std::string> names = split(line);
+    const auto column = [&](const char* name) { return std::find(names.begin(), names.end(), name) - names.begin(); };
+    const auto time = column("time_s"), inserted = column("inserted_m"), hand = column("hand_force_n");
+    std::vector<TraceRow> rows;
+    while (std::getline(stream, line)) {
+        const std::vector<std::string> cells = split(line);
+        const auto number = [&](std::ptrdiff_t k) {
+            return k < static_cast<std::ptrdiff_t>(cells.size()) ? std::strtod(cells[k].c_str(), nullptr) : std::nan("");
+        };
+        rows.push_back({number(time), number(inserted), number(hand)});
+    }
+    return rows;
+}
+
+/// The row of the trace nearest to a time; NaNs without a trace.
+TraceRow row_at(const std::vector<TraceRow>& trace, double time)
+{
+    const double unknown = std::nan("");
+    TraceRow best = {unknown, unknown, unknown};
+    for (const TraceRow& row : trace) {
+        if (!(std::abs(row.time - time) >= std::abs(best.time - time))) best = row;
+    }
+    return best;
+}
+
+const PolyArray& need(const PolyData& data, const char* name, int components, const fs::path& path)
+{
+    const auto found = data.point_data.find(name);
+    if (found == data.point_data.end()) fail(path, fmt::format("has no point data \"{}\"", name));
+    if (found->second.values.size() != static_cast<std::size_t>(components) * data.points.size()) {
+        fail(path, fmt::format("point data \"{}\" hold {} numbers, expected {} for each of {} points", name,
+                               found->second.values.size(), components, data.points.size()));
+    }
+    return found->second;
+}
+
+std::vector<WireLine> read_wires(const fs::path& path)
+{
+    const PolyData data = read_poly_data(path);
+    const PolyArray& radius = need(data, "radius", 1, path);
+    std::vector<WireLine> wires;
+    std::int64_t begin = 0;
+    for (std::int64_t end : data.lines.offsets) {
+        WireLine wire;
+        for (std::int64_t k = begin; k < end; ++k) {
+            const auto point = static_cast<std::size_t>(data.lines.connectivity[k]);
+            wire.nodes.push_back(to_vec3(data.points[point]));
+            wire.radius.push_back(radius.values[point]);
+            if (!wire.nodes.back().allFinite()) fail(path, "a node of the wire is not finite");
+        }
+        if (!wire.nodes.empty()) wires.push_back(std::move(wire));
+        begin = end;
+    }
+    if (wires.empty()) fail(path, "holds no wire (no polyline)");
+    return wires;
+}
+
+std::vector<ContactMark> read_contacts(const fs::path& path)
+{
+    const PolyData data = read_poly_data(path);
+    if (data.points.empty()) return {};
+    const PolyArray& force = need(data, "normal_n", 1, path);
+    const bool directed = data.point_data.count("normal") > 0;
+    const PolyArray* normal = directed ? &need(data, "normal", 3, path) : nullptr;
+    std::vector<ContactMark> marks(data.points.size());
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+        marks[i].point = to_vec3(data.points[i]);
+        marks[i].force = std::max(0.0, force.values[i]);
+        if (normal) marks[i].normal = {normal->values[3 * i], normal->values[3 * i + 1], normal->values[3 * i + 2]};
+    }
+    return marks;
+}
+
+}  // namespace
+
+RunFolder read_run_folder(const fs::path& dir)
+{
+    if (!fs::is_directory(dir)) fail(dir, "no such folder; give the folder that `seldinger run -o` wrote");
+    const fs::path pvd = dir / "wire.pvd", vessel = dir / "vessel.vtp";
+    if (!fs::exists(pvd)) fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
+    RunFolder run;
+    run.frames = read_frame_list(pvd);
+    if (fs::exists(vessel)) run.wall = read_wall(vessel);
+    if (fs::exists(dir / "trace.csv")) run.trace = read_trace(dir / "trace.csv");
+    return run;
+}
+
+WireFrame read_frame(const RunFolder& run, std::size_t index)
+{
+    const FrameFile& file = run.frames.at(index);
+    WireFrame frame;
+    frame.wires = read_wires(file.wire);
+    if (!file.contacts.empty() && fs::exists(file.contacts)) frame.contacts = read_contacts(file.contacts);
+    frame.time = file.time;
+    const TraceRow row = row_at(run.trace, file.time);
+    frame.inserted = row.inserted;
+    frame.hand_force = row.hand_force;
+    return frame;
+}
+
+}  // namespace seldinger

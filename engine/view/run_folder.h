@@ -1,0 +1,35 @@
+#pragma once
+// Reads what `seldinger run` leaves in a folder, as far as a picture needs it.
+
+#include "view/renderer.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace seldinger {
+
+/// One recorded frame, not yet read.
+struct FrameFile {
+    double time = 0;                 // [s]
+    std::filesystem::path wire;      // wire_######.vtp
+    std::filesystem::path contacts;  // contacts_######.vtp; may be absent
+};
+
+/// One row of trace.csv, as far as it is shown.
+struct TraceRow {
+    double time = 0, inserted = 0, hand_force = 0;  // [s], [m], [N]
+};
+
+struct RunFolder {
+    WallMesh wall;                  // vessel.vtp, normals into the lumen; empty when there is none
+    std::vector<FrameFile> frames;  // in the order of wire.pvd, at least one
+    std::vector<TraceRow> trace;    // may be empty
+};
+
+/// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file
+[[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& dir);
+
+/// @throws Error BadFile: the frame's file is missing or damaged
+[[nodiscard]] WireFrame read_frame(const RunFolder& run, std::size_t index);
+
+}  // namespace seldinger

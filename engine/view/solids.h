@@ -1,0 +1,44 @@
+#pragma once
+// Triangles for what is drawn solid: the wire as a tube, contacts as balls and force pins. Built on the host for each view,
+// because the least width on paper depends on the camera.
+
+#include "rod/wire_spec.h"
+#include "view/colour.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+struct SolidVertex {
+    float position[3];  // [m] relative to the scene's centre
+    float normal[3];    // unit, outwards
+    float colour[3];    // linear light
+    float pull;  // depth is taken this far nearer to the eye [m]: a wire drawn wider than it is must not sink into the wall
+};
+
+struct Solids {
+    std::vector<SolidVertex> vertices;
+    std::vector<std::uint32_t> indices;  // counter-clockwise from outside
+    void clear() { vertices.clear(), indices.clear(); }
+};
+
+/// One station along a tube.
+struct TubeStation {
+    Vec3 position = Vec3::Zero();
+    double radius = 0;  // [m]
+    double pull = 0;    // [m]
+};
+
+/// Points of a smooth curve through `nodes`: cubic Hermite pieces with three-point tangents, as many as keep the turn of
+/// a piece under 6 degrees. Display only; passes through every node.
+[[nodiscard]] std::vector<TubeStation> smooth_line(std::span<const Vec3> nodes, std::span<const double> radius);
+
+/// Tube with rotation-minimising frames and round ends.
+void add_tube(Solids& solids, std::span<const TubeStation> line, const Rgb& colour, const Vec3& origin);
+void add_ball(Solids& solids, const TubeStation& ball, const Rgb& colour, const Vec3& origin);
+/// Cone from `base` (its radius) to a point at `end`.
+void add_cone(Solids& solids, const TubeStation& base, const Vec3& end, const Rgb& colour, const Vec3& origin);
+
+}  // namespace seldinger

@@ -1,0 +1,304 @@
+// Building a World, reading it, saving and restoring it. What happens in a step is in step.cpp.
+
+#include "world.h"
+
+#include "core/bytes.h"
+#include "core/error.h"
+#include "rod/place.h"
+#include "rod/rod_arrays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace seldinger {
+
+namespace {
+
+int node_capacity(const WireSetup& setup)
+{
+    const int nodes = uniform_node_count(setup.wire);
+    return setup.feed.on ? nodes + 4 : nodes;  // a fed wire's base edge may be split before the last is merged
+}
+
+std::vector<int> capacities(const WorldSetup& setup)
+{
+    std::vector<int> list;
+    for (const WireSetup& wire : setup.wires) list.push_back(node_capacity(wire));
+    return list;
+}
+
+// A closed ring is an open wire whose two ends are held in one point and one direction: rigid motion is all that this takes away.
+void close_ring(WireSetup& wire)
+{
+    if (wire.wire.place.shape != PlaceShape::Ring || !wire.holds.empty()) return;
+    for (const WirePoint::Kind kind : {WirePoint::Kind::Base, WirePoint::Kind::Tip}) {
+        HoldSpec hold;
+        hold.at.kind = kind;
+        hold.position = hold.direction = hold.spin = true;
+        wire.holds.push_back(hold);
+    }
+}
+
+// what of a FeedState changes; the rest follows from the scene
+void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed)
+{
+    put_bytes(bytes, &feed.advance, 1);
+    put_bytes(bytes, &feed.turn, 1);
+    put_bytes(bytes, &feed.debt, 1);
+    put_bytes(bytes, &feed.inside, 1);
+}
+
+void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed)
+{
+    take_bytes(bytes, end, &feed.advance, 1);
+    take_bytes(bytes, end, &feed.turn, 1);
+    take_bytes(bytes, end, &feed.debt, 1);
+    take_bytes(bytes, end, &feed.inside, 1);
+}
+
+}  // namespace
+
+World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(setup))
+{
+    const int count = static_cast<int>(setup.wires.size());
+    feeds.resize(count);
+    for (int w = 0; w < count; ++w) {
+        WireSetup& wire = setup.wires[w];
+        close_ring(wire);
+        if (wire.feed.on) {
+            feeds[w].edge = uniform_edge(wire.wire);
+            start_feed(feeds[w], wire.feed, wire.wire, rods, w);
+        } else {
+            place_wire(rods, w, wire.wire, setup.centreline);
+        }
+        holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
+    }
+    solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity);
+    if (!setup.mesh.triangles.empty()) {
+        context = std::make_unique<device::Context>(setup.device_index);
+        contact = make_contact(*context, setup, rods);
+    }
+    constraints.resize(count);
+    reports.resize(count);
+    active.assign(count, 1);
+    live.assign(count, 1);
+    wire_time.assign(count, 0.0);
+    time_backup.assign(count, 0.0);
+    remesh_energy.assign(count, 0.0);
+    results.resize(count);
+    backup.resize(count);
+    feed_backup = feeds;
+    count_backup.assign(count, 0);
+    for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
+}
+
+void World::Impl::save_wire(int wire)
+{
+    std::vector<double>& to = backup[wire];
+    to.clear();
+    for (const std::span<double>& array : rods.arrays(wire)) to.insert(to.end(), array.begin(), array.end());
+    feed_backup[wire] = feeds[wire];
+    count_backup[wire] = rods.node_count(wire);
+    time_backup[wire] = wire_time[wire];
+}
+
+void World::Impl::restore_wire(int wire)
+{
+    rods.set_node_count(wire, count_backup[wire]);
+    const double* from = backup[wire].data();
+    for (const std::span<double>& array : rods.arrays(wire)) {
+        std::copy(from, from + array.size(), array.begin());
+        from += array.size();
+    }
+    feeds[wire] = feed_backup[wire];
+    wire_time[wire] = time_backup[wire];
+}
+
+void World::Impl::read_results(int wire)
+{
+    WireResult& result = results[wire];
+    const RodView rod = rods.view(wire);
+    std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
+    result.contact = {};
+    if (feeds[wire].on && !feeds[wire].inside) {
+        result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
+        result.base_force = Vec3::Zero();
+        return;
+    }
+    if (contact) {
+        result.contact = contact->totals(wire);
+        contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
+    }
+    const int hub = rod.n - 1;
+    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, 4 * hub + k);
+    const std::vector<RodClamp>& clamps = constraints[wire].clamps;
+    result.hand_torque = 0;
+    for (std::size_t c = 0; c < clamps.size(); ++c)
+        if (clamps[c].node == hub && clamps[c].spin)
+            result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
+    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire)) : -result.base_force.dot(rod.tangent(hub - 1));
+    result.kinetic = solver->kinetic_energy(wire);
+    result.elastic = solver->elastic_energy(wire);
+    result.gravitational = solver->potential_energy(wire);
+    result.residual = reports[wire].residual;
+}
+
+World::World(WorldSetup setup)
+{
+    if (setup.wires.empty()) throw Error(ExitCode::BadScene, "a world needs at least one wire");
+    impl_ = std::make_unique<Impl>(std::move(setup));
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+
+int World::wire_count() const { return impl_->wire_count(); }
+double World::time() const { return impl_->time; }
+long World::step_count() const { return impl_->steps; }
+const WorldSetup& World::setup() const { return impl_->setup; }
+RodView World::rod(int wire) const { return impl_->rods.view(wire); }
+
+WireReadings World::readings(int wire) const
+{
+    const WireResult& result = impl_->results[wire];
+    const FeedState& feed = impl_->feeds[wire];
+    WireReadings r;
+    if (feed.on) {
+        r.inserted = feed.advance - impl_->setup.wires[wire].feed.at(0).advance;
+        r.turned = feed.turn - impl_->setup.wires[wire].feed.at(0).turn;
+    }
+    r.nodes = impl_->rods.node_count(wire);
+    r.contacts = result.contact.contacts;
+    r.contact_length = result.contact.length;
+    r.normal = result.contact.normal;
+    r.friction = result.contact.friction;
+    r.sliding = result.contact.sliding;
+    r.sticking = result.contact.friction - result.contact.sliding;
+    r.rolling = result.contact.rolling;
+    r.hand_force = result.hand_force;
+    r.hand_torque = result.hand_torque;
+    r.base_force = result.base_force;
+    r.overlap = result.contact.depth;
+    r.outside = result.contact.outside;
+    r.kinetic = result.kinetic;
+    r.elastic = result.elastic;
+    r.gravitational = result.gravitational;
+    r.remesh_energy = impl_->remesh_energy[wire];
+    r.force_residual = result.residual;
+    return r;
+}
+
+const std::vector<ContactRow>& World::contacts() const
+{
+    impl_->rows.clear();
+    if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
+    return impl_->rows;
+}
+
+std::vector<Vec3> World::nodal_contact_force(int wire) const
+{
+    const auto& all = impl_->results[wire].nodal_contact;
+    return {all.begin(), all.begin() + impl_->rods.node_count(wire)};
+}
+
+// A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
+// with (elastic, and its weight lifted by its own length).
+bool World::at_rest() const
+{
+    if (impl_->setup.integrator.scheme == Scheme::Static) return true;
+    if (impl_->steps == 0) return false;
+    for (int w = 0; w < impl_->wire_count(); ++w) {
+        const WireResult& result = impl_->results[w];
+        const RodView rod = impl_->rods.view(w);
+        double mass = 0;
+        for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
+        const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
+        if (result.kinetic > 1e-8 * scale) return false;
+    }
+    return true;
+}
+
+std::vector<std::uint8_t> World::save_state() const
+{
+    std::vector<std::uint8_t> bytes;
+    Impl& s = *impl_;
+    put_bytes(bytes, &s.time, 1);
+    const std::int64_t steps = s.steps;
+    put_bytes(bytes, &steps, 1);
+    for (int w = 0; w < s.wire_count(); ++w) {
+        const std::int32_t n = s.rods.node_count(w);
+        put_bytes(bytes, &n, 1);
+        put_bytes(bytes, &s.wire_time[w], 1);
+        put_bytes(bytes, &s.remesh_energy[w], 1);
+        put_feed(bytes, s.feeds[w]);
+        for (const std::span<double>& array : s.rods.arrays(w)) put_bytes(bytes, array.data(), array.size());
+    }
+    if (s.contact) s.contact->save(bytes);
+    return bytes;
+}
+
+void World::restore_state(const std::vector<std::uint8_t>& bytes)
+{
+    Impl& s = *impl_;
+    const std::uint8_t* at = bytes.data();
+    const std::uint8_t* end = at + bytes.size();
+    take_bytes(at, end, &s.time, 1);
+    std::int64_t steps = 0;
+    take_bytes(at, end, &steps, 1);
+    s.steps = static_cast<long>(steps);
+    for (int w = 0; w < s.wire_count(); ++w) {
+        std::int32_t n = 0;
+        take_bytes(at, end, &n, 1);
+        if (n < 2 || n > s.rods.capacity(w))
+            throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
+        s.rods.set_node_count(w, n);
+        take_bytes(at, end, &s.wire_time[w], 1);
+        take_bytes(at, end, &s.remesh_energy[w], 1);
+        take_feed(at, end, s.feeds[w]);
+        for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
+    }
+    if (s.contact) s.contact->restore(at, end);
+    if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
+}
+
+std::string World::state_hash() const
+{
+    std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
+    for (const std::uint8_t byte : save_state()) hash = (hash ^ byte) * 0x100000001b3ull;
+    return fmt::format("{:016x}", hash);
+}
+
+std::vector<std::pair<std::string, std::string>> World::model() const
+{
+    const Impl& s = *impl_;
+    const WireSetup& wire = s.setup.wires[0];
+    std::vector<std::pair<std::string, std::string>> list;
+    const WireSpec& spec = wire.wire;
+    list.emplace_back("nodes", spec.nodes > 0 ? fmt::format("uniform, {} over the whole length (asked for)", spec.nodes)
+                                              : fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m)", 1e3 * uniform_edge(spec)));
+    static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
+    const IntegratorSpec& integrator = s.setup.integrator;
+    list.emplace_back("scheme", fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
+                                            integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
+                                                               : "backward Euler"));
+    if (!s.contact) {
+        list.emplace_back("contact", "none (no vessel)");
+        return list;
+    }
+    static const char* const detections[] = {"swept", "capsule", "layer", "nodes"};
+    list.emplace_back("detection", detections[static_cast<int>(wire.contact.detection)]);
+    list.emplace_back("rolling", !wire.contact.rolling ? "off" : "on (asked for)");
+    list.emplace_back("wall", "rigid shape, elastic bed under each contact (D6b)");
+    list.emplace_back("precision", s.context->float32() ? "float32" : "float64");
+    for (auto& entry : s.contact->describe()) list.push_back(std::move(entry));
+    return list;
+}
+
+std::string World::device_name() const { return impl_->context ? impl_->context->name() : "none (no vessel, host only)"; }
+
+const char* version() { return SELDINGER_VERSION; }
+
+}  // namespace seldinger

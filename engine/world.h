@@ -1,0 +1,58 @@
+#pragma once
+// What a World owns. Private to the engine: step.cpp and the stages read and write it, nobody else includes it (tests may).
+
+#include "contact/contact_system.h"
+#include "device/device.h"
+#include "engine.h"
+#include "rod/elastic.h"
+#include "solve/constraints.h"
+#include "solve/feed.h"
+#include "solve/newton.h"
+
+#include <optional>
+
+namespace seldinger {
+
+/// What was read off a wire when its step was accepted.
+struct WireResult {
+    ContactTotals contact;
+    std::vector<Vec3> nodal_contact;   // [capacity] [N]
+    double hand_force = 0, hand_torque = 0;
+    Vec3 base_force = Vec3::Zero();
+    double kinetic = 0, elastic = 0, gravitational = 0;
+    double residual = 0;
+};
+
+struct World::Impl {
+    explicit Impl(WorldSetup from);
+
+    WorldSetup setup;
+    double time = 0;
+    long steps = 0;
+    std::vector<double> wire_time;              // per wire [s]; differs from `time` inside a halved step only
+    std::unique_ptr<device::Context> context;   // none without a vessel
+    RodArrays rods;
+    std::vector<WireHolds> holds;               // per wire
+    std::vector<FeedState> feeds;               // per wire
+    std::vector<double> remesh_energy;          // per wire, accumulated [J]
+    std::unique_ptr<ContactMethod> contact;     // none without a vessel
+    std::unique_ptr<Solver> solver;
+    // scratch of a step
+    std::vector<WireConstraints> constraints;
+    std::vector<SolveReport> reports;
+    std::vector<std::uint8_t> active, live;
+    std::vector<std::vector<double>> backup;    // per wire: its arrays before the step
+    std::vector<FeedState> feed_backup;
+    std::vector<int> count_backup;
+    std::vector<double> time_backup;
+    std::vector<WireResult> results;            // per wire
+    std::vector<ContactRow> rows;               // what contacts() last returned
+    double solve_time = 0, adapt_time = 0, contact_in_solve = 0;  // of the present step [s]
+
+    [[nodiscard]] int wire_count() const { return rods.wire_count(); }
+    void save_wire(int wire);
+    void restore_wire(int wire);
+    void read_results(int wire);
+};
+
+}  // namespace seldinger

@@ -1,0 +1,59 @@
+// Capsule contact: candidates, evaluation and reduction to edges.
+//   launch  engine/contact/contact_device.cpp       test  tests/contact/test_twin.cpp
+#include "shared/contact_sample.h"
+#ifndef SEL_WORKGROUP
+    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
+#endif
+#define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+
+// Candidate triangles of listed samples.
+//   item    one entry of `list`; range rounded up to the work-group size
+//   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
+//   writes  candidates [samples][slots], counts [samples]: how many were found, also beyond `slots`
+SEL_KERNEL void contact_find(const ContactParams par, const real skin, __global const uint* restrict list,
+                             __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
+                             __global const float* restrict hi, __global const real* restrict lo,
+                             __global const TreeNode* restrict nodes, __global const float* restrict vertices,
+                             __global uint* restrict candidates, __global uint* restrict counts)
+{
+    const uint item = get_global_id(0);
+    if (item < par.item_count) {
+        const uint s = list[item];
+        const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
+        counts[s] = find_near(at.origin + at.offset, models[s].radius + skin, nodes, vertices, par.slots,
+                              candidates + (ulong)s * par.slots);
+    }
+}
+
+// Forces of active samples.
+//   item    one entry of `list` (samples with candidates, ordered by wire and edge)
+//   reads   ... and touches_t0 [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
+SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
+                                 __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
+                                 __global const uint* restrict candidates, __global const uint* restrict counts,
+                                 __global const float* restrict vertices, __global const uint* restrict rims,
+                                 __global const float* restrict hi, __global const real* restrict lo,
+                                 __global const real* restrict theta, __global const float* restrict hi_t0,
+                                 __global const real* restrict lo_t0, __global const real* restrict theta_t0,
+                                 __global const TouchState* restrict touches_t0, __global TouchState* restrict touches,
+                                 __global SampleForce* restrict forces, __global real* restrict barys)
+{
+    const uint item = get_global_id(0);
+    if (item < par.item_count) {
+        const uint s = list[item];
+        forces[item] = evaluate_sample(s, par, models[s], places[s], candidates + (ulong)s * par.slots, counts[s], vertices, rims,
+                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches);
+        barys[item] = places[s].bary;
+    }
+}
+
+// Segmented sum of forces and tangents: one edge per item, samples in order, so the same bits come from any number of threads.
+//   item    one active edge; its samples are first[item] .. first[item + 1] - 1
+//   reads   first [item_count + 1]; forces, barys      writes  edges [item_count]
+SEL_KERNEL void contact_reduce(const uint item_count, __global const uint* restrict first,
+                               __global const SampleForce* restrict forces, __global const real* restrict barys,
+                               __global EdgeForce* restrict edges)
+{
+    const uint item = get_global_id(0);
+    if (item < item_count) edges[item] = reduce_edge(forces, barys, first[item], first[item + 1]);
+}

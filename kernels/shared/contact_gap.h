@@ -1,0 +1,133 @@
+// From a point of the wire's axis and the triangles near it to at most two touches: gap and normal.
+//
+// The wall is the exact triangle mesh: the answer depends neither on how facets are subdivided in their own planes (a shared edge
+// counts once, since only the nearest point counts) nor on triangle order.
+//   * touch 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the other;
+//     there the depth is a smooth maximum over facets of different normals,
+//         depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = blend r |n_j - n_0|,
+//     whose width vanishes with the angle between them, so that coplanar facets are not blended. Bias at most eps/4.
+//   * touch 1: the nearest point whose normal faces touch 0 (n_0 . n_1 < 0): the opposite wall of a narrow lumen.
+//   * a facet seen from behind (the far side of a thin septum) never pushes, unless it is the nearest of all: then the axis is
+//     beyond the wall, the depth is r + distance and the normal points back.
+//   * rims (features on the boundary of an opening) do not push: the wire leaves there.
+#ifndef SEL_SHARED_CONTACT_GAP_H
+#define SEL_SHARED_CONTACT_GAP_H
+#include "shared/triangle.h"
+
+SEL_BEGIN
+
+typedef struct Touch {
+    vec3 normal;    // into the lumen; unit up to blending
+    vec3 to_wall;   // from the axis point to the wall's [m]
+    real depth;     // overlap [m], negative when apart
+    real bend[6];   // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
+    uint triangle;
+    int found, outside;
+} Touch;
+
+#ifdef SEL_FLOAT32
+    #define SEL_TIE 1e-6f
+#else
+    #define SEL_TIE 1e-9
+#endif
+
+// rim bits of a triangle: bit k: edge k (v_k, v_{k+1}) lies on an opening; bit 3 + k: vertex k does
+SEL_FN int on_rim(uint bits, int feature)
+{
+    return feature > 0 && (int)((bits >> (feature - 1)) & 1u);
+}
+
+// p, origin: see load_triangle. candidates: [count] triangle indices.
+SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, SEL_GLOBAL const uint* candidates, uint count,
+                           SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+{
+    Touch touch;
+    touch.normal = make_vec3(0, 0, 0);
+    touch.to_wall = make_vec3(0, 0, 0);
+    touch.found = 0;
+    touch.outside = 0;
+    touch.triangle = 0;
+    touch.depth = -reach;
+    for (int k = 0; k < 6; ++k) touch.bend[k] = 0;
+    // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
+    real best2 = (radius + reach) * (radius + reach), best_align = 0;
+    for (uint k = 0; k < count; ++k) {
+        const uint t = candidates[k];
+        const Triangle tri = load_triangle(vertices, t, origin);
+        int feature;
+        const vec3 v = p - closest_on_triangle(p, tri, &feature);
+        const real d2 = dot3(v, v);
+        if (d2 > best2 * (1 + SEL_TIE) || on_rim(rims[t], feature)) continue;
+        const vec3 facet = triangle_normal(tri);
+        const real d = sqrt(d2);
+        // on a shared edge or vertex the side is told by the facet that looks most along v [Baerentzen05]
+        const real align = d > (real)1e-3 * radius ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
+        if (d2 >= best2 * (1 - SEL_TIE) && fabs(align) <= fabs(best_align)) continue;
+        best2 = d2;
+        best_align = align;
+        touch.found = 1;
+        touch.triangle = t;
+        touch.outside = align < 0;
+        touch.depth = align < 0 ? radius + d : radius - d;
+        touch.to_wall = -v;
+        // near the wall the direction v/d is noise; on a face it is the facet's normal anyway
+        touch.normal = (feature == SEL_FEATURE_FACE || d <= (real)1e-3 * radius) ? facet : ((align < 0 ? -1 : 1) / d) * v;
+    }
+    return touch;
+}
+
+// Blends neighbouring facets into `first` and looks for the opposite wall; see above.
+SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, real reach, real blend,
+                              SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
+                              SEL_GLOBAL const uint* rims)
+{
+    Touch second = *first;
+    second.found = 0;
+    for (int k = 0; k < 6; ++k) second.bend[k] = 0;
+    if (!first->found || first->outside || first->depth < -reach) return second;
+    const vec3 n0 = first->normal;
+    const real depth0 = first->depth;
+    real second_depth = -reach;
+    for (uint k = 0; k < count; ++k) {
+        const uint t = candidates[k];
+        if (t == first->triangle) continue;
+        const Triangle tri = load_triangle(vertices, t, origin);
+        int feature;
+        const vec3 v = p - closest_on_triangle(p, tri, &feature);
+        const real d2 = dot3(v, v);
+        if (d2 > (radius + reach) * (radius + reach) || on_rim(rims[t], feature)) continue;
+        const vec3 facet = triangle_normal(tri);
+        if (dot3(v, facet) <= 0) continue;
+        const real d = sqrt(d2);
+        const vec3 n = (1 / d) * v;
+        const real depth = radius - d;
+        if (dot3(n, n0) < 0) {
+            if (depth > second_depth) {
+                second_depth = depth;
+                second.found = 1;
+                second.triangle = t;
+                second.depth = depth;
+                second.normal = n;
+                second.to_wall = -v;
+            }
+            continue;
+        }
+        const vec3 dn = n - n0;
+        const real eps = blend * radius * sqrt(dot3(dn, dn));
+        const real rest = eps - (depth0 - depth);
+        if (eps < (real)1e-7 * blend * radius || rest <= 0) continue;
+        first->depth += rest * rest / (4 * eps);
+        first->normal = first->normal + (rest / (2 * eps)) * dn;
+        const real bend = 1 / (2 * eps);
+        first->bend[0] += bend * dn.x * dn.x;
+        first->bend[1] += bend * dn.x * dn.y;
+        first->bend[2] += bend * dn.x * dn.z;
+        first->bend[3] += bend * dn.y * dn.y;
+        first->bend[4] += bend * dn.y * dn.z;
+        first->bend[5] += bend * dn.z * dn.z;
+    }
+    return second;
+}
+
+SEL_END
+#endif

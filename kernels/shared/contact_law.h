@@ -1,0 +1,232 @@
+// Contact laws of one touch: normal force (D6b, D6c, D7), friction (D9) and rolling resistance (D10), with their tangents.
+//
+// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) / (1 - depth/depth_max), clamped at 0, where the rate over the step
+// is (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The hardening
+// factor is continued linearly from 0.9 depth_max, so that a start in overlap can be solved; `BLOCKED` says that a trial went
+// beyond 0.95 depth_max and deeper than it was: with moves shorter than the lumen is wide no wall is ever passed.
+//
+// Friction acts at the wire's surface: slip of the surface = tangential move of the axis point - r dtheta (t x n).
+#ifndef SEL_SHARED_CONTACT_LAW_H
+#define SEL_SHARED_CONTACT_LAW_H
+#include "shared/contact_gap.h"
+#include "shared/contact_types.h"
+
+SEL_BEGIN
+
+#define SEL_HARDENING_END ((real)0.9)  // fraction of depth_max from which the law goes on as its tangent
+#define SEL_BLOCKED_AT ((real)0.95)    // fraction of depth_max beyond which a deepening trial is refused
+
+SEL_FN real depth_power(real depth, real exponent)
+{
+    if (exponent == (real)1.5) return depth * sqrt(depth);
+    if (exponent == 1) return depth;
+    if (exponent == 2) return depth * depth;
+    return pow(depth, exponent);
+}
+
+// Static normal law per metre and its derivative; depth > 0.
+SEL_FN real elastic_normal(real depth, SampleModel m, real* slope)
+{
+    const real end = m.depth_limit > 0 ? SEL_HARDENING_END * m.depth_limit : depth;
+    const real inside = depth < end ? depth : end;
+    const real power = m.stiffness * depth_power(inside, m.exponent);
+    const real harden = m.depth_limit > 0 ? 1 / (1 - inside / m.depth_limit) : 1;
+    const real force = power * harden;
+    *slope = force * (m.exponent / inside + (m.depth_limit > 0 ? harden / m.depth_limit : 0));
+    return force + *slope * (depth - inside);
+}
+
+// Damped law per metre. rate = (depth - depth_t0) inv_dt.
+SEL_FN real normal_law(real depth, real rate, real approach, real inv_dt, SampleModel m, real* slope)
+{
+    real k;
+    const real f = elastic_normal(depth, m, &k);
+    const real c = m.damping / approach;
+    const real damp = 1 + c * rate;
+    if (inv_dt == 0 || m.damping == 0) { *slope = k; return f; }
+    if (damp <= 0) { *slope = 0; return 0; }
+    *slope = k * damp + f * c * inv_dt;
+    return f * damp;
+}
+
+// What the wire did over the step at this sample.
+typedef struct SampleMove {
+    vec3 tangent;  // of the edge, unit
+    vec3 move;     // of the axis point [m]
+    real spin;     // of the edge about its tangent [rad]
+    int fresh;     // no start position: no friction yet
+    uint stamp;    // of this step for this wire
+} SampleMove;
+
+// adds s * a a^T to the 4 x 4 symmetric block, a = (v, w)
+SEL_FN void add_outer(real* sym, real s, vec3 v, real w)
+{
+    sym[0] += s * v.x * v.x;
+    sym[1] += s * v.x * v.y;
+    sym[2] += s * v.x * v.z;
+    sym[3] += s * v.x * w;
+    sym[4] += s * v.y * v.y;
+    sym[5] += s * v.y * v.z;
+    sym[6] += s * v.y * w;
+    sym[7] += s * v.z * v.z;
+    sym[8] += s * v.z * w;
+    sym[9] += s * w * w;
+}
+
+// Friction of one touch: writes its state, adds force and tangent. Surface slip u = P move - r spin c, c = t x n.
+// @param fn     normal force [N]     dfn  its derivative with depth [N/m]
+SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, ContactParams par, TouchState old, int was_active,
+                         real fn, real dfn, TouchState* now, SampleForce* out)
+{
+    if (mv.fresh || par.friction == SEL_FRICTION_NONE) return;
+    const vec3 c = cross3(mv.tangent, n);
+    const vec3 move = mv.move - dot3(mv.move, n) * n - (m.radius * mv.spin) * c;
+    const int sticks = par.friction == SEL_FRICTION_STICK_SLIP;
+    vec3 slip = move;
+    if (sticks && was_active) {
+        // the anchor turns with the wall's tangent plane, keeping its length
+        const vec3 s = make_vec3(old.slip[0], old.slip[1], old.slip[2]);
+        const vec3 flat = s - dot3(s, n) * n;
+        const real was = dot3(s, s), is = dot3(flat, flat);
+        slip = slip + (is > 0 ? sqrt(was / is) : (real)0) * flat;
+    }
+    const real size = sqrt(dot3(slip, slip));
+    // a stuck or new touch yields at mu_static, a sliding one at mu_sliding; fixed within the step, so the law is one cone
+    const int was_sliding = was_active && !(old.flags & SEL_TOUCH_STUCK);
+    const real cone = (sticks && !was_sliding ? m.mu_static : m.mu_sliding) * fn;
+    real along, across;  // d|f|/d|slip| along the slip and |f|/|slip| across it
+    real force = cone;
+    int stuck = 0;
+    if (sticks) {
+        const real kt = m.friction_stiffness * m.weight;
+        stuck = par.all_stuck || kt * size <= cone;
+        if (stuck) force = kt * size;
+        along = stuck ? kt : 0;
+        across = stuck ? kt : cone / size;
+    } else {
+        // |f| = cone |u| / (|u| + u_s): `smooth`; `sign` is the same with a millionth of the speed
+        const real scale = par.smooth_speed * (par.friction == SEL_FRICTION_SIGN ? (real)1e-6 : 1);
+        const real us = par.inv_dt > 0 ? scale / par.inv_dt : scale * (real)1e-3;
+        across = cone / (size + us);
+        force = across * size;
+        along = across * us / (size + us);
+    }
+    const vec3 d = size > 0 ? (1 / size) * slip : make_vec3(0, 0, 0);
+    const real arm = -m.radius;  // torque of a surface force g about the tangent: arm (c . g)
+    const vec3 f = -force * d;
+    out->force[0] += f.x;
+    out->force[1] += f.y;
+    out->force[2] += f.z;
+    out->force[3] += arm * dot3(c, f);
+    // slip plane: d and e = n x d
+    const vec3 e = cross3(n, d);
+    if (size > 0) {
+        add_outer(out->sym, along, d, arm * dot3(c, d));
+        add_outer(out->sym, across, e, arm * dot3(c, e));
+    } else {
+        const vec3 g = cross3(n, c);
+        add_outer(out->sym, across, c, arm);
+        add_outer(out->sym, across, g, 0);
+    }
+    if (!stuck && size > 0 && dfn > 0) {
+        // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
+        const real mu_dfn = (cone > 0 ? force / fn : 0) * dfn;
+        const vec3 g = touch.normal;
+        const real row[4] = {d.x, d.y, d.z, arm * dot3(c, d)};
+        for (int i = 0; i < 4; ++i) {
+            out->skew[3 * i] -= mu_dfn * row[i] * g.x;
+            out->skew[3 * i + 1] -= mu_dfn * row[i] * g.y;
+            out->skew[3 * i + 2] -= mu_dfn * row[i] * g.z;
+        }
+        out->flags |= SEL_SAMPLE_SLIDING;
+    }
+    // an elastic slip longer than the cone holds is drawn after the wire
+    const real keep = sticks && !stuck && size > 0 ? cone / (m.friction_stiffness * m.weight * size) : 1;
+    // a sliding touch sticks again when its trial force is inside the cone of mu_sliding: that is `stuck` above
+    now->slip[0] = keep * slip.x;
+    now->slip[1] = keep * slip.y;
+    now->slip[2] = keep * slip.z;
+    now->friction[0] = f.x;
+    now->friction[1] = f.y;
+    now->friction[2] = f.z;
+    if (stuck) now->flags |= SEL_TOUCH_STUCK;
+    out->friction_sum += force;
+    if (!stuck) out->sliding_sum += force;
+}
+
+// Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.
+SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_active, real depth, real fn, TouchState* now,
+                        SampleForce* out)
+{
+    if (m.roll_arm <= 0 || mv.fresh) return;
+    const real half_width = sqrt(m.roll_depth * depth + m.roll_force * fn / m.weight);
+    const real most = m.roll_arm * half_width * fn;
+    // the spring is as stiff as the surface's tangential one at the wire's radius, so that it adds no softer mode
+    const real k = m.friction_stiffness * m.weight * m.radius * m.radius;
+    const real angle = (was_active ? old.roll : 0) + mv.spin;
+    const real trial = k * fabs(angle);
+    const real moment = trial < most ? trial : most;
+    const real sign = angle < 0 ? (real)-1 : (real)1;
+    out->force[3] -= sign * moment;
+    if (trial < most) out->sym[9] += k;
+    now->roll = sign * moment / k;
+    now->moment = -sign * moment;
+    out->rolling_sum += moment;
+}
+
+// One touch of one sample: normal law, friction, rolling. `old` is its state at the start of the step.
+SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, ContactParams par, TouchState old, TouchState* now,
+                      SampleForce* out)
+{
+    const int fresh = old.stamp + 1 != mv.stamp;
+    const int was_active = !fresh && (old.flags & SEL_TOUCH_ACTIVE);
+    const real size = sqrt(dot3(touch.normal, touch.normal));
+    const vec3 n = size > 0 ? (1 / size) * touch.normal : touch.normal;
+    // without a last gap the rate follows from the move
+    const real depth_t0 = fresh ? touch.depth + dot3(n, mv.move) : -old.gap;
+    const real rate = (touch.depth - depth_t0) * par.inv_dt;
+    real approach = was_active ? old.approach : (fresh ? rate : old.rate);
+    approach = max_r(approach, m.speed_floor);
+    now->stamp = mv.stamp;
+    now->flags = touch.outside ? SEL_TOUCH_OUTSIDE : 0u;
+    now->gap = -touch.depth;
+    now->rate = rate;
+    now->approach = approach;
+    now->triangle = touch.triangle;
+    now->normal[0] = n.x;
+    now->normal[1] = n.y;
+    now->normal[2] = n.z;
+    now->point[0] = p_centre.x + touch.to_wall.x;
+    now->point[1] = p_centre.y + touch.to_wall.y;
+    now->point[2] = p_centre.z + touch.to_wall.z;
+    out->depth = max_r(out->depth, touch.depth);
+    if (touch.outside) out->flags |= SEL_SAMPLE_OUTSIDE;
+    if (m.depth_limit > 0 && touch.depth > SEL_BLOCKED_AT * m.depth_limit && touch.depth > depth_t0)
+        out->flags |= SEL_SAMPLE_BLOCKED;
+    if (touch.depth <= 0) return;
+    real slope;
+    const real per_metre = normal_law(touch.depth, rate, approach, par.inv_dt, m, &slope);
+    const real fn = m.weight * per_metre;
+    if (fn <= 0) return;
+    now->flags |= SEL_TOUCH_ACTIVE;
+    now->normal_force = fn;
+    const real dfn = m.weight * slope;
+    const vec3 g = touch.normal;
+    out->force[0] += fn * g.x;
+    out->force[1] += fn * g.y;
+    out->force[2] += fn * g.z;
+    add_outer(out->sym, dfn, g, 0);
+    out->sym[0] += fn * touch.bend[0];
+    out->sym[1] += fn * touch.bend[1];
+    out->sym[2] += fn * touch.bend[2];
+    out->sym[4] += fn * touch.bend[3];
+    out->sym[5] += fn * touch.bend[4];
+    out->sym[7] += fn * touch.bend[5];
+    out->normal_sum += fn;
+    out->contacts += 1;
+    add_friction(touch, n, m, mv, par, old, was_active, fn, dfn, now, out);
+    add_rolling(m, mv, old, was_active, touch.depth, fn, now, out);
+}
+
+SEL_END
+#endif

@@ -1,0 +1,180 @@
+// The three items of capsule contact: find candidates of a sample, evaluate a sample, reduce an edge. Kernels call them once per
+// work-item, host twins in a loop.
+//
+// Node positions come as hi (float) + lo (real) relative to the mesh centre; see portable.h.
+#ifndef SEL_SHARED_CONTACT_SAMPLE_H
+#define SEL_SHARED_CONTACT_SAMPLE_H
+#include "shared/contact_law.h"
+#include "shared/tree_types.h"
+
+SEL_BEGIN
+
+// A point on an edge relative to the float position of the edge's first node, `origin`.
+typedef struct AxisPoint {
+    vec3 origin, offset, edge;  // [m]; edge: from node a to node b
+} AxisPoint;
+
+SEL_FN AxisPoint axis_point(uint node, real bary, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo)
+{
+    AxisPoint point;
+    const uint a = 3 * node;
+    point.origin = make_vec3((real)hi[a], (real)hi[a + 1], (real)hi[a + 2]);
+    const vec3 from = make_vec3(lo[a], lo[a + 1], lo[a + 2]);
+    const vec3 to = make_vec3((real)(hi[a + 3] - hi[a]) + lo[a + 3], (real)(hi[a + 4] - hi[a + 1]) + lo[a + 4],
+                              (real)(hi[a + 5] - hi[a + 2]) + lo[a + 5]);
+    point.edge = to - from;
+    point.offset = from + bary * point.edge;
+    return point;
+}
+
+// Least squared distance from p to a box.
+SEL_FN real box_distance2(vec3 p, TreeNode box)
+{
+    const real x = max_r(max_r((real)box.lo[0] - p.x, p.x - (real)box.hi[0]), 0);
+    const real y = max_r(max_r((real)box.lo[1] - p.y, p.y - (real)box.hi[1]), 0);
+    const real z = max_r(max_r((real)box.lo[2] - p.z, p.z - (real)box.hi[2]), 0);
+    return x * x + y * y + z * z;
+}
+
+// All triangles within `range` of p (relative to the mesh centre), in the tree's own order. Writes at most `slots` of them;
+// @return how many there are
+SEL_FN uint find_near(vec3 p, real range, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, uint slots,
+                      SEL_GLOBAL uint* found)
+{
+    const real range2 = range * range;
+    const vec3 zero = make_vec3(0, 0, 0);
+    uint stack[SEL_TREE_STACK];
+    uint top = 0, count = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        const TreeNode node = nodes[stack[--top]];
+        if (box_distance2(p, node) > range2) continue;
+        if (node.count == 0) {
+            stack[top++] = node.left_or_first + 1;
+            stack[top++] = node.left_or_first;
+            continue;
+        }
+        for (uint k = 0; k < node.count; ++k) {
+            const uint t = node.left_or_first + k;
+            int feature;
+            const vec3 v = p - closest_on_triangle(p, load_triangle(vertices, t, zero), &feature);
+            if (dot3(v, v) > range2) continue;
+            if (count < slots) found[count] = t;
+            ++count;
+        }
+    }
+    return count;
+}
+
+// Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step.
+SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* candidates,
+                                   uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims,
+                                   SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
+                                   SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
+                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches)
+{
+    SampleForce out;
+    for (int k = 0; k < 4; ++k) out.force[k] = 0;
+    for (int k = 0; k < 10; ++k) out.sym[k] = 0;
+    for (int k = 0; k < 12; ++k) out.skew[k] = 0;
+    out.depth = -(m.radius + par.reach);
+    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
+    out.flags = 0;
+    out.contacts = 0;
+
+    const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
+    SampleMove mv;
+    mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
+    mv.stamp = place.stamp;
+    mv.fresh = place.edge_t0 == SEL_NO_EDGE;
+    mv.move = make_vec3(0, 0, 0);
+    mv.spin = 0;
+    if (!mv.fresh) {
+        const AxisPoint was = axis_point(place.edge_t0, place.bary_t0, hi_t0, lo_t0);
+        mv.move = (at.origin - was.origin) + (at.offset - was.offset);
+        mv.spin = theta[place.edge] - theta_t0[place.edge_t0];
+    }
+
+    TouchState now[2];
+    for (int k = 0; k < 2; ++k) {
+        now[k] = touches_t0[2 * s + k];
+        for (int i = 0; i < 3; ++i) now[k].slip[i] = now[k].friction[i] = 0;
+        now[k].roll = now[k].normal_force = now[k].moment = 0;
+        now[k].flags = 0;
+    }
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, candidates, count, vertices, rims);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    // both sides are blended alike: which of them is nearer may change without a jump
+    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    if (first.found) {
+        // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
+        const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
+        const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];
+        const real to_b = first.normal.x * b.normal[0] + first.normal.y * b.normal[1] + first.normal.z * b.normal[2];
+        const int b_lives = b.stamp + 1 == place.stamp, a_lives = a.stamp + 1 == place.stamp;
+        const int swap = b_lives && (!a_lives || to_b > to_a);
+        const vec3 centre = at.origin + at.offset;
+        add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);
+        if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, &now[swap ? 0 : 1], &out);
+        if (out.contacts > 0) out.length = m.length;
+    }
+    touches[2 * s] = now[0];
+    touches[2 * s + 1] = now[1];
+    return out;
+}
+
+// Sums the samples items[first..last) (consecutive on one edge) in order. barys: of those samples.
+SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const SampleForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
+{
+    EdgeForce out;
+    for (int k = 0; k < 3; ++k) out.force_a[k] = out.force_b[k] = out.st_a[k] = out.st_b[k] = out.ut_a[k] = out.ut_b[k] = 0;
+    for (int k = 0; k < 6; ++k) out.s_aa[k] = out.s_ab[k] = out.s_bb[k] = 0;
+    for (int k = 0; k < 9; ++k) out.u_aa[k] = out.u_ab[k] = out.u_bb[k] = 0;
+    out.torque = out.s_tt = 0;
+    out.depth = (real)-1e30;
+    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
+    out.flags = out.contacts = 0;
+    const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
+    const int couple[3] = {3, 6, 8};          // xt yt zt
+    for (uint k = first; k < last; ++k) {
+        const SampleForce f = forces[k];
+        out.depth = max_r(out.depth, f.depth);
+        out.flags |= f.flags;
+        if (f.contacts == 0) continue;
+        const real b = barys[k], a = 1 - b;
+        for (int i = 0; i < 3; ++i) {
+            out.force_a[i] += a * f.force[i];
+            out.force_b[i] += b * f.force[i];
+            out.st_a[i] += a * f.sym[couple[i]];
+            out.st_b[i] += b * f.sym[couple[i]];
+        }
+        for (int i = 0; i < 6; ++i) {
+            out.s_aa[i] += a * a * f.sym[block[i]];
+            out.s_ab[i] += a * b * f.sym[block[i]];
+            out.s_bb[i] += b * b * f.sym[block[i]];
+        }
+        if (f.flags & SEL_SAMPLE_SLIDING) {
+            for (int i = 0; i < 9; ++i) {
+                out.u_aa[i] += a * a * f.skew[i];
+                out.u_ab[i] += a * b * f.skew[i];
+                out.u_bb[i] += b * b * f.skew[i];
+            }
+            for (int i = 0; i < 3; ++i) {
+                out.ut_a[i] += a * f.skew[9 + i];
+                out.ut_b[i] += b * f.skew[9 + i];
+            }
+        }
+        out.torque += f.force[3];
+        out.s_tt += f.sym[9];
+        out.normal_sum += f.normal_sum;
+        out.friction_sum += f.friction_sum;
+        out.sliding_sum += f.sliding_sum;
+        out.rolling_sum += f.rolling_sum;
+        out.length += f.length;
+        out.contacts += f.contacts;
+    }
+    return out;
+}
+
+SEL_END
+#endif

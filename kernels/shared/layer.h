@@ -1,0 +1,274 @@
+// The published detection, per edge of wire between two control nodes: spheres at the nodes, three cases, dichotomy for the touching
+// length L', oriented layer L' x w x h on the wall side, layer against tree, and a ray from each candidate's centre along its normal
+// against the wire's cylinder (design section 3, steps 1-5). Kept faithful, with its own mesh dependence: it is what is measured.
+//
+// Choices that the source leaves open, the same for every scene unless the user sets them:
+//   sphere     radius r + H: a contact whose overlap is a micrometre would be lost with r alone
+//   dichotomy  8 halvings: L' to 1/256 of the edge
+//   w          r (1/4 + 7/4 r/R), R the lumen radius there: 2 r in a lumen as narrow as the wire, r/4 in a wide one
+//   h          r + H, measured from the axis towards the wall, so that every wall nearer than H to the wire's surface is inside
+//   H          r / 2
+#ifndef SEL_SHARED_LAYER_H
+#define SEL_SHARED_LAYER_H
+#include "shared/contact_sample.h"
+
+SEL_BEGIN
+
+#define SEL_LAYER_HALVINGS 8
+
+typedef struct Layer {
+    vec3 centre, along, side, up;  // unit axes; up points from the axis to the wall
+    real extent[3];                  // half of L', w, h [m]
+    real from, to;                 // touching stretch, as fractions of the edge
+    int found;
+} Layer;
+
+// Does the sphere touch the wall? Adds the inward normals of the triangles it touches to *normal.
+SEL_FN int sphere_touches(vec3 p, real radius, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, vec3* normal)
+{
+    const real r2 = radius * radius;
+    const vec3 zero = make_vec3(0, 0, 0);
+    uint stack[SEL_TREE_STACK];
+    uint top = 0;
+    int touches = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        const TreeNode node = nodes[stack[--top]];
+        if (box_distance2(p, node) > r2) continue;
+        if (node.count == 0) {
+            stack[top++] = node.left_or_first + 1;
+            stack[top++] = node.left_or_first;
+            continue;
+        }
+        for (uint k = 0; k < node.count; ++k) {
+            const Triangle tri = load_triangle(vertices, node.left_or_first + k, zero);
+            int feature;
+            const vec3 v = p - closest_on_triangle(p, tri, &feature);
+            if (dot3(v, v) > r2) continue;
+            touches = 1;
+            *normal = *normal + triangle_normal(tri);
+        }
+    }
+    return touches;
+}
+
+// Steps 2 to 4: the layer of the edge a -> b.
+SEL_FN Layer make_layer(vec3 a, vec3 b, real radius, real width, real height, real reach, SEL_GLOBAL const TreeNode* nodes,
+                        SEL_GLOBAL const float* vertices)
+{
+    Layer layer;
+    layer.found = 0;
+    layer.from = 0;
+    layer.to = 1;
+    vec3 normal = make_vec3(0, 0, 0);
+    const int at_a = sphere_touches(a, radius + reach, nodes, vertices, &normal);
+    const int at_b = sphere_touches(b, radius + reach, nodes, vertices, &normal);
+    if (!at_a && !at_b) return layer;
+    const vec3 edge = b - a;
+    if (at_a != at_b) {
+        // the far end of the touching stretch, by halving
+        real in = at_a ? 0 : 1, out = at_a ? 1 : 0;
+        for (int k = 0; k < SEL_LAYER_HALVINGS; ++k) {
+            const real mid = (in + out) / 2;
+            vec3 ignored = make_vec3(0, 0, 0);
+            if (sphere_touches(a + mid * edge, radius + reach, nodes, vertices, &ignored)) in = mid;
+            else out = mid;
+        }
+        if (at_a) layer.to = in;
+        else layer.from = in;
+    }
+    const real length = sqrt(dot3(edge, edge));
+    layer.along = (1 / length) * edge;
+    const vec3 up = -(normal - dot3(normal, layer.along) * layer.along);
+    const real size = sqrt(dot3(up, up));
+    if (!(size > 0)) return layer;  // normals cancel: walls all round, the published layer has no side to lie on
+    layer.up = (1 / size) * up;
+    layer.side = cross3(layer.along, layer.up);
+    layer.extent[0] = max_r((layer.to - layer.from) * length / 2, radius / 8);  // a touch at a node alone keeps a sliver of length
+    layer.extent[1] = width / 2;
+    layer.extent[2] = height / 2;
+    layer.centre = a + ((layer.from + layer.to) / 2) * edge + (height / 2) * layer.up;
+    layer.found = 1;
+    return layer;
+}
+
+SEL_FN real abs_r(real x) { return x < 0 ? -x : x; }
+
+// Layer against an axis-parallel box, by the layer's and the box's own face normals (edges' cross products left out: the test may
+// say yes too often, never no).
+SEL_FN int layer_meets_box(Layer layer, TreeNode box)
+{
+    const vec3 extent = make_vec3(((real)box.hi[0] - (real)box.lo[0]) / 2, ((real)box.hi[1] - (real)box.lo[1]) / 2,
+                                ((real)box.hi[2] - (real)box.lo[2]) / 2);
+    const vec3 d = make_vec3(((real)box.hi[0] + (real)box.lo[0]) / 2, ((real)box.hi[1] + (real)box.lo[1]) / 2,
+                             ((real)box.hi[2] + (real)box.lo[2]) / 2) - layer.centre;
+    const vec3 u = layer.along, v = layer.side, w = layer.up;
+    if (abs_r(d.x) > extent.x + layer.extent[0] * abs_r(u.x) + layer.extent[1] * abs_r(v.x) + layer.extent[2] * abs_r(w.x)) return 0;
+    if (abs_r(d.y) > extent.y + layer.extent[0] * abs_r(u.y) + layer.extent[1] * abs_r(v.y) + layer.extent[2] * abs_r(w.y)) return 0;
+    if (abs_r(d.z) > extent.z + layer.extent[0] * abs_r(u.z) + layer.extent[1] * abs_r(v.z) + layer.extent[2] * abs_r(w.z)) return 0;
+    if (abs_r(dot3(d, u)) > layer.extent[0] + extent.x * abs_r(u.x) + extent.y * abs_r(u.y) + extent.z * abs_r(u.z)) return 0;
+    if (abs_r(dot3(d, v)) > layer.extent[1] + extent.x * abs_r(v.x) + extent.y * abs_r(v.y) + extent.z * abs_r(v.z)) return 0;
+    return abs_r(dot3(d, w)) <= layer.extent[2] + extent.x * abs_r(w.x) + extent.y * abs_r(w.y) + extent.z * abs_r(w.z);
+}
+
+// One axis of the separating test between the box |x| <= extent and a triangle in its frame.
+SEL_FN int separated(vec3 axis, vec3 a, vec3 b, vec3 c, real hx, real hy, real hz)
+{
+    const real p = dot3(axis, a), q = dot3(axis, b), s = dot3(axis, c);
+    const real reach = hx * abs_r(axis.x) + hy * abs_r(axis.y) + hz * abs_r(axis.z);
+    return min_r(p, min_r(q, s)) > reach || max_r(p, max_r(q, s)) < -reach;
+}
+
+// Layer against triangle, exact: thirteen axes [Akenine-Moeller01, doi:10.1080/10867651.2001.10487535].
+SEL_FN int layer_meets_triangle(Layer layer, Triangle tri)
+{
+    const vec3 p = tri.a - layer.centre, q = tri.b - layer.centre, s = tri.c - layer.centre;
+    const vec3 a = make_vec3(dot3(p, layer.along), dot3(p, layer.side), dot3(p, layer.up));
+    const vec3 b = make_vec3(dot3(q, layer.along), dot3(q, layer.side), dot3(q, layer.up));
+    const vec3 c = make_vec3(dot3(s, layer.along), dot3(s, layer.side), dot3(s, layer.up));
+    const real hx = layer.extent[0], hy = layer.extent[1], hz = layer.extent[2];
+    const vec3 x = make_vec3(1, 0, 0), y = make_vec3(0, 1, 0), z = make_vec3(0, 0, 1);
+    if (separated(x, a, b, c, hx, hy, hz) || separated(y, a, b, c, hx, hy, hz) || separated(z, a, b, c, hx, hy, hz)) return 0;
+    const vec3 ab = b - a, bc = c - b, ca = a - c;
+    if (separated(cross3(ab, bc), a, b, c, hx, hy, hz)) return 0;
+    if (separated(cross3(x, ab), a, b, c, hx, hy, hz) || separated(cross3(x, bc), a, b, c, hx, hy, hz) ||
+        separated(cross3(x, ca), a, b, c, hx, hy, hz)) return 0;
+    if (separated(cross3(y, ab), a, b, c, hx, hy, hz) || separated(cross3(y, bc), a, b, c, hx, hy, hz) ||
+        separated(cross3(y, ca), a, b, c, hx, hy, hz)) return 0;
+    return !(separated(cross3(z, ab), a, b, c, hx, hy, hz) || separated(cross3(z, bc), a, b, c, hx, hy, hz) ||
+             separated(cross3(z, ca), a, b, c, hx, hy, hz));
+}
+
+// A ray from a triangle's centre along its normal, against the wire's cylinder.
+typedef struct RayHit {
+    vec3 normal;  // of the triangle, unit
+    vec3 centre;  // of the triangle
+    real gap;     // along the ray from the wall to the wire's near surface [m]; negative: the centre is inside the wire
+    real bary;    // of the hit on the edge
+    int hit;
+} RayHit;
+
+// a: first node, edge: to the second; all relative to one origin
+SEL_FN RayHit ray_against_wire(Triangle tri, vec3 a, vec3 edge, real radius)
+{
+    RayHit out;
+    out.hit = 0;
+    out.gap = out.bary = 0;
+    out.normal = triangle_normal(tri);
+    out.centre = ((real)1 / 3) * (tri.a + tri.b + tri.c);
+    const real length2 = dot3(edge, edge);
+    const vec3 m = out.centre - a;
+    // components across the axis: |m_ + t n_|^2 = r^2
+    const vec3 n_ = out.normal - (dot3(out.normal, edge) / length2) * edge;
+    const vec3 m_ = m - (dot3(m, edge) / length2) * edge;
+    const real A = dot3(n_, n_), B = dot3(m_, n_), C = dot3(m_, m_) - radius * radius;
+    const real root = B * B - A * C;
+    if (!(A > 0) || root < 0) return out;
+    out.gap = (-B - sqrt(root)) / A;
+    out.bary = dot3(m + out.gap * out.normal, edge) / length2;
+    out.hit = out.bary >= 0 && out.bary <= 1;
+    return out;
+}
+
+// A wire's edge for the layer: what changes from edge to edge.
+typedef struct LayerEdge {
+    uint node;     // tip-side node in the concatenated arrays
+    uint stamp;    // see SamplePlace
+    real width;    // w [m]
+    real height;   // h [m]
+    real reach;    // H [m]
+    SampleModel model;  // of one pair: line stiffness x 1 mm (weight 1e-3)
+} LayerEdge;
+
+// A pair found by the layer: which edge (index among LayerEdge), which triangle, and its record of the last step.
+typedef struct LayerPair {
+    uint edge, triangle;
+    uint last;  // SEL_NO_EDGE: new
+    uint pad;
+} LayerPair;
+
+// Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`; @return how many
+SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const TreeNode* nodes,
+                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found)
+{
+    const AxisPoint at = axis_point(e.node, 0, hi, lo);
+    const vec3 a = at.origin + at.offset;
+    const vec3 zero = make_vec3(0, 0, 0);
+    const Layer layer = make_layer(a, a + at.edge, e.model.radius, e.width, e.height, e.reach, nodes, vertices);
+    if (!layer.found) return 0;
+    uint stack[SEL_TREE_STACK];
+    uint top = 0, count = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        const TreeNode node = nodes[stack[--top]];
+        if (!layer_meets_box(layer, node)) continue;
+        if (node.count == 0) {
+            stack[top++] = node.left_or_first + 1;
+            stack[top++] = node.left_or_first;
+            continue;
+        }
+        for (uint k = 0; k < node.count; ++k) {
+            const uint t = node.left_or_first + k;
+            const Triangle tri = load_triangle(vertices, t, zero);
+            if (!layer_meets_triangle(layer, tri)) continue;
+            const RayHit ray = ray_against_wire(tri, a, at.edge, e.model.radius);
+            if (!ray.hit || ray.gap > e.reach) continue;
+            if (count < slots) found[count] = t;
+            ++count;
+        }
+    }
+    return count;
+}
+
+// Contact of one pair; *bary gets its place on the edge. touches: [pairs], touches_t0: of the last step's pairs.
+SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, LayerEdge e, SEL_GLOBAL const float* vertices,
+                                 SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
+                                 SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
+                                 SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches, real* bary)
+{
+    SampleForce out;
+    for (int k = 0; k < 4; ++k) out.force[k] = 0;
+    for (int k = 0; k < 10; ++k) out.sym[k] = 0;
+    for (int k = 0; k < 12; ++k) out.skew[k] = 0;
+    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
+    out.flags = 0;
+    out.contacts = 0;
+    out.depth = -e.reach;
+    TouchState old, now;
+    for (int i = 0; i < 3; ++i) now.slip[i] = now.friction[i] = now.normal[i] = now.point[i] = 0;
+    now.gap = e.reach;
+    now.rate = now.approach = now.roll = now.normal_force = now.moment = 0;
+    now.triangle = pair.triangle;
+    now.flags = now.stamp = now.pad = 0;
+    old = now;
+    if (pair.last != SEL_NO_EDGE) old = touches_t0[pair.last];
+
+    const AxisPoint at = axis_point(e.node, 0, hi, lo);
+    const Triangle tri = load_triangle(vertices, pair.triangle, at.origin);
+    const RayHit ray = ray_against_wire(tri, at.offset, at.edge, e.model.radius);
+    *bary = clamp_r(ray.bary, 0, 1);
+    if (ray.hit) {
+        const AxisPoint was = axis_point(e.node, *bary, hi_t0, lo_t0);
+        const vec3 p = at.offset + *bary * at.edge;
+        SampleMove mv;
+        mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
+        mv.move = (at.origin - was.origin) + (p - was.offset);
+        mv.spin = theta[e.node] - theta_t0[e.node];
+        mv.fresh = 0;
+        mv.stamp = e.stamp;
+        Touch touch;
+        touch.normal = ray.normal;
+        touch.to_wall = ray.centre - p;
+        touch.depth = -ray.gap;
+        for (int k = 0; k < 6; ++k) touch.bend[k] = 0;
+        touch.triangle = pair.triangle;
+        touch.found = 1;
+        touch.outside = 0;
+        add_touch(touch, at.origin + p, e.model, mv, par, old, &now, &out);
+    }
+    touches[item] = now;
+    return out;
+}
+
+SEL_END
+#endif

@@ -1,0 +1,64 @@
+// What OpenCL C 1.2 and C++20 agree on, so that one header serves kernels and their host twins.
+//
+// `real` is the arithmetic of the kernels: double where the device has fp64 (default), float with SEL_FLOAT32.
+// Gaps must be right to 0.01 um in vessels of 0.3 m, so wire points come as hi (float) + lo (real) and everything is computed
+// relative to a float origin near the segment: a difference of two floats is rounded once, to 6e-8 of its own (millimetre) size.
+#ifndef SEL_SHARED_PORTABLE_H
+#define SEL_SHARED_PORTABLE_H
+
+#ifdef __cplusplus
+    #include <cmath>
+    #include <cstdint>
+    #define SEL_FN inline
+    #define SEL_GLOBAL
+    #define SEL_BEGIN namespace seldinger {
+    #define SEL_END }
+namespace seldinger {
+using uint = std::uint32_t;
+    #ifdef SEL_FLOAT32
+using real = float;
+    #else
+using real = double;
+    #endif
+using std::fabs;
+using std::pow;
+using std::sqrt;
+struct vec3 {
+    real x, y, z;
+};
+inline vec3 make_vec3(real x, real y, real z) { return {x, y, z}; }
+inline vec3 operator+(vec3 a, vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline vec3 operator-(vec3 a, vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline vec3 operator-(vec3 a) { return {-a.x, -a.y, -a.z}; }
+inline vec3 operator*(real s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+}  // namespace seldinger
+#else
+    #pragma OPENCL FP_CONTRACT OFF  // default is ON; OFF lets host and device be compared
+    #define SEL_FN static inline
+    #define SEL_GLOBAL __global
+    #define SEL_BEGIN
+    #define SEL_END
+    #ifdef SEL_FLOAT32
+typedef float real;
+typedef float3 vec3;
+        #define make_vec3(x, y, z) ((float3)((x), (y), (z)))
+    #else
+        #pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double real;
+typedef double3 vec3;
+        #define make_vec3(x, y, z) ((double3)((x), (y), (z)))
+    #endif
+#endif
+
+SEL_BEGIN
+
+// own products rather than dot() and cross(): a device may fuse or reorder the built-in ones
+SEL_FN real dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SEL_FN vec3 cross3(vec3 a, vec3 b) { return make_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
+// ternaries: fmin/fmax cost twice a select on PoCL because of their NaN rules
+SEL_FN real min_r(real a, real b) { return a < b ? a : b; }
+SEL_FN real max_r(real a, real b) { return a > b ? a : b; }
+SEL_FN real clamp_r(real a, real lo, real hi) { return a < lo ? lo : (a > hi ? hi : a); }
+
+SEL_END
+#endif

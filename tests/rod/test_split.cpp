@@ -1,0 +1,236 @@
+// Splitting and merging edges: nothing that the wire carries may jump.
+
+#include "rod/split.h"
+#include "rod/rod_fixture.h"
+
+#include <doctest/doctest.h>
+
+using namespace seldinger;
+using namespace seldinger::testing;
+
+namespace {
+
+constexpr double bend = 0.8, twist_stiffness = 0.6, stretch = 400.0;
+
+double axial(const RodView& rod, int j)
+{
+    return rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+}
+
+/// An arc of radius 1 in space, `edges` over one radian, under tension, twisted evenly, moving; clamped at the hub along its
+/// tangent with the twist going on into the clamp.
+struct ArcWire : OneWire {
+    static constexpr double twist_rate = 0.9, strain = 0.02;
+    WireSpec spec;
+    ArcWire(int edges, bool uneven = false) : OneWire(edges + 1, edges + 3)
+    {
+        const int n = edges + 1;
+        std::vector<double> angle;
+        for (int i = 0; i < n; ++i) angle.push_back((i + (uneven && i > 0 && i < n - 1 ? 0.25 * (i % 2 ? 1 : -1) : 0.0)) / edges);
+        const Eigen::Matrix3d tilt = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+        std::vector<Vec3> nodes;
+        for (const double a : angle) nodes.push_back(tilt * Vec3(std::cos(a), std::sin(a), 0));
+        place(nodes, tilt * Vec3::UnitZ());
+        for (int i = 0; i < n; ++i) rod.material_s[i] /= 1 + strain;
+        spec = uniform_spec(10.0, bend, twist_stiffness, stretch);
+        set_rest_shape(rod, spec, false);
+        for (int j = 0; j < n - 1; ++j) {
+            rod.theta[j] = twist_rate * 0.5 * (rod.material_s[j] + rod.material_s[j + 1]);
+            rod.spin_rate[j] = 1 + 0.3 * rod.theta[j];
+            rod.spin_acc[j] = 0.5 * rod.theta[j];
+        }
+        for (int i = 0; i < n; ++i) rod.set_vel(i, tilt * Vec3(std::sin(angle[i]), 1 + angle[i], 0.3));
+        RodClamp clamp;
+        clamp.node = n - 1;
+        clamp.spin = true;
+        clamp.tangent = tilt * Vec3(-std::sin(1.0), std::cos(1.0), 0);
+        clamp.turns = twist_rate * rod.material_s[n - 1];
+        clamp.director = turned(tilt * Vec3::UnitZ(), clamp.tangent, clamp.turns);
+        clamps = {clamp};
+        REQUIRE(accept(OwnedTrial(rod)));
+    }
+    void node_moved(int by)
+    {
+        rod = arrays.view(0);
+        for (RodClamp& clamp : clamps) clamp.node += by;
+    }
+    [[nodiscard]] Vec3 momentum() const
+    {
+        Vec3 p = Vec3::Zero();
+        for (int i = 0; i < rod.n; ++i) p += rod.mass[i] * rod.vel(i);
+        return p;
+    }
+    [[nodiscard]] double spin_momentum() const
+    {
+        double l = 0;
+        for (int j = 0; j < rod.n - 1; ++j) l += rod.spin_inertia[j] * rod.spin_rate[j];
+        return l;
+    }
+    /// Largest deviation from curvature 1 and from the twist rate, per length, over inner nodes and the clamp's half cell.
+    [[nodiscard]] std::pair<double, double> worst_curvature_and_twist()
+    {
+        REQUIRE(update());
+        double curvature = 0, twist = 0;
+        for (int i = 1; i < rod.n - 1; ++i) {
+            const double length = rod.voronoi_length(i);
+            curvature = std::max(curvature, std::abs(frames.kb[i].norm() / (length * (1 + strain)) - 1));
+            twist = std::max(twist, std::abs(frames.twist[i] / length - twist_rate));
+        }
+        const double half = 0.5 * rod.rest_length[rod.n - 2];
+        twist = std::max(twist, std::abs(frames.clamp_twist[0] / half - twist_rate));
+        return {curvature, twist};
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("rod/split") {
+
+TEST_CASE("property: axial force, momentum and spin momentum stay as they were")
+{
+    for (const int edge : {0, 4, 9})
+        for (const double fraction : {0.5, 0.3}) {
+            CAPTURE(edge);
+            CAPTURE(fraction);
+            ArcWire wire(10, true);
+            const double force = axial(wire.rod, edge), length = wire.rod.material_s[10];
+            const Vec3 momentum = wire.momentum();
+            const double spin = wire.spin_momentum();
+            const double arc = wire.rod.rest_length[edge];
+            const SplitResult result = split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+            wire.node_moved(1);
+            REQUIRE(wire.rod.n == 12);
+            CHECK(axial(wire.rod, edge) == doctest::Approx(force).epsilon(1e-10));
+            CHECK(axial(wire.rod, edge + 1) == doctest::Approx(force).epsilon(1e-10));
+            CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
+            CHECK(std::abs(wire.spin_momentum() - spin) < 1e-14 * spin);
+            CHECK(wire.rod.material_s[11] - length == doctest::Approx(result.rest_length_added).epsilon(1e-9));
+            // the arc's excess over its chords: (1 - f^3 - (1-f)^3) h (kappa h)^2/24, at the tip with curvature falling to 0
+            const double excess = (1 - std::pow(fraction, 3) - std::pow(1 - fraction, 3)) * std::pow(arc, 3) / 24;
+            if (edge > 0) CHECK(result.rest_length_added == doctest::Approx(excess).epsilon(0.1));
+            else CHECK(std::abs(result.rest_length_added) < excess);
+        }
+}
+
+// curvature on an arc is exact at even nodes but for O(h^2) of the discrete kappa itself
+TEST_CASE("property: moment and torque change by O(h^2) only, at the base edge and inside")
+{
+    for (const bool base : {true, false})
+        for (const double fraction : {0.5, 0.35}) {
+            double curvature[3], twist[3];
+            for (int k = 0; k < 3; ++k) {
+                const int edges = 8 << k;
+                ArcWire wire(edges);
+                split_edge(wire.arrays, 0, base ? edges - 1 : edges / 2, fraction, wire.spec, wire.clamps);
+                wire.node_moved(1);
+                std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
+            }
+            CAPTURE(base);
+            CAPTURE(fraction);
+            CAPTURE(curvature[0]);
+            CAPTURE(twist[0]);
+            // the chord's middle instead of the cubic would leave 1/3
+            CHECK(curvature[0] < 0.5 / 64);
+            CHECK(curvature[1] < 0.3 * curvature[0]);  // a factor 4 each, with room
+            CHECK(curvature[2] < 0.3 * curvature[1]);
+            CHECK(twist[0] < 0.5 / 64);
+            CHECK(twist[2] < 0.1 * twist[0]);
+        }
+}
+
+TEST_CASE("property: split, then merge, returns to where it was")
+{
+    for (const bool base : {true, false}) {
+        ArcWire wire(10, true);
+        const ArcWire start(10, true);
+        const int edge = base ? 9 : 3;
+        const SplitResult split = base ? split_base_edge(wire.arrays, 0, 0.4, wire.spec, wire.clamps)
+                                       : split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
+        wire.node_moved(1);
+        const SplitResult merge = base ? merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps)
+                                       : merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
+        wire.node_moved(-1);
+        REQUIRE(wire.rod.n == 11);
+        CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-14);
+        for (int i = 0; i < 11; ++i) {
+            CHECK((wire.rod.pos(i) - start.rod.pos(i)).norm() < 1e-15);
+            CHECK(wire.rod.material_s[i] == doctest::Approx(start.rod.material_s[i]).epsilon(1e-13));
+            CHECK((wire.rod.vel(i) - start.rod.vel(i)).norm() < 1e-3);  // momentum of the middle goes to its neighbours
+            if (i == 10) continue;
+            CHECK((wire.rod.ref_d1(i) - start.rod.ref_d1(i)).norm() < 1e-14);
+            CHECK(std::abs(wire.rod.theta[i] - start.rod.theta[i]) < 1e-2 * ArcWire::twist_rate * 0.1);
+            CHECK(wire.rod.spin_rate[i] == doctest::Approx(start.rod.spin_rate[i]).epsilon(1e-12));
+            CHECK(axial(wire.rod, i) == doctest::Approx(axial(start.rod, i)).epsilon(1e-9));
+        }
+        CHECK((wire.momentum() - start.momentum()).norm() < 1e-13);
+    }
+}
+
+TEST_CASE("property: merging keeps force and momentum, and curvature to O(h^2)")
+{
+    double curvature[3], twist[3];
+    for (int k = 0; k < 3; ++k) {
+        const int edges = 8 << k;
+        ArcWire wire(edges);
+        const Vec3 momentum = wire.momentum();
+        const double spin = wire.spin_momentum(), force = axial(wire.rod, edges / 2);
+        merge_edges(wire.arrays, 0, edges / 2, wire.spec, wire.clamps);
+        wire.node_moved(-1);
+        CHECK(axial(wire.rod, edges / 2 - 1) == doctest::Approx(force).epsilon(1e-10));
+        CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
+        CHECK(std::abs(wire.spin_momentum() - spin) < 1e-14 * spin);
+        std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
+    }
+    CHECK(curvature[0] < 1.0 / 64);
+    CHECK(curvature[2] < 0.1 * curvature[0]);
+    CHECK(twist[0] < 1.0 / 64);
+    CHECK(twist[2] < 0.1 * twist[0]);
+}
+
+TEST_CASE("property: many turns stored between tip and clamp survive a split")
+{
+    ArcWire wire(10);
+    const double turns = 40;
+    for (int j = 0; j < 10; ++j) wire.rod.theta[j] += turns * 0.5 * (wire.rod.material_s[j] + wire.rod.material_s[j + 1]);
+    wire.clamps[0].turns += turns * wire.rod.material_s[10];
+    wire.clamps[0].director = turned(wire.clamps[0].director, wire.clamps[0].tangent, turns * wire.rod.material_s[10]);
+    REQUIRE(wire.accept(OwnedTrial(wire.rod)));
+    REQUIRE(wire.update());
+    const double torque = clamp_torque(wire.rod, wire.clamps, wire.frames, 0);
+    CHECK(torque == doctest::Approx(twist_stiffness * (turns + ArcWire::twist_rate)).epsilon(1e-3));
+    for (const int edge : {9, 4}) {
+        split_edge(wire.arrays, 0, edge, 0.5, wire.spec, wire.clamps);
+        wire.node_moved(1);
+        REQUIRE(wire.update());
+        // the lengths that twist is counted over change by (kappa h)^2/32 = 3e-4
+        CHECK(clamp_torque(wire.rod, wire.clamps, wire.frames, 0) == doctest::Approx(torque).epsilon(1e-3));
+        for (int i = 1; i < wire.rod.n - 1; ++i)
+            CHECK(wire.frames.twist[i] / wire.rod.voronoi_length(i)
+                  == doctest::Approx(turns + ArcWire::twist_rate).epsilon(2e-3));
+    }
+}
+
+TEST_CASE("property: a wire whose rest shape is its placed one keeps its total rest curvature")
+{
+    ArcWire wire(10);
+    set_rest_shape(wire.rod, wire.spec, true);
+    const auto total = [&] {
+        double sum[2] = {0, 0};
+        for (int i = 0; i < wire.rod.n; ++i) {
+            sum[0] += std::hypot(wire.rod.rest_kappa1[i], wire.rod.rest_kappa2[i]);
+            sum[1] += wire.rod.rest_twist[i];
+        }
+        return std::pair(sum[0], sum[1]);
+    };
+    const auto before = total();
+    REQUIRE(before.first > 0.9);
+    split_edge(wire.arrays, 0, 4, 0.3, wire.spec, wire.clamps, true);
+    wire.node_moved(1);
+    CHECK(total().first == doctest::Approx(before.first).epsilon(1e-2));  // lengths of 2-vectors that differ in direction
+    CHECK(total().second == doctest::Approx(before.second).epsilon(1e-12));
+    merge_edges(wire.arrays, 0, 5, wire.spec, wire.clamps, true);
+    wire.node_moved(-1);
+    CHECK(total().second == doctest::Approx(before.second).epsilon(1e-12));
+}
+
+}

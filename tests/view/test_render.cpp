@@ -1,0 +1,207 @@
+// From a run's folder to PNG files, and what is said when the folder is not one.
+#include "view/render.h"
+#include "view_fixtures.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <unistd.h>
+
+using namespace seldinger;
+using namespace seldinger::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder that goes away again.
+struct TemporaryFolder {
+    fs::path path = fs::temp_directory_path() / fmt::format("seldinger_view_{}", ::getpid());
+    TemporaryFolder() { fs::remove_all(path), fs::create_directories(path); }
+    ~TemporaryFolder() { fs::remove_all(path); }
+};
+
+void write_text(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+std::string numbers(const std::vector<Vec3>& points)
+{
+    std::string text;
+    for (const Vec3& p : points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+    return text;
+}
+
+std::string poly_data(std::size_t points, const std::string& inside)
+{
+    return fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\">\n<PolyData>\n"
+                       "<Piece NumberOfPoints=\"{}\">\n{}</Piece>\n</PolyData>\n</VTKFile>\n",
+                       points, inside);
+}
+
+std::string array(const char* type, const char* name, int components, const std::string& values)
+{
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">{}</DataArray>\n",
+                       type, name, components, values);
+}
+
+std::string points_xml(const std::vector<Vec3>& points)
+{
+    return "<Points>" + array("Float64", "Points", 3, numbers(points)) + "</Points>\n";
+}
+
+void write_vessel(const fs::path& dir)
+{
+    const WallMesh mesh = straight_tube(0.006, 0.1);
+    std::string corners, offsets;
+    for (const auto& t : mesh.triangles) corners += fmt::format("{} {} {} ", t[0], t[1], t[2]);
+    for (std::size_t i = 1; i <= mesh.triangles.size(); ++i) offsets += fmt::format("{} ", 3 * i);
+    write_text(dir / "vessel.vtp", poly_data(mesh.vertices.size(), points_xml(mesh.vertices) + "<Polys>" +
+                                                                      array("Int32", "connectivity", 1, corners) +
+                                                                      array("Int32", "offsets", 1, offsets) + "</Polys>\n"));
+}
+
+void write_frame(const fs::path& dir, int index)
+{
+    const WireLine wire = straight_wire({0.01 * index, 0, 0.001}, {-0.05, 0, 0}, 0.0004, 11);
+    std::string radius, order;
+    for (std::size_t i = 0; i < wire.nodes.size(); ++i) radius += "0.0004 ", order += fmt::format("{} ", i);
+    write_text(dir / fmt::format("wire_{:06}.vtp", index),
+               poly_data(wire.nodes.size(), points_xml(wire.nodes) + "<Lines>" + array("Int64", "connectivity", 1, order) +
+                                                array("Int64", "offsets", 1, "11") + "</Lines>\n<PointData>" +
+                                                array("Float64", "radius", 1, radius) + "</PointData>\n"));
+    const std::vector<Vec3> touched = {{0, 0, 0.006}, {-0.02, 0, -0.006}};
+    write_text(dir / fmt::format("contacts_{:06}.vtp", index),
+               poly_data(2, points_xml(touched) + "<PointData>" + array("Float64", "normal_n", 1, "0.02 0.11") +
+                                array("Float64", "normal", 3, "0 0 -1 0 0 1") + "</PointData>\n"));
+}
+
+void write_list(const fs::path& dir, int frames)
+{
+    std::string list = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\"><Collection>\n";
+    for (int i = 0; i < frames; ++i)
+        list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"wire_{:06}.vtp\"/>\n", 0.1 * i, i);
+    write_text(dir / "wire.pvd", list + "</Collection></VTKFile>\n");
+}
+
+void write_run(const fs::path& dir, int frames)
+{
+    write_vessel(dir);
+    for (int i = 0; i < frames; ++i) write_frame(dir, i);
+    write_list(dir, frames);
+    write_text(dir / "trace.csv", "step,time_s,inserted_m,hand_force_n\n0,0,0,0\n100,0.1,0.01,0.2\n");
+}
+
+/// True when the pictures could be drawn; false (with a message) where this machine cannot.
+bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vector<fs::path>& written)
+{
+    try {
+        written = render_run(dir, options);
+        return true;
+    } catch (const Error& e) {
+        if (e.code() != ExitCode::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;
+        MESSAGE("skipped: " << std::string(e.what()));
+        return false;
+    }
+}
+
+std::string file_bytes(const fs::path& path)
+{
+    std::ostringstream bytes;
+    bytes << std::ifstream(path, std::ios::binary).rdbuf();
+    return bytes.str();
+}
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at)
+{
+    std::uint32_t v = 0;
+    for (int k = 0; k < 4; ++k) v = (v << 8) | static_cast<unsigned char>(bytes[at + k]);
+    return v;
+}
+
+void check_refused(const fs::path& dir, const RenderOptions& options, ExitCode code, const std::string& word)
+{
+    CAPTURE(word);
+    try {
+        render_run(dir, options);
+        FAIL("accepted");
+    } catch (const Error& e) {
+        CHECK(e.code() == code);
+        CHECK(std::string(e.what()).find(word) != std::string::npos);
+        CHECK(std::string(e.what()).find('\n') == std::string::npos);
+    }
+}
+
+}  // namespace
+
+TEST_SUITE("view/render") {
+TEST_CASE("property: the last frame becomes picture.png, an 8-bit RGB PNG of the size asked for") {
+    const TemporaryFolder dir;
+    write_run(dir.path, 3);
+    RenderOptions options;
+    options.width = 400, options.height = 300;
+    std::vector<fs::path> written;
+    if (!render_or_skip(dir.path, options, written)) return;
+    REQUIRE(written.size() == 1);
+    CHECK(written[0] == dir.path / "picture.png");
+    const std::string png = file_bytes(written[0]);
+    REQUIRE(png.size() > 33);
+    CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+    CHECK(png.substr(12, 4) == "IHDR");
+    CHECK(big_endian(png, 16) == 400);
+    CHECK(big_endian(png, 20) == 300);
+    CHECK(static_cast<int>(png[24]) == 8);  // bits
+    CHECK(static_cast<int>(png[25]) == 2);  // true colour
+    CHECK(png.substr(png.size() - 8, 4) == "IEND");
+    std::vector<fs::path> again;
+    REQUIRE(render_or_skip(dir.path, options, again));
+    CHECK(file_bytes(again[0]) == png);
+    for (const auto& entry : fs::directory_iterator(dir.path)) CHECK(entry.path().extension() != ".part");
+}
+
+TEST_CASE("property: frames A:B become one picture each, and differ") {
+    const TemporaryFolder dir;
+    write_run(dir.path, 4);
+    RenderOptions options;
+    options.width = 240, options.height = 160, options.first = 1, options.last = 3;
+    std::vector<fs::path> written;
+    if (!render_or_skip(dir.path, options, written)) return;
+    REQUIRE(written.size() == 3);
+    CHECK(written[0] == dir.path / "frame_000001.png");
+    CHECK(written[2] == dir.path / "frame_000003.png");
+    CHECK(file_bytes(written[0]) != file_bytes(written[1]));
+    CHECK_FALSE(fs::exists(dir.path / "picture.png"));
+}
+
+TEST_CASE("property: a free wire needs no vessel and no contacts") {
+    const TemporaryFolder dir;
+    write_run(dir.path, 2);
+    fs::remove(dir.path / "vessel.vtp");
+    fs::remove(dir.path / "trace.csv");
+    fs::remove(dir.path / "contacts_000001.vtp");
+    RenderOptions options;
+    options.width = 240, options.height = 160;
+    std::vector<fs::path> written;
+    if (!render_or_skip(dir.path, options, written)) return;
+    CHECK(fs::file_size(written[0]) > 500);
+}
+
+TEST_CASE("regression: what is missing or damaged is named") {
+    const TemporaryFolder dir;
+    check_refused(dir.path / "nowhere", {}, ExitCode::BadFile, "no such folder");
+    check_refused(dir.path, {}, ExitCode::BadFile, "wire.pvd");
+    write_list(dir.path, 0);
+    check_refused(dir.path, {}, ExitCode::BadFile, "names no frame");
+    write_run(dir.path, 2);
+    RenderOptions options;
+    for (auto [first, last] : {std::pair{2, 2}, {1, 0}, {-1, 1}, {0, 2}}) {
+        options.first = first, options.last = last;
+        check_refused(dir.path, options, ExitCode::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
+    }
+    fs::remove(dir.path / "wire_000001.vtp");
+    check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+    write_text(dir.path / "wire_000001.vtp", "half a fi");
+    check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+    write_text(dir.path / "wire_000001.vtp", poly_data(1, points_xml({{0, 0, 0}})));
+    check_refused(dir.path, {}, ExitCode::BadFile, "radius");
+}
+}
