@@ -471,6 +471,23 @@ TEST_SUITE("scene/scene")
         check_round_trip(s);
     }
 
+    TEST_CASE("property: every scene that ships with the project reads, and round-trips")
+    {
+        const TemporaryFolder folder;
+        std::ofstream(folder.path() / "any.stl") << "solid\nendsolid\n";  // patients' meshes are not part of the project
+        const std::vector<std::string> any_mesh = {"vessel.mesh=" + (folder.path() / "any.stl").string()};
+        int read_count = 0;
+        const auto scenes = std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes";
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
+            if (entry.path().extension() != ".toml") continue;
+            CAPTURE(entry.path().string());
+            const bool patient = entry.path().parent_path().filename() == "patients";
+            check_round_trip(patient ? read_scene(entry.path(), any_mesh) : read_scene(entry.path()));
+            ++read_count;
+        }
+        CHECK(read_count >= 3);
+    }
+
     TEST_CASE("property: the contract's own example scenes read, and round-trip")
     {
         const auto scenes = shared_folder() / "scenes";
