@@ -1,0 +1,34 @@
+#include "scene/availability.h"
+
+#include "scene/toml_table.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+namespace {
+
+struct NotBuilt {
+    const char *key, *word, *instead;
+};
+
+constexpr NotBuilt not_built[] = {
+    {"vessel.wall", "elastic", "rigid"},
+    {"contact.normal", "augmented", "hunt-crossley"},
+    {"contact.normal", "constraint", "hunt-crossley"},
+    {"contact.normal", "impulse", "hunt-crossley"},
+    {"contact.normal", "barrier", "hunt-crossley"},
+};
+
+}  // namespace
+
+void refuse_what_is_not_built(const toml::table& root)
+{
+    for (const NotBuilt& entry : not_built) {
+        const auto node = root.at_path(entry.key);
+        if (node.value<std::string>() != entry.word) continue;
+        fail_at(node.node()->source(), entry.key,
+                fmt::format("\"{}\" is not available yet; use \"{}\"", entry.word, entry.instead));
+    }
+}
+
+}  // namespace seldinger

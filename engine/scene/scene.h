@@ -1,0 +1,66 @@
+#pragma once
+// A scene: everything that a run needs to know, as read from a TOML file (docs/scene-file.md) with every default filled in.
+// SI throughout; angles in radians.
+
+#include "engine.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace seldinger {
+
+enum class Until { Time, Rest };
+
+struct Scene {
+    std::filesystem::path source;    // file that it was read from, for messages
+    std::string name;
+    Vec3 gravity = {0, 0, -9.81};    // [m/s^2]
+    double duration = 0;             // [s]; 0 only for scheme = "static" without duration_s
+    double dt = 1e-3;                // [s]
+    Until until = Until::Time;
+    int record_every = 10;           // steps between rows of trace.csv
+    std::int64_t seed = 0;           // of whatever draws at random (batch)
+    bool start_settled = false;
+    WireSpec wire;
+    IntegratorSpec integrator;
+    VesselSpec vessel;               // paths absolute
+    ContactSpec contact;
+    FeedSpec feed;
+    std::vector<HoldSpec> holds;
+    std::vector<LoadSpec> loads;
+    std::vector<LinkSpec> links;
+    int wire_every = 1;              // steps between frames of the wire; 0: none
+    int contacts_every = 1;          // steps between frames of the contacts; 0: none
+    std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
+
+    /// round(duration / dt); sub-steps are not counted.
+    [[nodiscard]] long steps() const;
+};
+
+/// Reads a scene file. @param overrides  texts of --set, "table.key=value", applied in order before anything is checked
+/// @throws Error BadFile (file missing), BadScene: one line, "file:line:column: key: what was expected; what to do"
+[[nodiscard]] Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
+
+/// The same from text; `file` names it in messages, and relative mesh paths start at its folder.
+[[nodiscard]] Scene read_scene_text(const std::string& text, const std::filesystem::path& file,
+                                    std::span<const std::string> overrides = {});
+
+/// The scene as TOML with every default written out and mesh paths relative to `folder`, where the text is to be saved.
+/// Reading it back gives the same Scene, bit for bit.
+[[nodiscard]] std::string write_scene(const Scene& scene, const std::filesystem::path& folder);
+
+/// Loads the vessel, places the feed and checks that wire and vessel fit each other.
+/// @param device_index  as in `seldinger devices`; -1: the default
+/// @param report  out, may be null: what import found and mended
+/// @throws Error BadFile, BadScene
+[[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
+
+/// Bending, twisting and stretching stiffness of a round solid wire: B = E pi r^4 / 4, C = G pi r^4 / 2 with
+/// G = E / (2 (1 + nu)), EA = E pi r^2. Overwrites the three in `section` from its youngs, poisson and radius.
+void set_stiffness_from_material(WireSection& section);
+
+}  // namespace seldinger

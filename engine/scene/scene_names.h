@@ -1,0 +1,47 @@
+#pragma once
+// The words of the scene file for every choice, in the contract's order: the first of each list is the default.
+// One list serves reading, writing and error messages.
+
+#include "scene/scene.h"
+
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+namespace seldinger {
+
+template <class Enum>
+struct Choice {
+    std::string_view word;
+    Enum value;
+};
+
+inline constexpr Choice<Until> until_words[] = {{"time", Until::Time}, {"rest", Until::Rest}};
+inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", true}};
+inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
+inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
+inline constexpr Choice<Scheme> scheme_words[] = {
+    {"newton", Scheme::Newton}, {"linearised", Scheme::Linearised}, {"static", Scheme::Static}, {"explicit", Scheme::Explicit}};
+inline constexpr Choice<PlaceShape> place_words[] = {{"straight", PlaceShape::Straight}, {"arc", PlaceShape::Arc},
+    {"ring", PlaceShape::Ring}, {"points", PlaceShape::Points}, {"centreline", PlaceShape::Centreline}};
+inline constexpr Choice<VesselShape> vessel_words[] = {{"tube", VesselShape::Tube}, {"arc", VesselShape::Arc},
+    {"plane", VesselShape::Plane}, {"aortic-arch", VesselShape::Arch}};
+inline constexpr Choice<Detection> detection_words[] = {{"swept", Detection::Swept}, {"capsule", Detection::Capsule},
+    {"layer", Detection::Layer}, {"nodes", Detection::Nodes}};
+inline constexpr Choice<NormalLaw> normal_words[] = {{"hunt-crossley", NormalLaw::HuntCrossley},
+    {"lankarani-nikravesh", NormalLaw::LankaraniNikravesh}, {"augmented", NormalLaw::Augmented},
+    {"constraint", NormalLaw::Constraint}, {"impulse", NormalLaw::Impulse}, {"barrier", NormalLaw::Barrier}};
+inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", FrictionLaw::StickSlip}, {"smooth", FrictionLaw::Smooth},
+    {"sign", FrictionLaw::Sign}, {"none", FrictionLaw::None}};
+inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
+
+/// The word of a value.
+template <class Enum, std::size_t N>
+[[nodiscard]] std::string_view word_of(const Choice<Enum> (&words)[N], Enum value)
+{
+    for (const auto& choice : words)
+        if (choice.value == value) return choice.word;
+    return words[0].word;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,305 @@
+#include "scene/scene_read.h"
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "scene/availability.h"
+#include "scene/toml_set.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+constexpr long most_steps = 1'000'000'000;
+
+void read_integrator(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "integrator", {"scheme", "beta", "gamma", "tolerance", "damping_mass_1_s", "damping_stiffness_s"});
+    IntegratorSpec& spec = scene.integrator;
+    t.choice("scheme", spec.scheme, scheme_words);
+    // absent: backward Euler; one of the two alone: the other is the trapezoid's
+    spec.newmark = t.number("beta", spec.beta, {0, 1, true, false, "a number above 0, at most 1"});
+    // gamma below 1/2 feeds energy into every mode [Hughes87, sec. 9.1]
+    spec.newmark |= t.number("gamma", spec.gamma, {0.5, 1, false, false, "a number from 0.5 to 1"});
+    t.number("tolerance", spec.tolerance, {0, 1, true, true, "a number above 0 and below 1"});
+    t.number("damping_mass_1_s", spec.damping_mass, not_negative);
+    t.number("damping_stiffness_s", spec.damping_stiffness, not_negative);
+}
+
+void read_scene_table(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "scene", {"name", "gravity", "duration_s", "dt_s", "until", "record_every", "seed", "start"});
+    const bool timed = scene.integrator.scheme != Scheme::Static;
+    scene.name = scene.source.stem().string();
+    t.text("name", scene.name);
+    t.vector("gravity", scene.gravity);
+    if (timed) {
+        t.need("duration_s", "seconds to simulate (only scheme = \"static\" does without)");
+        t.need("dt_s", "seconds per step (only scheme = \"static\" does without)");
+    }
+    t.number("duration_s", scene.duration, timed ? positive : not_negative);
+    t.number("dt_s", scene.dt, positive);
+    const double steps = scene.duration / scene.dt;
+    if (timed && !(steps >= 0.5)) t.fail("duration_s", "expected at least one step; make duration_s longer or dt_s shorter");
+    if (!(steps <= static_cast<double>(most_steps)))
+        t.fail("dt_s", fmt::format("makes {:.3g} steps, expected at most {:.0e}; make it longer", steps,
+                                   static_cast<double>(most_steps)));
+    t.choice("until", scene.until, until_words);
+    t.count("record_every", scene.record_every, 1, static_cast<int>(most_steps));
+    t.whole("seed", scene.seed);
+    t.choice("start", scene.start_settled, start_words);
+}
+
+/// stiffness = "from-wall" (which fixes n = 1.5) or a number.
+void read_contact_stiffness(const TableReader& t, ContactSpec& spec)
+{
+    const toml::node* stiffness = t.node("stiffness");
+    spec.stiffness_from_wall = !stiffness || stiffness->is_string();
+    if (spec.stiffness_from_wall) {
+        if (stiffness && stiffness->value<std::string>() != "from-wall")
+            t.fail("stiffness", "expected \"from-wall\" or a number above 0 [N/m^(n+1)]");
+    } else {
+        t.number("stiffness", spec.stiffness, positive);
+    }
+    t.number("exponent", spec.exponent, {1, 3, false, false, "a number from 1 to 3"});
+    if (spec.stiffness_from_wall && spec.exponent != 1.5)
+        t.fail("exponent", "stiffness = \"from-wall\" fixes it at 1.5; take it out or give stiffness a number");
+}
+
+void read_contact(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "contact",
+                        {"detection", "normal", "friction", "stiffness", "exponent", "restitution", "mu_static", "mu_sliding",
+                         "rolling", "rolling_alpha", "rolling_sigma_b_pa", "rolling_sigma_s_pa", "rolling_hardness_pa",
+                         "layer_height_m", "pair_distance_m", "samples_per_edge"});
+    ContactSpec& spec = scene.contact;
+    t.choice("detection", spec.detection, detection_words);
+    t.choice("normal", spec.normal, normal_words);
+    t.choice("friction", spec.friction, friction_words);
+    read_contact_stiffness(t, spec);
+    t.number("restitution", spec.restitution, {0, 1, true, false, "a number above 0, at most 1"});
+    t.number("mu_static", spec.mu_static, friction_range);
+    t.number("mu_sliding", spec.mu_sliding, friction_range);
+    t.flag("rolling", spec.rolling);
+    t.number("rolling_alpha", spec.rolling_alpha, not_negative);
+    t.number("rolling_sigma_b_pa", spec.rolling_sigma_b, not_negative);
+    t.number("rolling_sigma_s_pa", spec.rolling_sigma_s, not_negative);
+    t.number("rolling_hardness_pa", spec.rolling_hardness, positive);
+    t.number("layer_height_m", spec.layer_height, positive);
+    t.number("pair_distance_m", spec.pair_distance, positive);
+    t.count("samples_per_edge", spec.samples_per_edge, 1, 1000);
+}
+
+FeedKey read_feed_key(const toml::node& node, const FeedKey& before, bool first)
+{
+    const toml::table* table = node.as_table();
+    if (!table) fail_at(node.source(), "feed.keys", "expected {t_s = ..., advance_m = ..., turn_rad = ...}");
+    const TableReader t(*table, "feed.keys", {"t_s", "advance_m", "turn_rad"});
+    FeedKey key;
+    key.turn = before.turn;
+    t.need("t_s");
+    t.need("advance_m");
+    t.number("t_s", key.t, not_negative);
+    t.number("advance_m", key.advance, not_negative);
+    t.number("turn_rad", key.turn, any_number);
+    if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
+    return key;
+}
+
+void read_feed(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "feed", {"point", "direction", "inlet", "keys"});
+    FeedSpec& feed = scene.feed;
+    feed.on = true;
+    constexpr std::string_view inlets[] = {"auto"};
+    feed.inlet_auto = t.word_index("inlet", inlets) == 0;
+    if (feed.inlet_auto) {
+        t.refuse("point", "contradicts inlet = \"auto\"; give one or the other");
+        t.refuse("direction", "contradicts inlet = \"auto\"; give one or the other");
+        if (scene.vessel.shape == VesselShape::None) t.fail("inlet", "needs a [vessel]; give point and direction instead");
+    } else {
+        t.need("point", "where the wire enters (or inlet = \"auto\")");
+        t.need("direction", "the way that the wire enters (or inlet = \"auto\")");
+        t.vector("point", feed.point);
+        t.direction("direction", feed.direction);
+    }
+    t.need("keys", "what is fed when");
+    const toml::array* keys = t.node("keys")->as_array();
+    if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
+    for (const toml::node& node : *keys) {
+        const bool first = feed.keys.empty();
+        feed.keys.push_back(read_feed_key(node, first ? FeedKey{} : feed.keys.back(), first));
+        if (feed.keys.back().advance > scene.wire.length)
+            fail_at(node.as_table()->get("advance_m")->source(), "feed.keys.advance_m",
+                    fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer", feed.keys.back().advance,
+                                scene.wire.length));
+    }
+}
+
+template <std::size_t N>
+std::vector<std::array<double, N>> timed_rows(const TableReader& t, std::string_view key, std::string_view form)
+{
+    std::vector<std::vector<double>> rows;
+    std::vector<std::array<double, N>> result;
+    if (!t.rows(key, rows, N, 1, form)) return result;
+    check_times(t, key, rows);
+    for (const auto& row : rows) std::copy(row.begin(), row.end(), result.emplace_back().begin());
+    return result;
+}
+
+void read_hold(const toml::table& table, const std::string& path, Scene& scene)
+{
+    const TableReader t(table, path, {"at", "position", "direction", "spin", "move", "turn", "velocity_m_s"});
+    HoldSpec hold;
+    read_point(t, scene.wire, hold.at);
+    if (scene.feed.on && hold.at.kind == WirePoint::Kind::Base)
+        t.fail("at", "the base is held by [feed] already; hold another point or take [feed] out");
+    t.flag("position", hold.position);
+    t.flag("direction", hold.direction);
+    t.flag("spin", hold.spin);
+    if (!hold.position && !hold.direction && !hold.spin)
+        t.fail("position", "this hold holds nothing; set position, direction or spin to true");
+    hold.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
+    hold.turn = timed_rows<2>(t, "turn", "[t_s, rad]");
+    t.vector("velocity_m_s", hold.velocity);
+    if (!hold.position) {
+        t.refuse("move", "needs position = true");
+        t.refuse("velocity_m_s", "needs position = true");
+    }
+    if (!hold.spin) t.refuse("turn", "needs spin = true");
+    scene.holds.push_back(std::move(hold));
+}
+
+void read_load(const toml::table& table, const std::string& path, Scene& scene)
+{
+    const TableReader t(table, path, {"at", "force_n", "moment_nm", "ramp_s"});
+    LoadSpec load;
+    t.need("at", "\"base\", \"tip\" or metres from the tip");
+    read_point(t, scene.wire, load.at);
+    if (!t.has("force_n") && !t.has("moment_nm")) t.fail("force_n", "is missing; give force_n or moment_nm");
+    t.vector("force_n", load.force);
+    t.vector("moment_nm", load.moment);
+    t.number("ramp_s", load.ramp, not_negative);
+    scene.loads.push_back(load);
+}
+
+void read_link(const toml::table& table, const std::string& path, Scene& scene)
+{
+    const TableReader t(table, path, {"at", "anchor", "stiffness_n_m", "move"});
+    LinkSpec link;
+    t.need("at", "\"base\", \"tip\" or metres from the tip");
+    read_point(t, scene.wire, link.at);
+    t.need("anchor");
+    t.vector("anchor", link.anchor);
+    t.need("stiffness_n_m");
+    t.number("stiffness_n_m", link.stiffness, positive);
+    link.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
+    scene.links.push_back(std::move(link));
+}
+
+void read_output(const toml::table& table, Scene& scene)
+{
+    // a run writes about 100 frames unless told otherwise
+    const int spread = static_cast<int>(std::max(1L, (scene.steps() + 99) / 100));
+    scene.wire_every = scene.contacts_every = spread;
+    const TableReader t(table, "output", {"wire_every", "contacts_every"});
+    t.count("wire_every", scene.wire_every, 0, static_cast<int>(most_steps));
+    t.count("contacts_every", scene.contacts_every, 0, static_cast<int>(most_steps));
+}
+
+/// The table of that name, or null when the scene has none.
+const toml::table* find_table(const toml::table& root, std::string_view name)
+{
+    const toml::node* node = root.get(name);
+    if (node && !node->is_table()) fail_at(node->source(), name, fmt::format("expected one table [{}]", name));
+    return node ? node->as_table() : nullptr;
+}
+
+void read_list(const toml::table& root, const std::string& name, Scene& scene,
+               void (*read)(const toml::table&, const std::string&, Scene&))
+{
+    const toml::node* node = root.get(name);
+    if (!node) return;
+    const toml::array* list = node->as_array();
+    if (!list) fail_at(node->source(), name, fmt::format("expected tables [[{}]]; write two brackets", name));
+    int index = 0;
+    for (const toml::node& item : *list) {
+        if (!item.is_table()) fail_at(item.source(), name, fmt::format("expected tables [[{}]]", name));
+        read(*item.as_table(), fmt::format("{}.{}", name, index++), scene);
+    }
+}
+
+Scene read_root(const toml::table& root, const std::filesystem::path& file)
+{
+    Scene scene;
+    scene.source = file;
+    const TableReader all(root, "",
+                          {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "output"});
+    // an absent table reads as an empty one that stands where the file begins
+    auto table = [&](std::string_view name) -> const toml::table& {
+        static const toml::table none = toml::parse("");
+        const toml::table* found = find_table(root, name);
+        return found ? *found : none;
+    };
+    all.need("wire", "every scene has one [wire]");
+    for (const auto name : {"wire", "integrator", "scene"})
+        (void)find_table(root, name);  // a wrong type is said before a missing table
+    if (root.at_path("integrator.scheme").value<std::string>() != "static") all.need("scene", "a table with duration_s and dt_s");
+    read_integrator(table("integrator"), scene);
+    read_scene_table(table("scene"), scene);
+    read_contact(table("contact"), scene);
+    read_wire_table(table("wire"), root, scene);
+    if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
+    if (const toml::table* feed = find_table(root, "feed")) read_feed(*feed, scene);
+    read_list(root, "hold", scene, read_hold);
+    read_list(root, "load", scene, read_load);
+    read_list(root, "link", scene, read_link);
+    read_output(table("output"), scene);
+    return scene;
+}
+
+}  // namespace
+
+void read_point(const TableReader& t, const WireSpec& wire, WirePoint& point)
+{
+    const toml::node* at = t.node("at");
+    if (!at) return;
+    const auto word = at->is_string() ? at->value<std::string>() : std::nullopt;
+    if (word == "base") point.kind = WirePoint::Kind::Base;
+    else if (word == "tip") point.kind = WirePoint::Kind::Tip;
+    else if (!at->is_number()) t.fail("at", "expected \"base\", \"tip\" or metres from the tip");
+    else {
+        point.kind = WirePoint::Kind::Distance;
+        t.number("at", point.from_tip, not_negative);
+        if (point.from_tip > wire.length) t.fail("at", fmt::format("expected at most the wire's length, {} m", wire.length));
+    }
+}
+
+void check_times(const TableReader& t, std::string_view key, const std::vector<std::vector<double>>& rows)
+{
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i][0] < 0 || (i > 0 && rows[i][0] <= rows[i - 1][0]))
+            t.fail(key, "expected times from 0 on that increase; sort the rows");
+}
+
+Scene read_scene_text(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides)
+{
+    toml::table root;
+    try {
+        root = toml::parse(text, file.string());
+    } catch (const toml::parse_error& error) {
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
+    }
+    for (const std::string& entry : overrides) apply_override(root, entry);
+    refuse_what_is_not_built(root);
+    return read_root(root, file);
+}
+
+Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides)
+{
+    return read_scene_text(read_file(file), file, overrides);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,192 @@
+// [wire], its sections and its placement.
+#include "scene/scene_read.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+/// Properties that the wire and its sections share; what is absent stays as it was (a section inherits the shaft's).
+void read_properties(const TableReader& t, WireSection& s)
+{
+    t.number("radius_m", s.radius, positive);
+    t.number("density", s.density, positive);
+    for (const auto key : {"bend_nm2", "twist_nm2", "stretch_n"})
+        if (t.has("youngs_pa")) t.refuse(key, "contradicts youngs_pa; give a material or the three stiffnesses, not both");
+    t.number("youngs_pa", s.youngs, positive);
+    if (s.youngs == 0) t.refuse("poisson", "needs youngs_pa; add it or take poisson out");
+    t.number("poisson", s.poisson, poisson_range);
+    // an inherited material follows this section's radius, and a stiffness given here wins over it
+    if (s.youngs > 0) set_stiffness_from_material(s);
+    t.number("bend_nm2", s.bend_stiffness, positive);
+    t.number("twist_nm2", s.twist_stiffness, positive);
+    t.number("stretch_n", s.stretch_stiffness, positive);
+    t.number("mu_static", s.mu_static, friction_range);
+    t.number("mu_sliding", s.mu_sliding, friction_range);
+}
+
+/// A wire cannot need less force to start sliding than to go on: mu_static is raised to mu_sliding, and the summary says so.
+void order_friction(double& mu_static, double mu_sliding, const char* where, Scene& scene)
+{
+    if (mu_static >= mu_sliding) return;
+    scene.notes.emplace_back(fmt::format("{}.mu_static", where),
+                             fmt::format("{} (raised from {}: not below mu_sliding)", mu_sliding, mu_static));
+    mu_static = mu_sliding;
+}
+
+void read_section(const toml::table& table, const std::string& path, Scene& scene)
+{
+    const TableReader t(table, path,
+                        {"from_tip_m", "radius_m", "density", "youngs_pa", "poisson", "bend_nm2", "twist_nm2", "stretch_n",
+                         "mu_static", "mu_sliding", "rest_curvature_1_m"});
+    WireSectionRange range;
+    range.section = scene.wire.shaft;
+    t.need("from_tip_m", "the stretch [from, to] in metres from the tip");
+    const toml::array* ends = t.node("from_tip_m")->as_array();
+    if (!ends || ends->size() != 2 || !(*ends)[0].is_number() || !(*ends)[1].is_number())
+        t.fail("from_tip_m", "expected [from, to] in metres from the tip");
+    range.begin = *(*ends)[0].value<double>();
+    range.end = *(*ends)[1].value<double>();
+    if (!(range.begin >= 0 && range.begin < range.end && range.end <= scene.wire.length))
+        t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", scene.wire.length));
+    read_properties(t, range.section);
+    if (t.has("rest_curvature_1_m")) {
+        const toml::array* k = t.node("rest_curvature_1_m")->as_array();
+        for (std::size_t i = 0; i < 2; ++i) {
+            const auto value = k && k->size() == 2 && (*k)[i].is_number() ? (*k)[i].value<double>() : std::nullopt;
+            if (!value || !std::isfinite(*value)) t.fail("rest_curvature_1_m", "expected two numbers [k1, k2] in 1/m");
+            range.section.rest_curvature[static_cast<Eigen::Index>(i)] = *value;
+        }
+    }
+    order_friction(range.section.mu_static, range.section.mu_sliding, path.c_str(), scene);
+    scene.wire.sections.push_back(range);
+}
+
+void read_points(const TableReader& t, WireSpec& wire)
+{
+    std::vector<std::vector<double>> rows;
+    t.need("points", "shape = \"points\" follows them from base to tip");
+    t.rows("points", rows, 3, 2, "[x, y, z]");
+    double length = 0;
+    for (const auto& row : rows) {
+        const Vec3 p(row[0], row[1], row[2]);
+        const double step = wire.place.points.empty() ? 1.0 : (p - wire.place.points.back()).norm();
+        if (!(step > 0)) t.fail("points", "expected no point twice in a row; take the second one out");
+        if (!wire.place.points.empty()) length += step;
+        wire.place.points.push_back(p);
+    }
+    // chords are shorter than the arc they stand for; more than this is a wire placed under strain
+    if (std::abs(length - wire.length) > 0.05 * wire.length)
+        t.fail("points",
+               fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));
+}
+
+/// The first director of a wire whose scene gives none: z, or x for a wire along z.
+Vec3 default_normal(const Vec3& direction) { return std::abs(direction.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX(); }
+
+void read_place(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "wire.place",
+                        {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m"});
+    WirePlacement& place = scene.wire.place;
+    t.choice("shape", place.shape, place_words);
+    t.vector("base", place.base);
+    t.direction("direction", place.direction);
+    place.normal = default_normal(place.direction);
+    t.direction("normal", place.normal);
+
+    const std::string shape(word_of(place_words, place.shape));
+    auto only_for = [&](std::string_view key, PlaceShape owner) {
+        if (place.shape != owner) t.refuse(key, fmt::format("is not used by shape = \"{}\"; take it out", shape));
+    };
+    only_for("bend_radius_m", PlaceShape::Arc);
+    only_for("twist_rad", PlaceShape::Ring);
+    only_for("points", PlaceShape::Points);
+    only_for("from_m", PlaceShape::Centreline);
+    if (place.shape == PlaceShape::Points || place.shape == PlaceShape::Centreline)
+        for (const auto key : {"base", "direction"})
+            t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", shape));
+    else if (place.direction.normalized().cross(place.normal.normalized()).norm() < 1e-6)
+        t.fail("normal", "is parallel to direction; give any other direction");
+
+    if (place.shape == PlaceShape::Arc) t.need("bend_radius_m", "the radius of the circle that the wire follows");
+    t.number("bend_radius_m", place.bend_radius, positive);
+    t.number("twist_rad", place.twist, any_number);
+    t.number("from_m", place.from, not_negative);
+    if (place.shape == PlaceShape::Points) read_points(t, scene.wire);
+}
+
+void read_nodes(const TableReader& t, WireSpec& wire)
+{
+    wire.nodes = 101;
+    const toml::node* nodes = t.node("nodes");
+    if (nodes && nodes->is_string()) {
+        if (nodes->value<std::string>() != "adaptive") t.fail("nodes", "expected a whole number or \"adaptive\"");
+        wire.nodes = 0;
+    } else {
+        t.count("nodes", wire.nodes, 3, 200'000);
+    }
+    t.number("min_edge_m", wire.min_edge, positive);
+    t.number("max_edge_m", wire.max_edge, positive);
+    if (wire.nodes == 0 && wire.min_edge >= wire.max_edge)
+        t.fail("min_edge_m", fmt::format("expected less than max_edge_m, {} m", wire.max_edge));
+    if (wire.nodes == 0 && wire.length / wire.min_edge > 200'000)
+        t.fail("min_edge_m",
+               fmt::format("makes up to {:.3g} nodes, expected at most 200000; make it longer", wire.length / wire.min_edge));
+}
+
+/// A fed wire starts straight and at rest at the inlet: what places another wire contradicts [feed].
+void refuse_placement(const TableReader& t)
+{
+    for (const auto key : {"place", "velocity_m_s", "spin_rad_s"})
+        t.refuse(key, "a fed wire starts at rest at the inlet; take this or [feed] out");
+    if (t.node("rest") && t.node("rest")->value<std::string>() == "placed")
+        t.fail("rest", "a fed wire is not placed; use rest_curvature_1_m in [[wire.section]], or take [feed] out");
+}
+
+}  // namespace
+
+void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
+{
+    const TableReader t(
+        table, "wire",
+        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
+         "stretch_n", "mu_static", "mu_sliding", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
+    WireSpec& wire = scene.wire;
+    for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
+    if (!t.has("youngs_pa"))
+        for (const auto key : {"bend_nm2", "twist_nm2", "stretch_n"})
+            t.need(key, "stiffness is youngs_pa and poisson, or bend_nm2, twist_nm2 and stretch_n");
+    t.number("length_m", wire.length, positive);
+    order_friction(scene.contact.mu_static, scene.contact.mu_sliding, "contact", scene);
+    wire.shaft.mu_static = scene.contact.mu_static;
+    wire.shaft.mu_sliding = scene.contact.mu_sliding;
+    read_properties(t, wire.shaft);
+    order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, "wire", scene);
+    if (wire.shaft.radius * 2 > wire.length)
+        t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
+    read_nodes(t, wire);
+
+    if (root.contains("feed")) refuse_placement(t);
+    t.choice("rest", wire.place.rest_is_placed, rest_words);
+    t.vector("velocity_m_s", wire.place.velocity);
+    t.number("spin_rad_s", wire.place.spin_rate, any_number);
+    if (const toml::node* place = t.node("place")) {
+        if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
+        read_place(*place->as_table(), scene);
+    }
+    const toml::node* sections = t.node("section");
+    if (!sections) return;
+    if (!sections->is_array()) t.fail("section", "expected tables [[wire.section]]; write two brackets");
+    int index = 0;
+    for (const toml::node& item : *sections->as_array()) {
+        if (!item.is_table()) t.fail("section", "expected tables [[wire.section]]");
+        read_section(*item.as_table(), fmt::format("wire.section.{}", index++), scene);
+    }
+}
+
+}  // namespace seldinger

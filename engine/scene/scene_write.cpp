@@ -1,0 +1,246 @@
+// A Scene as TOML. Doubles are printed as the shortest text that reads back to the same bits.
+#include "scene/scene_names.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace seldinger {
+namespace {
+
+std::string real(double v)
+{
+    std::string text = fmt::format("{}", v);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
+    return text;
+}
+
+std::string vec(const Vec3& v) { return fmt::format("[{}, {}, {}]", real(v.x()), real(v.y()), real(v.z())); }
+
+std::string quoted(std::string_view text)
+{
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\', out += c;
+        else if (static_cast<unsigned char>(c) < 32 || c == 127) out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
+/// Lines "key = value" of one table.
+class TableText {
+public:
+    explicit TableText(std::string& out, std::string_view header) : out_(out)
+    {
+        out_ += fmt::format("{}{}\n", out_.empty() ? "" : "\n", header);
+    }
+    TableText& raw(std::string_view key, std::string_view value)
+    {
+        out_ += fmt::format("{} = {}\n", key, value);
+        return *this;
+    }
+    TableText& num(std::string_view key, double v) { return raw(key, real(v)); }
+    TableText& whole(std::string_view key, std::int64_t v) { return raw(key, fmt::format("{}", v)); }
+    TableText& flag(std::string_view key, bool v) { return raw(key, v ? "true" : "false"); }
+    TableText& word(std::string_view key, std::string_view v) { return raw(key, quoted(v)); }
+    TableText& vector(std::string_view key, const Vec3& v) { return raw(key, vec(v)); }
+    /// Where 0 stands for "chosen by the engine" there is nothing to write.
+    TableText& num_unless_zero(std::string_view key, double v) { return v == 0 ? *this : num(key, v); }
+
+private:
+    std::string& out_;
+};
+
+template <std::size_t N>
+std::string rows(const std::vector<std::array<double, N>>& table)
+{
+    std::string out = "[";
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        out += i ? ", [" : "[";
+        for (std::size_t k = 0; k < N; ++k) out += (k ? ", " : "") + real(table[i][k]);
+        out += "]";
+    }
+    return out + "]";
+}
+
+/// Degrees that read back to exactly `radians`: the quotient is right to an ulp or two, so its neighbours are tried.
+double degrees(double radians)
+{
+    double low = radians * 180 / std::numbers::pi, high = low;
+    for (int i = 0; i < 8; ++i) {
+        for (const double v : {low, high})
+            if (v * std::numbers::pi / 180 == radians) return v;
+        low = std::nextafter(low, 0.0);
+        high = std::nextafter(high, std::numeric_limits<double>::infinity());
+    }
+    return radians * 180 / std::numbers::pi;
+}
+
+void write_properties(TableText& t, const WireSection& s, bool inherits_material)
+{
+    t.num("radius_m", s.radius).num("density", s.density);
+    WireSection solid = s;
+    set_stiffness_from_material(solid);
+    const bool by_material = s.youngs > 0 && solid.bend_stiffness == s.bend_stiffness &&
+                             solid.twist_stiffness == s.twist_stiffness && solid.stretch_stiffness == s.stretch_stiffness;
+    if (by_material) t.num("youngs_pa", s.youngs).num("poisson", s.poisson);
+    else t.num("bend_nm2", s.bend_stiffness).num("twist_nm2", s.twist_stiffness).num("stretch_n", s.stretch_stiffness);
+    if (!by_material && inherits_material) t.num("poisson", s.poisson);
+    t.num("mu_static", s.mu_static).num("mu_sliding", s.mu_sliding);
+}
+
+std::string place_text(const WirePlacement& p)
+{
+    std::string out = fmt::format("{{ shape = {}", quoted(word_of(place_words, p.shape)));
+    if (p.shape != PlaceShape::Points && p.shape != PlaceShape::Centreline)
+        out += fmt::format(", base = {}, direction = {}", vec(p.base), vec(p.direction));
+    out += fmt::format(", normal = {}", vec(p.normal));
+    if (p.shape == PlaceShape::Arc) out += fmt::format(", bend_radius_m = {}", real(p.bend_radius));
+    if (p.shape == PlaceShape::Ring) out += fmt::format(", twist_rad = {}", real(p.twist));
+    if (p.shape == PlaceShape::Centreline) out += fmt::format(", from_m = {}", real(p.from));
+    for (std::size_t i = 0; i < p.points.size(); ++i) out += (i ? ", " : ", points = [") + vec(p.points[i]);
+    return out + (p.points.empty() ? " }" : "] }");
+}
+
+void write_wire(std::string& out, const Scene& scene)
+{
+    const WireSpec& wire = scene.wire;
+    TableText t(out, "[wire]");
+    t.num("length_m", wire.length);
+    if (wire.nodes == 0) t.word("nodes", "adaptive");
+    else t.whole("nodes", wire.nodes);
+    t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge);
+    write_properties(t, wire.shaft, false);
+    if (!scene.feed.on) {
+        t.raw("place", place_text(wire.place)).word("rest", word_of(rest_words, wire.place.rest_is_placed));
+        t.vector("velocity_m_s", wire.place.velocity).num("spin_rad_s", wire.place.spin_rate);
+    }
+    for (const WireSectionRange& range : wire.sections) {
+        TableText s(out, "[[wire.section]]");
+        s.raw("from_tip_m", fmt::format("[{}, {}]", real(range.begin), real(range.end)));
+        write_properties(s, range.section, range.section.youngs > 0);
+        s.raw("rest_curvature_1_m",
+              fmt::format("[{}, {}]", real(range.section.rest_curvature[0]), real(range.section.rest_curvature[1])));
+    }
+}
+
+/// A path as seen from `folder`.
+std::string rebased(const std::filesystem::path& path, const std::filesystem::path& folder)
+{
+    std::error_code error;
+    const auto from = std::filesystem::weakly_canonical(std::filesystem::absolute(folder, error), error);
+    const auto to = std::filesystem::weakly_canonical(path, error);
+    const auto relative = error ? std::filesystem::path() : to.lexically_relative(from);
+    return (relative.empty() ? path : relative).generic_string();
+}
+
+void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::path& folder)
+{
+    if (v.shape == VesselShape::None) return;
+    TableText t(out, "[vessel]");
+    if (v.shape == VesselShape::Mesh) {
+        t.word("mesh", rebased(v.mesh, folder)).word("units", v.units);
+    } else {
+        t.word("shape", word_of(vessel_words, v.shape));
+        if (v.shape == VesselShape::Tube) t.num("radius_m", v.radius).num("length_m", v.length);
+        if (v.shape == VesselShape::Arc)
+            t.num("radius_m", v.radius)
+                .num("bend_radius_m", v.bend_radius)
+                .num("angle_deg", degrees(v.angle))
+                .num("lead_in_m", v.lead_in)
+                .num("lead_out_m", v.lead_out);
+        if (v.shape == VesselShape::Plane) t.num("size_m", v.size);
+        else t.vector("axis", v.axis);
+        t.vector("origin", v.origin).vector("normal", v.normal).whole("triangles", v.triangles);
+    }
+    t.word("wall", word_of(wall_words, v.elastic))
+        .num("youngs_pa", v.youngs)
+        .num("poisson", v.poisson)
+        .num("thickness_m", v.thickness);
+    if (!v.centreline.empty()) t.word("centreline", rebased(v.centreline, folder));
+}
+
+void write_contact(std::string& out, const ContactSpec& c)
+{
+    TableText t(out, "[contact]");
+    t.word("detection", word_of(detection_words, c.detection)).word("normal", word_of(normal_words, c.normal));
+    t.word("friction", word_of(friction_words, c.friction));
+    if (c.stiffness_from_wall) t.word("stiffness", "from-wall");
+    else t.num("stiffness", c.stiffness);
+    t.num("exponent", c.exponent).num("restitution", c.restitution).num("mu_static", c.mu_static).num("mu_sliding", c.mu_sliding);
+    t.flag("rolling", c.rolling).num("rolling_alpha", c.rolling_alpha).num("rolling_sigma_b_pa", c.rolling_sigma_b);
+    t.num("rolling_sigma_s_pa", c.rolling_sigma_s).num("rolling_hardness_pa", c.rolling_hardness);
+    t.num_unless_zero("layer_height_m", c.layer_height).num_unless_zero("pair_distance_m", c.pair_distance);
+    if (c.samples_per_edge > 0) t.whole("samples_per_edge", c.samples_per_edge);
+}
+
+void write_feed(std::string& out, const FeedSpec& feed)
+{
+    if (!feed.on) return;
+    TableText t(out, "[feed]");
+    if (feed.inlet_auto) t.word("inlet", "auto");
+    else t.vector("point", feed.point).vector("direction", feed.direction);
+    std::string keys = "[\n";
+    for (const FeedKey& key : feed.keys)
+        keys +=
+            fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", real(key.t), real(key.advance), real(key.turn));
+    t.raw("keys", keys + "]");
+}
+
+void write_at(TableText& t, const WirePoint& at)
+{
+    if (at.kind == WirePoint::Kind::Distance) t.num("at", at.from_tip);
+    else t.word("at", at.kind == WirePoint::Kind::Base ? "base" : "tip");
+}
+
+void write_holds_and_loads(std::string& out, const Scene& scene)
+{
+    for (const HoldSpec& hold : scene.holds) {
+        TableText t(out, "[[hold]]");
+        write_at(t, hold.at);
+        t.flag("position", hold.position).flag("direction", hold.direction).flag("spin", hold.spin);
+        if (!hold.move.empty()) t.raw("move", rows(hold.move));
+        if (!hold.turn.empty()) t.raw("turn", rows(hold.turn));
+        if (hold.position) t.vector("velocity_m_s", hold.velocity);
+    }
+    for (const LoadSpec& load : scene.loads) {
+        TableText t(out, "[[load]]");
+        write_at(t, load.at);
+        t.vector("force_n", load.force).vector("moment_nm", load.moment).num("ramp_s", load.ramp);
+    }
+    for (const LinkSpec& link : scene.links) {
+        TableText t(out, "[[link]]");
+        write_at(t, link.at);
+        t.vector("anchor", link.anchor).num("stiffness_n_m", link.stiffness);
+        if (!link.move.empty()) t.raw("move", rows(link.move));
+    }
+}
+
+}  // namespace
+
+std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
+{
+    std::string out;
+    TableText t(out, "[scene]");
+    t.word("name", scene.name).vector("gravity", scene.gravity).num("duration_s", scene.duration).num("dt_s", scene.dt);
+    t.word("until", word_of(until_words, scene.until)).whole("record_every", scene.record_every).whole("seed", scene.seed);
+    t.word("start", word_of(start_words, scene.start_settled));
+    write_wire(out, scene);
+    const IntegratorSpec& integrator = scene.integrator;
+    TableText i(out, "[integrator]");
+    i.word("scheme", word_of(scheme_words, integrator.scheme));
+    if (integrator.newmark) i.num("beta", integrator.beta).num("gamma", integrator.gamma);
+    i.num("tolerance", integrator.tolerance).num("damping_mass_1_s", integrator.damping_mass);
+    i.num("damping_stiffness_s", integrator.damping_stiffness);
+    write_vessel(out, scene.vessel, folder);
+    write_contact(out, scene.contact);
+    write_feed(out, scene.feed);
+    write_holds_and_loads(out, scene);
+    TableText o(out, "[output]");
+    o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
+    return out;
+}
+
+}  // namespace seldinger

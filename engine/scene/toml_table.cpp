@@ -1,0 +1,213 @@
+#include "scene/toml_table.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace seldinger {
+namespace {
+
+/// A value as the user wrote it, short enough for one line.
+std::string shown(const toml::node& node)
+{
+    if (node.is_table()) return "a table";
+    if (node.is_array_of_tables()) return "tables";
+    std::ostringstream out;
+    node.visit([&](const auto& value) { out << value; });
+    std::string text = one_line(out.str());
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return text;
+}
+
+}  // namespace
+
+std::string one_line(std::string text)
+{
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    return text;
+}
+
+int edit_distance(std::string_view a, std::string_view b)
+{
+    // optimal string alignment [Damerau64], two rows back for swaps
+    const std::size_t n = b.size();
+    std::vector<int> before(n + 1), last(n + 1), row(n + 1);
+    for (std::size_t j = 0; j <= n; ++j) last[j] = static_cast<int>(j);
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        row[0] = static_cast<int>(i);
+        for (std::size_t j = 1; j <= n; ++j) {
+            const int replace = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            row[j] = std::min({replace, last[j] + 1, row[j - 1] + 1});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+        }
+        std::swap(before, last);
+        std::swap(last, row);
+    }
+    return last[n];
+}
+
+std::string nearest_word(std::string_view word, std::span<const std::string_view> known)
+{
+    std::string_view best;
+    int best_distance = std::numeric_limits<int>::max();
+    for (const std::string_view candidate : known) {
+        const int distance = edit_distance(word, candidate);
+        if (distance < best_distance) best = candidate, best_distance = distance;
+    }
+    return std::string(best);
+}
+
+void fail_at(const toml::source_region& where, std::string_view key, std::string_view message)
+{
+    const std::string path = where.path ? *where.path : std::string("scene");
+    const bool from_command_line = path.starts_with("--set ");
+    const std::string place =
+        from_command_line ? path
+                          : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line), std::max(1u, where.begin.column));
+    throw Error(ExitCode::BadScene,
+                one_line(key.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {}: {}", place, key, message)));
+}
+
+TableReader::TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known)
+    : table_(table), path_(std::move(path))
+{
+    const std::span<const std::string_view> words(known.begin(), known.size());
+    for (const auto& [key, value] : table_) {
+        if (std::find(words.begin(), words.end(), key.str()) != words.end()) continue;
+        // the key's own place, unless --set made it
+        const bool set = value.source().path && value.source().path->starts_with("--set ");
+        fail_at(set ? value.source() : key.source(), full(key.str()),
+                fmt::format("unknown key; the nearest known one is {}", full(nearest_word(key.str(), words))));
+    }
+}
+
+std::string TableReader::full(std::string_view key) const
+{
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+void TableReader::fail(std::string_view key, std::string_view message) const
+{
+    const toml::node* at = node(key);
+    fail_at(at ? at->source() : table_.source(), full(key), message);
+}
+
+void TableReader::wrong(const toml::node& at, std::string_view key, std::string_view expected) const
+{
+    fail_at(at.source(), full(key), fmt::format("expected {}, got {}", expected, shown(at)));
+}
+
+double TableReader::checked(const toml::node& at, std::string_view key, const Range& range) const
+{
+    if (!at.is_number()) wrong(at, key, range.says);
+    const double value = at.value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
+    if (!std::isfinite(value) || !range.contains(value)) wrong(at, key, range.says);
+    return value;
+}
+
+bool TableReader::number(std::string_view key, double& value, const Range& range) const
+{
+    const toml::node* at = node(key);
+    if (at) value = checked(*at, key, range);
+    return at != nullptr;
+}
+
+bool TableReader::count(std::string_view key, int& value, int least, int most) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    const auto given = at->is_integer() ? at->value<std::int64_t>() : std::nullopt;
+    if (!given || *given < least || *given > most) wrong(*at, key, fmt::format("a whole number from {} to {}", least, most));
+    value = static_cast<int>(*given);
+    return true;
+}
+
+bool TableReader::whole(std::string_view key, std::int64_t& value) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    if (!at->is_integer() || *at->value<std::int64_t>() < 0) wrong(*at, key, "a whole number, 0 or above");
+    value = *at->value<std::int64_t>();
+    return true;
+}
+
+bool TableReader::flag(std::string_view key, bool& value) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    if (!at->is_boolean()) wrong(*at, key, "true or false");
+    value = *at->value<bool>();
+    return true;
+}
+
+bool TableReader::text(std::string_view key, std::string& value) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    if (!at->is_string() || at->value<std::string>()->empty()) wrong(*at, key, "a text in quotes");
+    value = *at->value<std::string>();
+    return true;
+}
+
+bool TableReader::vector(std::string_view key, Vec3& value) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    const toml::array* array = at->as_array();
+    if (!array || array->size() != 3) wrong(*at, key, "three numbers [x, y, z]");
+    for (int i = 0; i < 3; ++i) value[i] = checked((*array)[i], key, any_number);
+    return true;
+}
+
+bool TableReader::direction(std::string_view key, Vec3& value) const
+{
+    if (!vector(key, value)) return false;
+    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm()))
+        wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
+    return true;
+}
+
+bool TableReader::rows(std::string_view key, std::vector<std::vector<double>>& value, std::size_t width, std::size_t least,
+                       std::string_view form) const
+{
+    const toml::node* at = node(key);
+    if (!at) return false;
+    const toml::array* array = at->as_array();
+    if (!array || array->size() < least) wrong(*at, key, fmt::format("{} or more rows {}", least, form));
+    value.clear();
+    for (const toml::node& item : *array) {
+        const toml::array* row = item.as_array();
+        if (!row || row->size() != width) wrong(item, key, fmt::format("a row {}", form));
+        std::vector<double> numbers;
+        for (const toml::node& entry : *row) numbers.push_back(checked(entry, key, any_number));
+        value.push_back(std::move(numbers));
+    }
+    return true;
+}
+
+int TableReader::word_index(std::string_view key, std::span<const std::string_view> words) const
+{
+    const toml::node* at = node(key);
+    if (!at) return -1;
+    const std::string word = at->value<std::string>().value_or("");
+    const auto found = std::find(words.begin(), words.end(), word);
+    if (at->is_string() && found != words.end()) return static_cast<int>(found - words.begin());
+    wrong(*at, key, fmt::format("one of \"{}\"", fmt::join(words, "\", \"")));
+}
+
+void TableReader::need(std::string_view key, std::string_view why) const
+{
+    if (!has(key)) fail(key, fmt::format("is missing{}{}; add it", why.empty() ? "" : ": ", why));
+}
+
+void TableReader::refuse(std::string_view key, std::string_view why) const
+{
+    if (has(key)) fail(key, why);
+}
+
+}  // namespace seldinger
