@@ -35,6 +35,11 @@ def read_trace(folder):
     return {name: [float(row[k]) if row[k] else float("nan") for row in whole] for k, name in enumerate(head)}
 
 
+def tint(colour):
+    """Half way to white."""
+    return [0.5 + 0.5 * part for part in matplotlib.colors.to_rgb(colour)]
+
+
 def axis_of(traces):
     """Inserted length where something is fed, else time."""
     if any(max(trace["inserted_m"]) > 0 for trace in traces):
@@ -50,10 +55,12 @@ def plot(folders, labels, output):
     for k, (label, trace) in enumerate(zip(labels, traces)):
         x, colour = x_of(trace), COLOURS[k % len(COLOURS)]
         prefix = f"{label}: " if len(traces) > 1 else ""
-        friction.plot(x, trace["friction_n"], color=colour, linewidth=1.6, label=f"{prefix}total")
-        friction.plot(x, trace["sliding_n"], color=colour, linewidth=1.0, linestyle="--", label=f"{prefix}sliding")
-        rolling.plot(x, [1e6 * v for v in trace["rolling_nm"]], color=colour, linewidth=1.3, label=label)
-        contacts.plot(x, trace["contacts"], color=colour, linewidth=1.3, label=label)
+        # each run thinner than the one before: where two agree, both are seen
+        style = {"color": colour, "linewidth": max(2.4 - 1.2 * k, 0.8), "clip_on": False}
+        friction.plot(x, trace["friction_n"], label=f"{prefix}total", **style)
+        friction.plot(x, trace["sliding_n"], color=tint(colour), linewidth=0.9, label=f"{prefix}sliding", zorder=2.5)
+        rolling.plot(x, [1e6 * v for v in trace["rolling_nm"]], label=label, **style)
+        contacts.plot(x, trace["contacts"], label=label, **style)
     friction.set_ylabel("friction [N]")
     rolling.set_ylabel("rolling moment [µN m]")
     contacts.set_ylabel("contacts [-]")
@@ -61,10 +68,10 @@ def plot(folders, labels, output):
     for axes in (friction, rolling, contacts):
         axes.grid(True, color="0.88", linewidth=0.6)
         axes.margins(x=0)
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(bottom=0)  # all three are sums of magnitudes
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    friction.legend(frameon=False, fontsize=9)
+    friction.legend(frameon=False, fontsize=9, loc="upper left")
     figure.align_ylabels()
     figure.tight_layout()
     figure.savefig(output, dpi=150)

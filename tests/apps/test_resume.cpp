@@ -70,7 +70,7 @@ TEST_CASE("property: SIGINT is exit 130, SIGTERM 75, SIGKILL whatever it is: res
 
 TEST_CASE("property: with a short --time-limit and --resume in turn, a run comes to its end") {
     const ScratchFolder folder;
-    folder.write("s.toml", free_scene(3.0, 7));
+    folder.write("s.toml", free_scene(30.0, 7));
     REQUIRE(run_app(folder, "run s.toml -o whole").code == 0);
     int stops = 0;
     AppResult result;
@@ -89,7 +89,7 @@ TEST_CASE("property: with a short --time-limit and --resume in turn, a run comes
 
 TEST_CASE("property: a settled start is settled once") {
     const ScratchFolder folder;
-    folder.write("s.toml", free_scene(3.0) + "");
+    folder.write("s.toml", free_scene(30.0));
     const std::string set = " --set scene.start=settled ";
     REQUIRE(run_app(folder, "run s.toml -o whole" + set).code == 0);
     AppResult result;
@@ -103,7 +103,7 @@ TEST_CASE("property: a settled start is settled once") {
 
 TEST_CASE("property: a damaged checkpoint, a shortened trace and a changed vessel are told, not resumed") {
     const ScratchFolder folder;
-    folder.write("s.toml", free_scene(3.0, 1));
+    folder.write("s.toml", free_scene(30.0, 1));
     REQUIRE(run_app(folder, "run s.toml -o D --time-limit 0.1").code == 75);
     const std::string checkpoint = slurp(folder.path / "D/checkpoint.bin");
     const auto refuses = [&](const std::string& names) {
