@@ -30,7 +30,10 @@ public:
     [[nodiscard]] bool update();
     /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
-    /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed. Exact: with the geometric stiffness of `tension`.
+    /// The same with contact taken as linear from where assemble_tangent last ran, `base`: costs no evaluation of contact.
+    [[nodiscard]] bool evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base);
+    /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed, with the geometric stiffness of the
+    /// predicted tension.
     void assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire);
 
     /// Largest free residual [N]; moments divided by length_scale.
@@ -41,11 +44,16 @@ public:
     [[nodiscard]] double largest_move(std::span<const double> d) const;
     /// Largest change of an edge vector by d, relative to the edge's rest length.
     [[nodiscard]] double largest_turn(std::span<const double> d) const;
-    /// Tension after a move by alpha d from `base`, as linear theory has it: see newton_wire.h.
-    void predict_tension(std::span<const double> base, std::span<const double> d, double alpha);
-    /// Residual of the mixed equations at `trial` = base + alpha d, tensions condensed: R with the tension that was not
-    /// predicted taken along the base's tangents. Equal to R where prediction and trial agree, so at the solution.
-    void mixed_residual(std::span<const double> base, std::span<const double> d, double alpha, std::span<double> out) const;
+    // Tensions of the mixed equations, see newton_wire.h. `base` is where the present direction starts from.
+    /// `trial` becomes the base, with the tension that was predicted for it.
+    void set_base();
+    /// Tension at base + alpha d, as the linear equations have it.
+    void predict_tension(std::span<const double> d, double alpha);
+    /// The same after a further `correction` from `trial`, where frames are.
+    void correct_tension(std::span<const double> correction);
+    /// Residual of the mixed equations at `trial`, tensions condensed: R with the tension that was not predicted taken along
+    /// the base's tangents. Equal to R where prediction and trial agree, so at the solution.
+    void mixed_residual(std::span<double> out) const;
 
     /// Velocity and acceleration of unknown i at `trial`.
     [[nodiscard]] double velocity(int i) const;
@@ -77,7 +85,6 @@ public:
     std::vector<double> inertia;                 // mass [kg] or spin inertia [kg m^2]
     std::vector<double> prescribed_value;
     std::vector<std::uint8_t> prescribed;        // 1: fixed at prescribed_value (and the unused last theta)
-    std::vector<double> tension;                 // [capacity] per edge [N], for the geometric stiffness
 
     Motion motion = Motion::Implicit;
     double h = 0;              // [s]
@@ -87,11 +94,13 @@ public:
 private:
     void write_velocity(int i, const double (&v)[4]);
     void write_acceleration(int i, const double (&a)[4]);
-    [[nodiscard]] double predicted_tension(int j, std::span<const double> base, std::span<const double> d, double alpha) const;
+    [[nodiscard]] double actual_tension(int j) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_damping(const IntegratorSpec& spec);
+    void evaluate_host_residual();
+    [[nodiscard]] bool finish_residual();
     void add_loads();
     void add_springs_to(BandMatrix& target) const;
     void replace_tension(HessianMode mode);
@@ -105,6 +114,11 @@ private:
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
     mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
     std::vector<double> kept_reference_;         // [reference_count * capacity]
+    // [capacity] per edge: tension at the base and predicted for the trial [N], the base's tangents and elongation [m]
+    std::vector<double> base_tension_, tension_, base_longer_;
+    std::vector<Vec3> base_tangent_;
+    std::vector<double> contact_gradient_;       // [4 capacity] at the last evaluation of contact
+    BandMatrix contact_tangent_;                 // at the last assemble_tangent
     BandMatrix damping_;
 };
 
