@@ -145,7 +145,8 @@ bool NewtonWire::acceptable(double norm)
         raise_shift();
         return false;
     }
-    correction_at_trial(part(correction_), 1 - alpha_);
+    problem.mixed_residual(base_, direction_, alpha_, part(scratch_));
+    correction_at_trial(scratch_, part(correction_), 1 - alpha_);
     contraction_ = problem.norm(part(correction_)) / direction_norm_;
     if (contraction_ <= 1 - alpha_ / 4 || slope_falls) {
         // the correction is at hand: use it as the next step when its own error will be below the tolerance
@@ -192,6 +193,7 @@ void NewtonWire::take_base()
         if (shift_ < smallest_shift_) shift_ = 0;
     }
     if (phase_ == Phase::Search) problem.predict_tension(base_, direction_, alpha_);
+    if (options_.shifted && problem.far_from_reference()) problem.move_reference();
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());
     phase_ = Phase::Search;
@@ -209,7 +211,7 @@ void NewtonWire::new_direction(const ContactTerm* contact, int wire)
     }
     if (options_.shifted) factorise_shifted(contact, wire);
     else factorise(contact, wire);
-    correction_at_trial(part(direction_), 1);
+    correction_at_trial(problem.residual, part(direction_), 1);
 }
 
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
@@ -274,7 +276,7 @@ void NewtonWire::raise_shift()
     (void)problem.matrix.factor_ldlt();
     std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
     std::copy_n(base_residual_.begin(), problem.size(), problem.residual.begin());
-    correction_at_trial(part(direction_), 1);
+    correction_at_trial(problem.residual, part(direction_), 1);
     launch();
 }
 
@@ -284,13 +286,13 @@ void NewtonWire::solve(std::span<double> rhs_to_x)
     else problem.matrix.solve_ldlt(rhs_to_x);
 }
 
-/// -A^-1 R at the trial, with the present factors; prescribed unknowns go to their values.
+/// -A^-1 `residual` at the trial, with the present factors; prescribed unknowns go to their values.
 /// @param prescribed_left  how much of the prescribed unknowns' move at the base is still to be made
-void NewtonWire::correction_at_trial(std::span<double> out, double prescribed_left)
+void NewtonWire::correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left)
 {
     for (int i = 0; i < problem.size(); ++i)
         out[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i]
-                                       : -problem.residual[i] - prescribed_left * coupling_[i];
+                                       : -residual[i] - prescribed_left * coupling_[i];
     solve(out);
 }
 

@@ -61,7 +61,7 @@ private:
     void add_shift(double amount);
     void raise_shift();
     void solve(std::span<double> rhs_to_x);
-    void correction_at_trial(std::span<double> out, double prescribed_left);
+    void correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left);
     void launch();
     void set_trial(double alpha);
 

@@ -27,6 +27,7 @@ WireProblem::WireProblem(int capacity, bool stiffness_damping)
         array->resize(4 * capacity);
     prescribed.resize(4 * capacity);
     tension.resize(capacity);
+    kept_reference_.resize(reference_count * capacity);
 }
 
 void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
@@ -225,13 +226,15 @@ void WireProblem::add_springs_to(BandMatrix& target) const
     }
 }
 
-// The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1). Puts `tension` in place of N.
-void WireProblem::replace_tension()
+// The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1), and max(N, 0) when safe. Puts `tension` in
+// place of N.
+void WireProblem::replace_tension(HessianMode mode)
 {
+    const double least = mode == HessianMode::Safe ? 0.0 : -std::numeric_limits<double>::infinity();
     for (int j = 0; j < rod.n - 1; ++j) {
         const double length = frames.edge_length[j];
         const double actual = rod.stretch_stiffness[j] * (length / rod.rest_length[j] - 1);
-        const double change = (tension[j] - actual) / length;
+        const double change = (std::max(tension[j], least) - std::max(actual, least)) / length;
         const Vec3& t = frames.tangent[j];
         for (int c = 0; c < 3; ++c)
             for (int d = 0; d < 3; ++d) {
@@ -251,7 +254,7 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     const std::span<double> unused(scratch_.data(), size);
     std::fill(unused.begin(), unused.end(), 0.0);
     add_elastic(rod, clamps, frames, unused, &matrix, mode);
-    if (mode == HessianMode::Exact) replace_tension();
+    replace_tension(mode);
     const double rate = acceleration_rate_ + damping_mass_ * velocity_rate_;
     for (int i = 0; i < size; ++i) matrix.add(i, i, rate * inertia[i]);
     add_springs_to(matrix);
@@ -297,13 +300,29 @@ double WireProblem::largest_turn(std::span<const double> d) const
     return largest;
 }
 
+double WireProblem::predicted_tension(int j, std::span<const double> base, std::span<const double> d, double alpha) const
+{
+    const Vec3 edge = node_of(base, j + 1) - node_of(base, j);
+    const double length = edge.norm(), rest = rod.rest_length[j];
+    const double longer = length - rest + edge.dot(node_of(d, j + 1) - node_of(d, j)) / length;
+    return tension[j] + alpha * (rod.stretch_stiffness[j] / rest * longer - tension[j]);
+}
+
 void WireProblem::predict_tension(std::span<const double> base, std::span<const double> d, double alpha)
 {
+    for (int j = 0; j < rod.n - 1; ++j) tension[j] = predicted_tension(j, base, d, alpha);
+}
+
+void WireProblem::mixed_residual(std::span<const double> base, std::span<const double> d, double alpha,
+                                 std::span<double> out) const
+{
+    std::copy_n(residual.begin(), 4 * rod.n, out.begin());
     for (int j = 0; j < rod.n - 1; ++j) {
-        const Vec3 edge = node_of(base, j + 1) - node_of(base, j);
-        const double length = edge.norm(), rest = rod.rest_length[j];
-        const double longer = length - rest + edge.dot(node_of(d, j + 1) - node_of(d, j)) / length;
-        tension[j] += alpha * (rod.stretch_stiffness[j] / rest * longer - tension[j]);
+        const double actual = rod.stretch_stiffness[j] * (frames.edge_length[j] / rod.rest_length[j] - 1);
+        const Vec3 turned = frames.tangent[j] - (node_of(base, j + 1) - node_of(base, j)).normalized();
+        const Vec3 excess = (actual - predicted_tension(j, base, d, alpha)) * turned;
+        add_to_node(out, j, excess);
+        add_to_node(out, j + 1, -excess);
     }
 }
 
@@ -319,6 +338,47 @@ void WireProblem::write_acceleration(int i, const double (&a)[4])
     rod.ay[i] = a[1];
     rod.az[i] = a[2];
     if (i < rod.n - 1) rod.spin_acc[i] = a[3];
+}
+
+// A trial is described relative to the accepted tangents, from which no edge may turn by pi. A static solve that turns
+// farther moves that reference along; positions stay those of the start, which contact measures from.
+bool WireProblem::far_from_reference() const
+{
+    for (int j = 0; j < rod.n - 1; ++j)
+        if (frames.tangent[j].dot(rod.tangent(j)) < 0.5) return true;
+    return false;
+}
+
+void WireProblem::move_reference()
+{
+    accept_frames(rod, trial_view(), frames);
+    restore_positions();
+}
+
+void WireProblem::restore_positions()
+{
+    for (int i = 0; i < rod.n; ++i) {
+        rod.set_pos(i, node_of(start, i));
+        rod.theta[i] = start[4 * i + 3];
+    }
+}
+
+void WireProblem::keep_reference()
+{
+    for (std::size_t k = 0; k < reference_arrays().size(); ++k)
+        std::copy_n(reference_arrays()[k].begin(), rod.n, kept_reference_.begin() + k * rod.n);
+}
+
+void WireProblem::restore_reference()
+{
+    for (std::size_t k = 0; k < reference_arrays().size(); ++k)
+        std::copy_n(kept_reference_.begin() + k * rod.n, rod.n, reference_arrays()[k].begin());
+    restore_positions();
+}
+
+std::array<std::span<double>, WireProblem::reference_count> WireProblem::reference_arrays() const
+{
+    return {rod.tx, rod.ty, rod.tz, rod.d1x, rod.d1y, rod.d1z, rod.ref_twist, rod.clamp_twist_a, rod.clamp_twist_b};
 }
 
 void WireProblem::commit(bool newmark)

@@ -9,6 +9,7 @@
 
 #include "solve/newton.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,10 +43,19 @@ public:
     [[nodiscard]] double largest_turn(std::span<const double> d) const;
     /// Tension after a move by alpha d from `base`, as linear theory has it: see newton_wire.h.
     void predict_tension(std::span<const double> base, std::span<const double> d, double alpha);
+    /// Residual of the mixed equations at `trial` = base + alpha d, tensions condensed: R with the tension that was not
+    /// predicted taken along the base's tangents. Equal to R where prediction and trial agree, so at the solution.
+    void mixed_residual(std::span<const double> base, std::span<const double> d, double alpha, std::span<double> out) const;
 
     /// Velocity and acceleration of unknown i at `trial`.
     [[nodiscard]] double velocity(int i) const;
     [[nodiscard]] double acceleration(int i) const;
+    /// Static solves that turn far: frames at `trial` become the reference for the next trials (wire_problem.cpp).
+    [[nodiscard]] bool far_from_reference() const;
+    void move_reference();
+    void keep_reference();     // as it is now, for restore_reference after a failure
+    void restore_reference();
+
     /// Makes `trial` the accepted state in the wire's arrays (velocities zero when static).
     void commit(bool newmark);
     /// The same for symplectic Euler, where v+ = (q - q_0)/h.
@@ -77,18 +87,24 @@ public:
 private:
     void write_velocity(int i, const double (&v)[4]);
     void write_acceleration(int i, const double (&a)[4]);
+    [[nodiscard]] double predicted_tension(int j, std::span<const double> base, std::span<const double> d, double alpha) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_damping(const IntegratorSpec& spec);
     void add_loads();
     void add_springs_to(BandMatrix& target) const;
-    void replace_tension();
+    void replace_tension(HessianMode mode);
+    void restore_positions();
+
+    static constexpr int reference_count = 9;
+    [[nodiscard]] std::array<std::span<double>, reference_count> reference_arrays() const;
 
     const WireConstraints* constraints_ = nullptr;
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
     mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
+    std::vector<double> kept_reference_;         // [reference_count * capacity]
     BandMatrix damping_;
 };
 

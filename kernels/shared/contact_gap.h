@@ -5,7 +5,8 @@
 //   * touch 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the other;
 //     there the depth is a smooth maximum over facets of different normals,
 //         depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = blend r |n_j - n_0|,
-//     whose width vanishes with the angle between them, so that coplanar facets are not blended. Bias at most eps/4.
+//     whose width vanishes with the angle between them. Bias at most eps/4 for each facet that is within eps. Facets in one plane
+//     are never blended: near their common edge both see the same plane, and n_j would be tilted by nothing but the edge's offset.
 //   * touch 1: the nearest point whose normal faces touch 0 (n_0 . n_1 < 0): the opposite wall of a narrow lumen.
 //   * a facet seen from behind (the far side of a thin septum) never pushes, unless it is the nearest of all: then the axis is
 //     beyond the wall, the depth is r + distance and the normal points back.
@@ -30,6 +31,8 @@ typedef struct Touch {
 #else
     #define SEL_TIE 1e-9
 #endif
+
+#define SEL_COPLANAR 1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
 
 // rim bits of a triangle: bit k: edge k (v_k, v_{k+1}) lies on an opening; bit 3 + k: vertex k does
 SEL_FN int on_rim(uint bits, int feature)
@@ -85,7 +88,7 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     second.found = 0;
     for (int k = 0; k < 6; ++k) second.bend[k] = 0;
     if (!first->found || first->outside || first->depth < -reach) return second;
-    const vec3 n0 = first->normal;
+    const vec3 n0 = first->normal, facet0 = triangle_normal(load_triangle(vertices, first->triangle, origin));
     const real depth0 = first->depth;
     real second_depth = -reach;
     for (uint k = 0; k < count; ++k) {
@@ -112,6 +115,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
             }
             continue;
         }
+        const vec3 turn = facet - facet0;
+        if (dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR) continue;
         const vec3 dn = n - n0;
         const real eps = blend * radius * sqrt(dot3(dn, dn));
         const real rest = eps - (depth0 - depth);

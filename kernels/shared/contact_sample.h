@@ -20,8 +20,9 @@ SEL_FN AxisPoint axis_point(uint node, real bary, SEL_GLOBAL const float* hi, SE
     const uint a = 3 * node;
     point.origin = make_vec3((real)hi[a], (real)hi[a + 1], (real)hi[a + 2]);
     const vec3 from = make_vec3(lo[a], lo[a + 1], lo[a + 2]);
-    const vec3 to = make_vec3((real)(hi[a + 3] - hi[a]) + lo[a + 3], (real)(hi[a + 4] - hi[a + 1]) + lo[a + 4],
-                              (real)(hi[a + 5] - hi[a + 2]) + lo[a + 5]);
+    // as reals: a difference of floats would be rounded to 6e-8 of the edge, 0.3 nm that jump each time a node passes a float
+    const vec3 to = make_vec3(((real)hi[a + 3] - (real)hi[a]) + lo[a + 3], ((real)hi[a + 4] - (real)hi[a + 1]) + lo[a + 4],
+                              ((real)hi[a + 5] - (real)hi[a + 2]) + lo[a + 5]);
     point.edge = to - from;
     point.offset = from + bary * point.edge;
     return point;
