@@ -60,6 +60,7 @@ void advance(World::Impl& state, double h, const WireMask& mask, StepReport& rep
 
     const auto start = Clock::now();
     const StageTimes before = state.contact ? state.contact->times : StageTimes{};
+    state.solver->set_best_effort(depth == most_halvings);
     state.solver->step(h, state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     if (state.contact) {
@@ -73,6 +74,7 @@ void advance(World::Impl& state, double h, const WireMask& mask, StepReport& rep
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
+        if (solved.best_effort) report.flags |= StepBestEffort;
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;

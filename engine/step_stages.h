@@ -18,7 +18,8 @@ void collect_timers(World::Impl& state, StepReport& report);
 void begin_step(World::Impl& state);
 
 /// Advances the wires of the mask by h. A wire that does not converge is put back and advanced by two half steps instead, down to
-/// h / 64; a wire that fails even then stays at the start of that sub-step, and the report says so.
+/// h / 64; a wire that misses the tolerance even then takes the best state found (the report says so), and one that finds none stays
+/// at the start of that sub-step.
 void advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth = 0);
 
 /// Static equilibrium with contact (scheme "static", start "settled").
