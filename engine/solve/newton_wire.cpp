@@ -332,7 +332,7 @@ void NewtonWire::polish(const ContactTerm* contact)
         if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
         if (usable) correct();
         const double size = problem.norm(part(correction_));
-        if (!usable || !(size < 0.05 * last)) return;
+        if (!usable || !(size < 0.3 * last)) return;
         last = size;
         problem.correct_tension(correction_);
         for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
