@@ -35,6 +35,10 @@ int run_command_line(int argc, char** argv)
     add_render(app, chosen);
     add_devices(app, chosen);
     add_not_yet(app, chosen);
+    const std::string first = argc > 1 ? argv[1] : "";
+    const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
+    if (!first.empty() && first[0] != '-' && known.empty())
+        return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdlib>
 #include <memory>
 
 namespace seldinger::apps {
@@ -27,10 +28,10 @@ void add_run(CLI::App& app, Command& chosen)
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--time-limit", options->run.time_limit, "stop after so many seconds, state saved, exit 75")
         ->type_name("S")
-        ->check(CLI::PositiveNumber);
+        ->check([](const std::string& text) { return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected"; });
     run->add_option("--device", options->run.device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber);
+        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
     run->callback([options, &chosen] {

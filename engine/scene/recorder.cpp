@@ -222,7 +222,7 @@ void Recorder::write_wire_table(const World& world)
         const double spin = rod.theta[std::min(i, rod.n - 2)];
         const Vec3 &f = force[static_cast<std::size_t>(i)], x = rod.pos(i), v = rod.vel(i);
         const double row[] = {rod.material_s[i], x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), spin, f.x(), f.y(), f.z()};
-        for (const double value : row) table += csv(value) + (&value == &row[10] ? "\n" : ",");
+        for (const double& value : row) table += csv(value) + (&value == std::end(row) - 1 ? "\n" : ",");
     }
     write_file(dir_ / "wire.csv", table);
 }

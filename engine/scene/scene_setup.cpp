@@ -64,6 +64,8 @@ void check_size(const Scene& scene, const LoadedVessel& vessel)
 void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
 {
     if (!feed.inlet_auto) return;
+    if (scene.vessel.shape == VesselShape::Plane)
+        fail(scene, "feed.inlet", "a plane has no inlet: its border is no opening; give point and direction");
     try {
         const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
         feed.point = inlet.point;
