@@ -178,10 +178,13 @@ bool NewtonWire::acceptable()
     return false;
 }
 
-/// The simplified Newton correction at the trial into correction_.
+/// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
+/// R(q) + shift (q - base) = 0: leaving a saddle must not look like a failure because R grows.
 void NewtonWire::correct()
 {
     problem.mixed_residual(part(scratch_));
+    if (shift_ > 0)
+        for (int i = 0; i < problem.size(); ++i) scratch_[i] += shift_ * shift_weight_[i] * (problem.trial[i] - base_[i]);
     correction_at_trial(scratch_, part(correction_), 1 - alpha_);
 }
 
@@ -354,7 +357,7 @@ void NewtonWire::polish(const ContactTerm* contact)
         if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
         if (usable) correct();
         const double size = problem.norm(part(correction_));
-        if (!usable || !(size < 0.05 * last)) return;
+        if (!usable || !(size < 0.3 * last) || (shift_ > 0 && size < 1e-3 * direction_norm_)) return;
         last = size;
         problem.correct_tension(correction_);
         for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
