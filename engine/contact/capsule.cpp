@@ -84,6 +84,34 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     touches_ = device::Buffer(context, 2 * n * sizeof(TouchState));
     context_.write(device::Lane::Light, models_, samples_.models.data(), bytes_of(samples_.models));
     context_.finish(device::Lane::Light);
+    warm_up();
+}
+
+// The first launch of a kernel on each device compiles it (0.1 s and more): here, not in the step loop.
+void CapsuleContact::warm_up()
+{
+    ContactParams none = params_;
+    none.item_count = 0;
+    for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
+        context_.enter(at);
+        launch_find(at, 1, none);
+        launch_evaluate(at, 1, none);
+        reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
+        context_.finish(at);
+    }
+}
+
+void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
+{
+    find_.launch(at, items, par, real(skin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                 wall_.vertices, candidates_, count_buffer_);
+}
+
+void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par)
+{
+    evaluate_.launch(at, items, par, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
+                     nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
+                     nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_);
 }
 
 device::Lane CapsuleContact::lane(std::size_t samples) const
@@ -156,8 +184,7 @@ void CapsuleContact::find_candidates(bool all_live)
         context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
         ContactParams par = params_;
         par.item_count = static_cast<uint>(to_find_.size());
-        find_.launch(at, to_find_.size(), par, real(skin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer,
-                     wall_.nodes, wall_.vertices, candidates_, count_buffer_);
+        launch_find(at, to_find_.size(), par);
         context_.read(at, count_buffer_, counts_.data(), bytes_of(counts_));
         std::uint32_t most = 0;
         for (std::uint32_t s : to_find_) most = std::max(most, counts_[s]);
@@ -222,9 +249,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         nodes_.upload(context_, at);
         params_.item_count = static_cast<uint>(active_.size());
         params_.inv_dt = h > 0 ? 1 / h : 0;
-        evaluate_.launch(at, active_.size(), params_, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices,
-                         wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
-                         nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_);
+        launch_evaluate(at, active_.size(), params_);
         reduce_.launch(at, sums_.edge_node.size(), static_cast<cl_uint>(sums_.edge_node.size()), first_buffer_, forces_, barys_, edge_buffer_);
         context_.read(at, edge_buffer_, sums_.edges.data(), sums_.edge_node.size() * sizeof(EdgeForce));
     }

@@ -42,6 +42,9 @@ private:
     void find_candidates(bool all_live);
     void rebuild_active_list();
     [[nodiscard]] std::vector<TouchState> living_touches();
+    void warm_up();
+    void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
+    void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par);
     void set_nodes(const TrialState& trial);
     [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
     [[nodiscard]] device::Lane lane(std::size_t samples) const;

@@ -1,9 +1,9 @@
 // Energy, force and Hessian of a wire, assembled edge by edge, and what hand and clamp feel of it.
 //
-// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only: the Hessian in y is
-// block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the nodes'
-// Hessian is a signed sum of at most four of these, so the wire is walked once, from tip to hub, with two edges in hand,
-// and every entry of the band is touched once.
+// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only: the
+// Hessian in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of
+// the nodes' Hessian is a signed sum of at most four of these, so the wire is walked once, from tip to hub, with two edges
+// in hand, and every entry of the band is touched once.
 
 #include "rod/elastic.h"
 
@@ -124,6 +124,78 @@ void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const E
     }
 }
 
+/// The walk from tip to hub: what it holds while it stands at node i.
+struct Walk {
+    std::span<double> gradient;
+    BandMatrix* hessian;               // null: gradient only
+    int n;
+    EdgeBlock before = {}, current = {}, next = {};   // A_{i-2}, A_{i-1}, A_i
+    EdgeCoupling c_before = {}, c_current = {};       // C_{i-2}, C_{i-1}
+    Vec3 force_before = Vec3::Zero(), force = Vec3::Zero(), force_next = Vec3::Zero();  // dE/de of the same edges
+
+    /// The stencil at node i: e is edge i-1, f edge i.
+    void add(int i, const PairTerms& terms)
+    {
+        force += terms.ge;
+        force_next += terms.gf;
+        if (i > 0) gradient[4 * (i - 1) + 3] += terms.ga;
+        gradient[4 * i + 3] += terms.gb;
+        if (!hessian) return;
+        current.xx += terms.ee;
+        current.xt += terms.ea;
+        current.tt += terms.aa;
+        next.xx += terms.ff;
+        next.xt += terms.fb;
+        next.tt += terms.bb;
+        c_current.xx += terms.ef;
+        c_current.xt += terms.eb;
+        c_current.tx += terms.fa;
+        c_current.tt += terms.ab;
+    }
+
+    /// All of edge i-1 has been added, so node i-1 can be written; then on to node i+1.
+    void leave(int i)
+    {
+        if (i > 0) {
+            add_vector(&gradient[4 * (i - 1)], force_before - force);
+            if (hessian) write_node(*hessian, i - 1, n, before, current, c_before, c_current);
+        }
+        before = current;
+        current = next;
+        next = EdgeBlock();
+        c_before = c_current;
+        c_current = EdgeCoupling();
+        force_before = force;
+        force = force_next;
+        force_next.setZero();
+    }
+
+    void finish()
+    {
+        add_vector(&gradient[4 * (n - 1)], force_before);
+        if (hessian) write_node(*hessian, n - 1, n, before, EdgeBlock(), c_before, EdgeCoupling());
+    }
+};
+
+/// One side of clamp k, with the clamp's own angle prescribed: only the edge's part stays.
+PairTerms clamp_terms(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int k, int side,
+                      HessianMode mode)
+{
+    PairTerms terms;
+    add_clamp(rod, clamps[k], clamp_side(rod, clamps[k], frames, k, side), mode, terms);
+    if (side == 0) {
+        terms.gb = terms.bb = 0;
+        terms.fb.setZero();
+    } else {
+        terms.ga = terms.aa = 0;
+        terms.ea.setZero();
+    }
+    terms.ab = 0;
+    terms.eb.setZero();
+    terms.fa.setZero();
+    return terms;
+}
+
 }  // namespace
 
 double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames)
@@ -156,69 +228,27 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
     if (!hessian) mode = HessianMode::None;
     SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * n);
 
-    EdgeBlock before, current, next;       // A_{i-2}, A_{i-1}, A_i while at node i
-    EdgeCoupling c_before, c_current;      // C_{i-2}, C_{i-1}
-    Vec3 force_before = Vec3::Zero(), force = Vec3::Zero(), force_next = Vec3::Zero();  // dE/de of the same edges
+    Walk walk{gradient, mode == HessianMode::None ? nullptr : hessian, n};
     for (int i = 0; i < n; ++i) {
-        next = EdgeBlock();
-        force_next.setZero();
-        if (i < n - 1) add_stretch(rod, frames, i, mode, force_next, next);
-        c_current = EdgeCoupling();
-        const bool inner = i > 0 && i < n - 1;
-        const auto add = [&](const PairTerms& terms) {
-            force += terms.ge;
-            force_next += terms.gf;
-            if (i > 0) gradient[4 * (i - 1) + 3] += terms.ga;
-            gradient[4 * i + 3] += terms.gb;
-            if (mode == HessianMode::None) return;
-            current.xx += terms.ee;
-            current.xt += terms.ea;
-            current.tt += terms.aa;
-            next.xx += terms.ff;
-            next.xt += terms.fb;
-            next.tt += terms.bb;
-            c_current.xx += terms.ef;
-            c_current.xt += terms.eb;
-            c_current.tx += terms.fa;
-            c_current.tt += terms.ab;
-        };
-        if (inner) {
+        if (i < n - 1) add_stretch(rod, frames, i, mode, walk.force_next, walk.next);
+        if (i > 0 && i < n - 1) {
             PairTerms terms;
             add_node(rod, clamps, frames, i, mode, terms);
-            add(terms);
+            walk.add(i, terms);
         }
         for (int k = 0; k < static_cast<int>(clamps.size()); ++k)
-            for (int side = 0; side < 2 && clamps[k].node == i; ++side) {
-                if (clamp_edge(rod, i, side) < 0) continue;
-                PairTerms terms;
-                add_clamp(rod, clamps[k], clamp_side(rod, clamps[k], frames, k, side), mode, terms);
-                // the clamp's own angle is prescribed: keep the edge's part only
-                (side == 0 ? terms.gb : terms.ga) = (side == 0 ? terms.bb : terms.aa) = terms.ab = 0;
-                terms.eb.setZero();
-                terms.fa.setZero();
-                (side == 0 ? terms.fb : terms.ea).setZero();
-                add(terms);
-            }
-
-        // edge i-1 is complete
-        if (i > 0) {
-            add_vector(&gradient[4 * (i - 1)], force_before - force);
-            if (mode != HessianMode::None) write_node(*hessian, i - 1, n, before, current, c_before, c_current);
-        }
-        before = current;
-        current = next;
-        c_before = c_current;
-        force_before = force;
-        force = force_next;
+            for (int side = 0; side < 2 && clamps[k].node == i; ++side)
+                if (clamp_edge(rod, i, side) >= 0) walk.add(i, clamp_terms(rod, clamps, frames, k, side, mode));
+        walk.leave(i);
     }
-    add_vector(&gradient[4 * (n - 1)], force_before);
-    if (mode != HessianMode::None) write_node(*hessian, n - 1, n, before, EdgeBlock(), c_before, EdgeCoupling());
+    walk.finish();
 }
 
 // E depends on the base edge's rest length l through its strain and through the cells of its two ends, which grow by dl/2:
 //   stretch  d/dl [EA (|e|/l - 1)^2 l/2]            = -N - EA strain^2/2
 //   cell     d/da [B (kappa - k a)^2/(2a)] (da/dl)  = -B/2 ((kappa/a)^2 - k^2)/2,   k the natural curvature of the wire fed
-// The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14].
+// The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
+// taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
 double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames)
 {
     const int j = rod.n - 2;
@@ -232,7 +262,8 @@ double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const Ro
         const ClampedNode clamped = clamped_at(clamps, j);
         const double length = rod.voronoi_length(j), b = rod.bend_stiffness[j];
         if (!clamped.bend)
-            force += cell(b, frames.kappa1[j], rod.rest_kappa1[j], length) + cell(b, frames.kappa2[j], rod.rest_kappa2[j], length);
+            force += cell(b, frames.kappa1[j], rod.rest_kappa1[j], length)
+                     + cell(b, frames.kappa2[j], rod.rest_kappa2[j], length);
         if (!clamped.twist) force += cell(rod.twist_stiffness[j], frames.twist[j], rod.rest_twist[j], length);
     }
     for (int k = 0; k < static_cast<int>(clamps.size()); ++k) {

@@ -118,13 +118,96 @@ void set_edge_frame(const RodView& rod, int j, const Vec3& from, const Vec3& d1)
     rod.set_ref_d1(j, unit_normal(parallel_transport(d1, from, t, one_plus_cos(from, t)), t));
 }
 
-/// Rest curvature and twist per length of the old edge's nodes, shared out over three cells.
-void split_rest_values(const RodView& rod, std::span<double> rest, int a, double rate_a, double rate_b)
+/// Sets a joint's reference twist from the present frames. @return its change from `last` (holonomy) [rad]; 0 at a free end
+double refresh_joint(const RodView& rod, const Joint& joint, double last)
 {
-    const double la = rod.rest_length[a], lb = rod.rest_length[a + 1];
-    rest[a] -= rate_a * 0.5 * lb;
-    rest[a + 1] = 0.5 * (rate_a * lb + rate_b * la);
-    rest[a + 2] -= rate_b * 0.5 * la;
+    if (!joint.holds(rod)) return 0;
+    joint.ref(rod) = joint.ref_now(rod, last);
+    return joint.ref(rod) - last;
+}
+
+/// What an edge says before it is split.
+struct OldEdge {
+    double length, force;                // [m], [N]
+    Vec3 tangent, d1, momentum;
+    double theta, spin, spin_acc, spin_momentum;
+    double twist_rate[2];                // at the tip-side and the hub-side joint [rad/m]
+    double spin_slope[2], acc_slope[2];  // change of spin and its rate along the wire, at the same
+    double rest_rate[3][2];              // rest kappa1, kappa2, twist per length of its two nodes [1/m]
+
+    OldEdge(const RodView& rod, int j, const Joint& at_a, const Joint& at_b)
+        : length(rod.rest_length[j]), force(axial_force(rod, j)), tangent(rod.tangent(j)), d1(rod.ref_d1(j)),
+          momentum(seldinger::momentum(rod, j, j + 1)), theta(rod.theta[j]), spin(rod.spin_rate[j]), spin_acc(rod.spin_acc[j]),
+          spin_momentum(rod.spin_inertia[j] * rod.spin_rate[j])
+    {
+        const Joint* joints[2] = {&at_a, &at_b};
+        for (int k = 0; k < 2; ++k) {
+            twist_rate[k] = joints[k]->twist_rate(rod);
+            spin_slope[k] = joints[k]->slope(rod, rod.spin_rate);
+            acc_slope[k] = joints[k]->slope(rod, rod.spin_acc);
+            const double cell = rod.voronoi_length(j + k);
+            rest_rate[0][k] = rod.rest_kappa1[j + k] / cell;
+            rest_rate[1][k] = rod.rest_kappa2[j + k] / cell;
+            rest_rate[2][k] = rod.rest_twist[j + k] / cell;
+        }
+    }
+};
+
+/// material_s of the node at a+1 and of all hubwards, so that both new edges carry the old one's force; rest quantities.
+/// @return rest length added [m]
+double split_rest(const RodView& rod, int a, double fraction, const OldEdge& old, const WireSpec& spec, bool keep_shape)
+{
+    const double s = rod.material_s[a], mid = s + fraction * old.length;
+    const auto rest = [&](int j, double begin, double end) {
+        const double chord = (rod.pos(j + 1) - rod.pos(j)).norm();
+        return chord / (1 + old.force / edge_stretch_stiffness(spec, begin, end));
+    };
+    const double first = rest(a, s, mid), second = rest(a + 1, mid, s + old.length);
+    SEL_ASSERT(first > 0 && second > 0);
+    const double added = first + second - old.length;
+    rod.material_s[a + 1] = s + first;
+    for (int i = a + 2; i < rod.n; ++i) rod.material_s[i] += added;
+    refresh_rest(rod, spec, a, keep_shape);
+    if (!keep_shape) return added;
+
+    const std::span<double> values[3] = {rod.rest_kappa1, rod.rest_kappa2, rod.rest_twist};
+    for (int k = 0; k < 3; ++k) {  // shared out over three cells
+        const double at_a = old.rest_rate[k][0], at_b = old.rest_rate[k][1];
+        values[k][a] -= 0.5 * at_a * second;
+        values[k][a + 1] = 0.5 * (at_a * second + at_b * first);
+        values[k][a + 2] -= 0.5 * at_b * first;
+    }
+    return added;
+}
+
+/// Directors carried from the old edge's; angles that keep the twist per length at both neighbours.
+void split_frames(const RodView& rod, int a, const OldEdge& old, const Joint& at_a, const Joint& at_b)
+{
+    set_edge_frame(rod, a, old.tangent, old.d1);
+    set_edge_frame(rod, a + 1, old.tangent, old.d1);
+    rod.ref_twist[a + 1] = Joint{a + 1, 1, nullptr}.ref_now(rod, 0);
+    rod.clamp_twist_a[a + 1] = rod.clamp_twist_b[a + 1] = 0;
+    rod.theta[a] = old.theta - 0.5 * old.twist_rate[0] * rod.rest_length[a + 1] - refresh_joint(rod, at_a, at_a.ref(rod));
+    rod.theta[a + 1] = old.theta + 0.5 * old.twist_rate[1] * rod.rest_length[a] + refresh_joint(rod, at_b, at_b.ref(rod));
+}
+
+/// Velocities, spins and their rates, linear along the wire, with the old momentum and spin momentum.
+void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
+{
+    const double u = fraction, v = 1 - fraction, first = rod.rest_length[a], second = rod.rest_length[a + 1];
+    rod.set_vel(a + 1, v * rod.vel(a) + u * rod.vel(a + 2));
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = v * acc[a] + u * acc[a + 2];
+    set_momentum(rod, a, a + 2, old.momentum);
+
+    rod.spin_rate[a] = old.spin - 0.5 * old.spin_slope[0] * second;
+    rod.spin_rate[a + 1] = old.spin + 0.5 * old.spin_slope[1] * first;
+    rod.spin_acc[a] = old.spin_acc - 0.5 * old.acc_slope[0] * second;
+    rod.spin_acc[a + 1] = old.spin_acc + 0.5 * old.acc_slope[1] * first;
+    const double inertia_a = rod.spin_inertia[a], inertia_b = rod.spin_inertia[a + 1];
+    const double now = inertia_a * rod.spin_rate[a] + inertia_b * rod.spin_rate[a + 1];
+    const double shift = (old.spin_momentum - now) / (inertia_a + inertia_b);
+    rod.spin_rate[a] += shift;
+    rod.spin_rate[a + 1] += shift;
 }
 
 }  // namespace
@@ -132,74 +215,21 @@ void split_rest_values(const RodView& rod, std::span<double> rest, int a, double
 SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, const WireSpec& spec,
                        std::span<const RodClamp> clamps, bool rest_is_placed)
 {
-    const RodView old = rods.view(wire);
+    const RodView before = rods.view(wire);
     const int a = edge;
-    SEL_ASSERT(edge >= 0 && edge < old.n - 1 && fraction > 0 && fraction < 1);
-
-    // what the old edge says, before it goes
-    const double force = axial_force(old, a), length = old.rest_length[a], s = old.material_s[a];
-    const Vec3 position = point_on_cubic(old, a, fraction, clamps), tangent = old.tangent(a), d1 = old.ref_d1(a);
-    const Vec3 carried_momentum = momentum(old, a, a + 1);
-    const double spin_momentum = old.spin_inertia[a] * old.spin_rate[a];
+    SEL_ASSERT(edge >= 0 && edge < before.n - 1 && fraction > 0 && fraction < 1);
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
-    const double rate_a = at_a.twist_rate(old), rate_b = at_b.twist_rate(old);
-    const double spin_slope_a = at_a.slope(old, old.spin_rate), spin_slope_b = at_b.slope(old, old.spin_rate);
-    const double acc_slope_a = at_a.slope(old, old.spin_acc), acc_slope_b = at_b.slope(old, old.spin_acc);
-    const auto per_length = [&](std::span<double> rest, int node) { return rest[node] / old.voronoi_length(node); };
-    const double rest_rates[3][2] = {{per_length(old.rest_kappa1, a), per_length(old.rest_kappa1, a + 1)},
-                                     {per_length(old.rest_kappa2, a), per_length(old.rest_kappa2, a + 1)},
-                                     {per_length(old.rest_twist, a), per_length(old.rest_twist, a + 1)}};
+    const OldEdge old(before, a, at_a, at_b);
+    const Vec3 position = point_on_cubic(before, a, fraction, clamps);
 
     rods.insert_node(wire, a + 1);
-    const RodView rod = rods.view(wire);
     at_b.node = a + 2;
-
-    // place, and rest lengths that keep the axial force
+    const RodView rod = rods.view(wire);
     rod.set_pos(a + 1, position);
-    const double mid = s + fraction * length;
-    const double first = (position - rod.pos(a)).norm() / (1 + force / edge_stretch_stiffness(spec, s, mid));
-    const double second = (rod.pos(a + 2) - position).norm() / (1 + force / edge_stretch_stiffness(spec, mid, s + length));
-    SEL_ASSERT(first > 0 && second > 0);
-    const double added = first + second - length;
-    rod.material_s[a + 1] = s + first;
-    for (int i = a + 2; i < rod.n; ++i) rod.material_s[i] += added;
-    refresh_rest(rod, spec, a, rest_is_placed);
-    if (rest_is_placed) {
-        const std::span<double> rests[3] = {rod.rest_kappa1, rod.rest_kappa2, rod.rest_twist};
-        for (int k = 0; k < 3; ++k) split_rest_values(rod, rests[k], a, rest_rates[k][0], rest_rates[k][1]);
-    }
-
-    // frames, and angles that keep the twist per length at both neighbours
-    const double theta = rod.theta[a], spin = rod.spin_rate[a], spin_acc = rod.spin_acc[a];
-    set_edge_frame(rod, a, tangent, d1);
-    set_edge_frame(rod, a + 1, tangent, d1);
-    rod.ref_twist[a + 1] = Joint{a + 1, 1, nullptr}.ref_now(rod, 0);
-    rod.clamp_twist_a[a + 1] = rod.clamp_twist_b[a + 1] = 0;
-    rod.theta[a] = theta - 0.5 * rate_a * second;
-    rod.theta[a + 1] = theta + 0.5 * rate_b * first;
-    if (at_a.holds(rod)) {
-        const double last = at_a.ref(rod);
-        rod.theta[a] -= (at_a.ref(rod) = at_a.ref_now(rod, last)) - last;
-    }
-    if (at_b.holds(rod)) {
-        const double last = at_b.ref(rod);
-        rod.theta[a + 1] += (at_b.ref(rod) = at_b.ref_now(rod, last)) - last;
-    }
-
-    // motion
-    const double u = fraction, v = 1 - fraction;
-    rod.set_vel(a + 1, v * rod.vel(a) + u * rod.vel(a + 2));
-    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = v * acc[a] + u * acc[a + 2];
-    set_momentum(rod, a, a + 2, carried_momentum);
-    rod.spin_rate[a] = spin - 0.5 * spin_slope_a * second;
-    rod.spin_rate[a + 1] = spin + 0.5 * spin_slope_b * first;
-    rod.spin_acc[a] = spin_acc - 0.5 * acc_slope_a * second;
-    rod.spin_acc[a + 1] = spin_acc + 0.5 * acc_slope_b * first;
-    const double inertia_a = rod.spin_inertia[a], inertia_b = rod.spin_inertia[a + 1];
-    const double shift = (spin_momentum - inertia_a * rod.spin_rate[a] - inertia_b * rod.spin_rate[a + 1]) / (inertia_a + inertia_b);
-    rod.spin_rate[a] += shift;
-    rod.spin_rate[a + 1] += shift;
+    const double added = split_rest(rod, a, fraction, old, spec, rest_is_placed);
+    split_frames(rod, a, old, at_a, at_b);
+    split_motion(rod, a, fraction, old);
     return {added};
 }
 
@@ -242,15 +272,9 @@ SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spe
 
     // the merged edge keeps the tip-side edge's director; its angle is the mean of both, seen from there
     set_edge_frame(rod, a, tangent, d1);
-    double change_a = 0, change_b = 0;  // of the reference twists by the new tangent (holonomy)
-    if (at_a.holds(rod)) {
-        const double last = at_a.ref(rod);
-        change_a = (at_a.ref(rod) = at_a.ref_now(rod, last)) - last;
-    }
-    if (at_b.holds(rod)) {
-        const double last = at_b.ref(rod) + ref;
-        change_b = (at_b.ref(rod) = at_b.ref_now(rod, last)) - last;
-    }
+    // (changes: what the new tangent does to the reference twists, holonomy)
+    const double change_a = refresh_joint(rod, at_a, at_a.ref(rod));
+    const double change_b = refresh_joint(rod, at_b, at_b.ref(rod) + ref);
     const double halves = at_a.holds(rod) && at_b.holds(rod) ? 0.5 : 1;
     rod.theta[a] += share_a * twist + halves * (change_b - change_a);
 

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "scene/mesh_file.h"
+#include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/repair.h"
 #include "vessel/shapes.h"
@@ -44,7 +45,7 @@ LoadedVessel load_vessel(const VesselSpec& spec)
         case VesselShape::Tube: return generated(make_tube(spec));
         case VesselShape::Arc: return generated(make_arc(spec));
         case VesselShape::Plane: return generated(make_plane(spec));
-        case VesselShape::Arch: throw Error(ExitCode::BadScene, "vessel.shape = \"aortic-arch\": not available yet");
+        case VesselShape::Arch: return generated(make_aortic_arch(spec));
     }
     throw Error(ExitCode::BadScene, "vessel.shape: unknown value");
 }

@@ -13,8 +13,7 @@ namespace {
 
 constexpr double kCover = 1.6;       // wall within this many radii of a path is served by it: lumens are not round
 constexpr double kJoin = 0.5;        // a new path ends where it comes this many radii near an older one
-constexpr double kStub = 1.2;        // a branch must reach this many of its parent's radii from the parent's axis ...
-constexpr double kStubOwn = 2.0;     // ... and be this many of its own radii long beyond the parent's wall
+constexpr double kBranch = 2.0;      // a branch is this many times longer than wide (in radii), counted from its parent's wall
 constexpr double kSpacing = 0.5;     // distance of points in radii
 
 struct Polyline {
@@ -24,7 +23,7 @@ struct Polyline {
 
 /// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a side
 /// pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest
-/// other end is at least 3/4 as far as the longest path are asked.
+/// other end is at least 0.9 times as far as the longest path are asked.
 void reroot_at_widest_end(Centreline& tree)
 {
     const std::size_t count = tree.points.size();
@@ -64,7 +63,7 @@ void reroot_at_widest_end(Centreline& tree)
     const double longest = std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
     const End* best = nullptr;
     for (const End& end : ends)
-        if (end.reach >= 0.75 * longest && (!best || end.width > best->width)) best = &end;
+        if (end.reach >= 0.9 * longest && (!best || end.width > best->width)) best = &end;
     walk_from(best->point);
     // parents anew, and points in the order of the walk, so that a parent stands before its children
     Centreline turned;
@@ -84,15 +83,15 @@ void reroot_at_widest_end(Centreline& tree)
 class Extraction {
 public:
     Extraction(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
-        : openings_(openings), lumen_(lumen), mesh_(mesh), graph_(build_medial_graph(mesh, lumen))
+        : openings_(openings), lumen_(lumen), mesh_(mesh), graph_(build_medial_graph(mesh, openings, lumen))
     {
     }
 
     Centreline run()
     {
-        if (graph_.size() == 0) return {};
-        served_.assign(graph_.size(), false);
-        const int root = openings_.empty() ? an_end_of_closed() : node_at(openings_[0]);
+        if (graph_.ball_count() == 0) return {};
+        served_.assign(graph_.wall.size(), false);
+        const int root = openings_.empty() ? an_end_of_closed() : ball_at(openings_[0]);
         paths_ = cheapest_paths(graph_, root);
         // a tip's radius runs to 0: never space points closer than a fraction of the typical radius
         std::vector<double> radii = graph_.radius;
@@ -106,49 +105,54 @@ public:
             std::vector<const BoundaryLoop*> ends;
             for (std::size_t k = 1; k < openings_.size(); ++k) ends.push_back(&openings_[k]);
             std::stable_sort(ends.begin(), ends.end(), [&](const BoundaryLoop* a, const BoundaryLoop* b) {
-                return length_to(node_at(*a)) > length_to(node_at(*b));
+                return length_to(ball_at(*a)) > length_to(ball_at(*b));
             });
-            for (const BoundaryLoop* end : ends) add_branch(node_at(*end), end);
+            for (const BoundaryLoop* end : ends) add_branch(ball_at(*end), end);
             if (ends.empty()) add_branch(farthest_unserved(), nullptr);
         }
-        // each round serves at least its own node, so this ends; vessels have tens of branches
-        for (int node = farthest_unserved(); node >= 0; node = farthest_unserved()) add_branch(node, nullptr);
+        // each round serves at least its own sample, so this ends; vessels have tens of branches
+        for (int ball = farthest_unserved(); ball >= 0; ball = farthest_unserved()) add_branch(ball, nullptr);
         if (openings_.empty()) reroot_at_widest_end(tree_);
         return std::move(tree_);
     }
 
 private:
-    [[nodiscard]] double length_to(int node) const { return paths_.length[static_cast<std::size_t>(node)]; }
+    [[nodiscard]] double length_to(int ball) const { return paths_.length[static_cast<std::size_t>(ball)]; }
 
     [[nodiscard]] int farthest(const MedialPaths& paths) const
     {
-        return static_cast<int>(std::max_element(paths.length.begin(), paths.length.end()) - paths.length.begin());
+        int best = 0;
+        for (std::size_t i = 1; i < graph_.ball_count(); ++i)
+            if (graph_.is_lumen[i] && paths.length[i] > paths.length[static_cast<std::size_t>(best)]) best = static_cast<int>(i);
+        return best;
     }
+    /// Ball of the farthest wall sample that no path serves, -1: all are served.
     [[nodiscard]] int farthest_unserved() const
     {
         int best = -1;
         double length = 0;
-        for (std::size_t i = 0; i < graph_.size(); ++i)
-            if (!served_[i] && paths_.length[i] > length) { length = paths_.length[i]; best = static_cast<int>(i); }
+        for (std::size_t i = 0; i < served_.size(); ++i) {
+            const int ball = graph_.ball_of_sample[i];
+            if (!served_[i] && graph_.is_lumen[static_cast<std::size_t>(ball)] && length_to(ball) > length) { length = length_to(ball); best = ball; }
+        }
         return best;
     }
-    /// Node of the rim vertex whose ball is nearest to the opening's centre.
-    [[nodiscard]] int node_at(const BoundaryLoop& loop) const
+    /// Ball of the rim sample whose centre is nearest to the opening's.
+    [[nodiscard]] int ball_at(const BoundaryLoop& loop) const
     {
         int best = -1;
         double distance = std::numeric_limits<double>::infinity();
         for (const std::int32_t v : loop.vertices) {
-            const int node = graph_.node_of_vertex[static_cast<std::size_t>(v)];
-            const double d = (graph_.centre[static_cast<std::size_t>(node)] - loop.centre).norm();
-            if (d < distance) { distance = d; best = node; }
+            const int ball = graph_.ball_of_sample[static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(v)])];
+            const double d = (graph_.centre[static_cast<std::size_t>(ball)] - loop.centre).norm();
+            if (d < distance) { distance = d; best = ball; }
         }
         return best;
     }
     /// Any end will do until the tree is known (see reroot_at_widest_end).
     [[nodiscard]] int an_end_of_closed() const
     {
-        const auto widest = static_cast<int>(std::max_element(graph_.radius.begin(), graph_.radius.end()) - graph_.radius.begin());
-        return farthest(cheapest_paths(graph_, widest));
+        return farthest(cheapest_paths(graph_, 0));  // ball 0 is the widest
     }
 
     /// Index of a tree point whose core holds p, or -1.
@@ -163,37 +167,43 @@ private:
         return best;
     }
 
+    /// Tells a branch from the corner of a lumen that is not round: towards a corner the balls shrink with the way that is left (a flat
+    /// lumen twice as wide as high gives a ratio of 2), along a branch they keep their size.
+    /// @param raw  from the tip to the parent's core
+    static bool is_branch(const Polyline& raw, const Vec3& join, double parent_radius)
+    {
+        double length = 0, widest = 0;
+        for (std::size_t i = 0; i < raw.points.size() && (raw.points[i] - join).norm() > parent_radius; ++i) {
+            widest = std::max(widest, raw.radius[i]);
+            if (i > 0) length += (raw.points[i] - raw.points[i - 1]).norm();
+        }
+        // what is half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off its root)
+        return widest > 0 && (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
+    }
+
     /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.
     void add_branch(int tip, const BoundaryLoop* opening)
     {
-        served_[static_cast<std::size_t>(tip)] = true;
-        std::vector<Vec3> raw;
-        double radius_sum = 0;
+        mark_served(tip);
+        Polyline raw;
         int join = -1;
-        if (opening) raw.push_back(opening->centre);
+        if (opening) raw = {{opening->centre}, {opening->radius}};
         for (int at = tip; at >= 0; at = paths_.towards_root[static_cast<std::size_t>(at)]) {
-            const Vec3& p = graph_.centre[static_cast<std::size_t>(at)];
-            join = core_at(p);
+            join = core_at(graph_.centre[static_cast<std::size_t>(at)]);
             if (join >= 0) break;
-            raw.push_back(p);
-            radius_sum += graph_.radius[static_cast<std::size_t>(at)];
-            served_[static_cast<std::size_t>(at)] = true;
+            raw.points.push_back(graph_.centre[static_cast<std::size_t>(at)]);
+            raw.radius.push_back(graph_.radius[static_cast<std::size_t>(at)]);
+            mark_served(at);
         }
-        if (raw.empty() || (join < 0 && !tree_.empty())) return;
-        if (join >= 0) raw.push_back(tree_.points[static_cast<std::size_t>(join)]);
-        else if (start_at_) raw.push_back(*start_at_);
-        std::reverse(raw.begin(), raw.end());
-        if (!opening && join >= 0) {
-            const double parent = tree_.radius[static_cast<std::size_t>(join)];
-            const double own = radius_sum / std::max<double>(1, static_cast<double>(raw.size() - 1));
-            double length = 0;
-            for (std::size_t i = 1; i < raw.size(); ++i) length += (raw[i] - raw[i - 1]).norm();
-            if ((raw.back() - raw.front()).norm() < kStub * parent || length - parent < kStubOwn * own) {
-                serve({{raw.back()}, {graph_.radius[static_cast<std::size_t>(tip)]}});
-                return;
-            }
+        if (raw.points.empty() || (join < 0 && !tree_.empty())) return;
+        if (!opening && join >= 0 && !is_branch(raw, tree_.points[static_cast<std::size_t>(join)], tree_.radius[static_cast<std::size_t>(join)])) {
+            serve({{raw.points[0]}, {raw.radius[0]}});
+            return;
         }
-        Polyline line = refine(raw);
+        if (join >= 0) raw.points.push_back(tree_.points[static_cast<std::size_t>(join)]);
+        else if (start_at_) raw.points.push_back(*start_at_);
+        std::reverse(raw.points.begin(), raw.points.end());
+        Polyline line = refine(raw.points);
         serve(line);
         if (!opening) trim_tip(line);
         if (join < 0 && !start_at_) {
@@ -204,15 +214,17 @@ private:
         append(line, join);
     }
 
-    /// A path to the wall of a closed end runs through its corner: takes off the points that a clearly larger sphere nearby holds.
+    /// A path to the wall of a closed end runs through its corner: takes off what is narrow beside a larger sphere.
+    /// The corner of a flat end is sqrt(2) radii from the last sphere that fills the lumen: hence 1.5.
     static void trim_tip(Polyline& line)
     {
-        auto inside_larger = [&](std::size_t i) {
+        auto beside_larger = [&](std::size_t i) {
             for (std::size_t j = 0; j < i; ++j)
-                if (line.radius[i] < 0.7 * line.radius[j] && (line.points[i] - line.points[j]).norm() < line.radius[j]) return true;
+                if (line.radius[i] < 0.5 * line.radius[j] && (line.points[i] - line.points[j]).norm() < 1.5 * line.radius[j])
+                    return true;
             return false;
         };
-        while (line.points.size() > 2 && inside_larger(line.points.size() - 1)) {
+        while (line.points.size() > 2 && beside_larger(line.points.size() - 1)) {
             line.points.pop_back();
             line.radius.pop_back();
         }
@@ -229,13 +241,20 @@ private:
         }
     }
 
+    /// Every sample that the ball stands for.
+    void mark_served(int ball)
+    {
+        for (std::size_t i = 0; i < served_.size(); ++i)
+            if (graph_.ball_of_sample[i] == ball) served_[i] = true;
+    }
+
     /// Marks the wall near the line as having a path. Plain loops: a tree query per point returns most of a wide lumen's wall.
     void serve(const Polyline& line)
     {
-        for (std::size_t node = 0; node < graph_.size(); ++node)
-            for (std::size_t i = 0; i < line.points.size() && !served_[node]; ++i) {
+        for (std::size_t sample = 0; sample < served_.size(); ++sample)
+            for (std::size_t i = 0; i < line.points.size() && !served_[sample]; ++i) {
                 const double reach = kCover * line.radius[i];
-                served_[node] = (graph_.wall[node] - line.points[i]).squaredNorm() <= reach * reach;
+                served_[sample] = (graph_.wall[sample] - line.points[i]).squaredNorm() <= reach * reach;
             }
     }
 
@@ -285,21 +304,35 @@ private:
         return p;
     }
 
+    /// Where triangles are longer than the lumen is wide, smoothing may leave a point in the wall: back in, and to the middle.
+    [[nodiscard]] Vec3 bring_inside(const Vec3& p) const
+    {
+        const LumenPlace place = lumen_.locate(p);
+        if (place.inside()) return p;
+        if (place.opening >= 0) return p;  // an opening's own centre, off its mean plane
+        for (double step = finest_; step > 1e-4 * finest_; step *= 0.5)
+            if (const Vec3 in = place.nearest + step * place.normal; lumen_.inside(in)) return climb(in, Vec3::Zero());
+        return p;
+    }
+
     [[nodiscard]] Polyline refine(const std::vector<Vec3>& raw) const
     {
         Polyline line;
         line.points = resample(raw);
         smooth(line.points, 6);
         for (int round = 0; round < 2; ++round) {
-            std::vector<Vec3> climbed = line.points;
             for (std::size_t i = 1; i + 1 < line.points.size(); ++i)
-                climbed[i] = climb(line.points[i], (line.points[i + 1] - line.points[i - 1]).normalized());
-            smooth(climbed, 2);
-            // smoothing may cut a corner of a narrow lumen: a point that would leave it stays
-            for (std::size_t i = 1; i + 1 < climbed.size(); ++i)
-                if (lumen_.signed_distance(climbed[i]) > 0) line.points[i] = climbed[i];
+                line.points[i] = climb(bring_inside(line.points[i]), (line.points[i + 1] - line.points[i - 1]).normalized());
+            std::vector<Vec3> smoothed = line.points;
+            smooth(smoothed, 2);
+            // smoothing may cut a corner of a narrow lumen: a point that would lose the middle stays
+            for (std::size_t i = 1; i + 1 < smoothed.size(); ++i)
+                if (lumen_.signed_distance(smoothed[i]) > 0.7 * radius_at(line.points[i])) line.points[i] = smoothed[i];
         }
-        for (const Vec3& p : line.points) line.radius.push_back(radius_at(p));
+        for (Vec3& p : line.points) {
+            p = bring_inside(p);
+            line.radius.push_back(radius_at(p));
+        }
         return line;
     }
 

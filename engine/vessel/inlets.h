@@ -20,7 +20,7 @@ struct Inlet {
 /// in from the end, where the lumen has its width. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
-/// inlet = "auto": the widest opening, or the centreline's root (the wider end of the longest path).
+/// inlet = "auto": the opening at the centreline's root, else the widest opening, else the closed end at the root.
 /// @throws Error BadFile when the vessel has no way in
 [[nodiscard]] Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <thread>
 
@@ -41,6 +42,26 @@ Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, doubl
     return {centre, std::sqrt(nearest_on_wall(tree, centre).distance2)};
 }
 
+bool balls_overlap(const MedialGraph& graph, std::size_t i, std::size_t j)
+{
+    const double reach = 0.95 * (graph.radius[i] + graph.radius[j]);
+    return (graph.centre[i] - graph.centre[j]).squaredNorm() < reach * reach;
+}
+
+/// How far a centre may go along the ray before it leaves through an opening: beyond one, any ball is empty.
+double way_to_openings(const std::vector<BoundaryLoop>& openings, const Vec3& at, const Vec3& direction)
+{
+    double way = std::numeric_limits<double>::infinity();
+    for (const BoundaryLoop& loop : openings) {
+        const double closing = -direction.dot(loop.inward);
+        if (closing <= 0) continue;
+        const double t = std::max(0.0, (at - loop.centre).dot(loop.inward) / closing);
+        // twice the mean radius: openings are not round, and the ray may pass one at its corner
+        if ((at + t * direction - loop.centre).norm() < 2 * loop.radius) way = std::min(way, t);
+    }
+    return way;
+}
+
 /// Mesh vertices linked to each vertex, in compressed rows.
 void vertex_links(const MeshEdges& edges, const WallMesh& mesh, std::vector<int>& row, std::vector<int>& to)
 {
@@ -64,18 +85,18 @@ void vertex_links(const MeshEdges& edges, const WallMesh& mesh, std::vector<int>
 }
 
 /// Gathers vertices into patches of at most `size`, each round its first vertex; returns the seeds.
-std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<int>& to, std::size_t size, std::vector<int>& node_of_vertex)
+std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<int>& to, std::size_t size, std::vector<int>& sample_of_vertex)
 {
     std::vector<int> seeds, patch;
     for (std::size_t v = 0; v + 1 < row.size(); ++v) {
-        if (node_of_vertex[v] >= 0) continue;
+        if (sample_of_vertex[v] >= 0) continue;
         const int node = static_cast<int>(seeds.size());
         seeds.push_back(static_cast<int>(v));
-        node_of_vertex[v] = node;
+        sample_of_vertex[v] = node;
         patch.assign(1, static_cast<int>(v));
         for (std::size_t k = 0; k < patch.size() && patch.size() < size; ++k)
             for (int i = row[static_cast<std::size_t>(patch[k])]; i < row[static_cast<std::size_t>(patch[k]) + 1] && patch.size() < size; ++i) {
-                int& other = node_of_vertex[static_cast<std::size_t>(to[static_cast<std::size_t>(i)])];
+                int& other = sample_of_vertex[static_cast<std::size_t>(to[static_cast<std::size_t>(i)])];
                 if (other >= 0) continue;
                 other = node;
                 patch.push_back(to[static_cast<std::size_t>(i)]);
@@ -84,35 +105,99 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
     return seeds;
 }
 
-void link_nodes(MedialGraph& graph, const std::vector<int>& row, const std::vector<int>& to)
+/// Largest first, keeps the balls that add something: one whose centre is near the centre of a kept ball, or that hardly stands
+/// out of it, is represented by it. What a rough wall puts beside the axis goes this way.
+void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph)
 {
-    std::vector<std::pair<int, int>> links;
+    constexpr double kNear = 0.3, kStandsOut = 1.1;  // of the kept ball's radius
+    std::vector<int> order(balls.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+        return balls[static_cast<std::size_t>(a)].radius > balls[static_cast<std::size_t>(b)].radius;
+    });
+    graph.ball_of_sample.assign(balls.size(), -1);
+    for (const int i : order) {
+        const Ball& ball = balls[static_cast<std::size_t>(i)];
+        int keeper = -1;
+        // the latest kept first: they are of like size, and samples of one cross-section follow each other
+        for (std::size_t k = graph.centre.size(); k-- > 0 && keeper < 0;) {
+            const double kept = graph.radius[k], reach = std::max(kNear * kept, kStandsOut * kept - ball.radius);
+            if ((graph.centre[k] - ball.centre).squaredNorm() < reach * reach) keeper = static_cast<int>(k);
+        }
+        if (keeper < 0) {
+            keeper = static_cast<int>(graph.centre.size());
+            graph.centre.push_back(ball.centre);
+            graph.radius.push_back(ball.radius);
+        }
+        graph.ball_of_sample[static_cast<std::size_t>(i)] = keeper;
+    }
+}
+
+/// Links balls that overlap, and as a last resort those of neighbouring samples: where a lumen is narrower than its triangles are
+/// long, balls may stand apart along it.
+void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vector<int>& to)
+{
+    std::vector<std::vector<int>> neighbours(graph.ball_count());
     for (std::size_t v = 0; v + 1 < row.size(); ++v)
         for (int i = row[v]; i < row[v + 1]; ++i) {
-            const int a = graph.node_of_vertex[v], b = graph.node_of_vertex[static_cast<std::size_t>(to[static_cast<std::size_t>(i)])];
-            if (a != b) links.emplace_back(a, b);
+            auto ball_of = [&](std::size_t vertex) { return graph.ball_of_sample[static_cast<std::size_t>(graph.sample_of_vertex[vertex])]; };
+            const int a = ball_of(v), b = ball_of(static_cast<std::size_t>(to[static_cast<std::size_t>(i)]));
+            if (a != b) neighbours[static_cast<std::size_t>(a)].push_back(b);
         }
-    std::sort(links.begin(), links.end());
-    links.erase(std::unique(links.begin(), links.end()), links.end());
-    graph.row.assign(graph.size() + 1, 0);
-    for (const auto& [a, b] : links) {
-        ++graph.row[static_cast<std::size_t>(a) + 1];
-        graph.link_to.push_back(b);
+    graph.row.assign(1, 0);
+    for (std::size_t i = 0; i < graph.ball_count(); ++i) {
+        std::vector<int>& links = neighbours[i];
+        for (std::size_t j = 0; j < graph.ball_count(); ++j)
+            if (j != i && balls_overlap(graph, i, j)) links.push_back(static_cast<int>(j));
+        std::sort(links.begin(), links.end());
+        links.erase(std::unique(links.begin(), links.end()), links.end());
+        graph.link_to.insert(graph.link_to.end(), links.begin(), links.end());
+        graph.row.push_back(static_cast<int>(graph.link_to.size()));
     }
-    for (std::size_t i = 0; i < graph.size(); ++i) graph.row[i + 1] += graph.row[i];
+}
+
+/// Marks the balls of stretches of lumen: sets of overlapping balls that stand for two samples a ball or more. Loose balls in
+/// corners and folds of a rough wall stand for themselves; no path shall end there.
+void mark_lumen(MedialGraph& graph)
+{
+    constexpr long kFewest = 30;  // samples of a stretch worth a path
+    std::vector<long> samples(graph.ball_count(), 0);
+    for (const int ball : graph.ball_of_sample) ++samples[static_cast<std::size_t>(ball)];
+    graph.is_lumen.assign(graph.ball_count(), false);
+    std::vector<bool> seen(graph.ball_count(), false);
+    std::vector<std::size_t> part;
+    for (std::size_t seed = 0; seed < graph.ball_count(); ++seed) {
+        if (seen[seed]) continue;
+        part.assign(1, seed);
+        seen[seed] = true;
+        long total = 0;
+        for (std::size_t k = 0; k < part.size(); ++k) {
+            const std::size_t i = part[k];
+            total += samples[i];
+            for (int n = graph.row[i]; n < graph.row[i + 1]; ++n) {
+                const auto j = static_cast<std::size_t>(graph.link_to[static_cast<std::size_t>(n)]);
+                if (seen[j] || !balls_overlap(graph, i, j)) continue;
+                seen[j] = true;
+                part.push_back(j);
+            }
+        }
+        const bool lumen = seed == 0 || (total >= kFewest && total >= 2 * static_cast<long>(part.size()));  // ball 0 is the largest
+        for (const std::size_t i : part) graph.is_lumen[i] = lumen;
+    }
 }
 
 }  // namespace
 
-MedialGraph build_medial_graph(const WallMesh& mesh, const LumenQuery& lumen, std::size_t node_limit)
+MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen,
+                               std::size_t sample_limit)
 {
     MedialGraph graph;
     if (mesh.triangles.empty()) return graph;
     std::vector<int> row, to;
     const MeshEdges edges = find_edges(mesh);
     vertex_links(edges, mesh, row, to);
-    graph.node_of_vertex.assign(mesh.vertices.size(), -1);
-    const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / node_limit + 1, graph.node_of_vertex);
+    graph.sample_of_vertex.assign(mesh.vertices.size(), -1);
+    const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
 
     Eigen::AlignedBox3d box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
@@ -123,30 +208,31 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const LumenQuery& lumen, st
     }
     const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
     graph.wall.resize(seeds.size());
-    graph.centre.resize(seeds.size());
-    graph.radius.resize(seeds.size());
+    std::vector<Ball> balls(seeds.size());
     auto fill = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto v = static_cast<std::size_t>(seeds[i]);
-            const Ball ball = medial_ball(lumen.tree(), mesh.vertices[v], lumen.vertex_normal(v), skip, limit);
-            graph.wall[i] = mesh.vertices[v];
-            graph.centre[i] = ball.centre;
-            graph.radius[i] = std::max(ball.radius, 1e-9 * limit);
+            const Vec3 &at = mesh.vertices[v], &normal = lumen.vertex_normal(v);
+            graph.wall[i] = at;
+            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)));
+            balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
         }
     };
-    std::thread helper(fill, 0, seeds.size() / 2);  // each node on its own: the same bits whoever computes it
+    std::thread helper(fill, 0, seeds.size() / 2);  // each ball on its own: the same bits whoever computes it
     fill(seeds.size() / 2, seeds.size());
     helper.join();
-    link_nodes(graph, row, to);
+    keep_significant(balls, graph);
+    link_balls(graph, row, to);
+    mark_lumen(graph);
     return graph;
 }
 
 MedialPaths cheapest_paths(const MedialGraph& graph, int root)
 {
     MedialPaths paths;
-    paths.towards_root.assign(graph.size(), -1);
-    paths.length.assign(graph.size(), -1.0);
-    std::vector<double> cost(graph.size(), std::numeric_limits<double>::infinity());
+    paths.towards_root.assign(graph.ball_count(), -1);
+    paths.length.assign(graph.ball_count(), -1.0);
+    std::vector<double> cost(graph.ball_count(), std::numeric_limits<double>::infinity());
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     cost[static_cast<std::size_t>(root)] = paths.length[static_cast<std::size_t>(root)] = 0;
@@ -160,10 +246,9 @@ MedialPaths cheapest_paths(const MedialGraph& graph, int root)
             const auto j = static_cast<std::size_t>(graph.link_to[static_cast<std::size_t>(k)]);
             const double length = (graph.centre[j] - graph.centre[i]).norm();
             const double ri = graph.radius[i], rj = graph.radius[j];
-            // balls that do not overlap may lie on two sides of a wall (a crotch): the last resort
-            const double penalty = length < 0.95 * (ri + rj) ? 1.0 : 1000.0;
-            // the constant keeps links between coinciding centres (a perfect tube) from being free
-            const double next = c + penalty * (length + 1e-3 * ri) * 0.5 * (1 / (ri * ri) + 1 / (rj * rj));
+            // balls that stand apart may lie on two sides of a wall (a crotch): only where nothing else leads on
+            const double penalty = balls_overlap(graph, i, j) ? 1.0 : 1000.0;
+            const double next = c + penalty * length * 0.5 * (1 / (ri * ri) + 1 / (rj * rj));
             if (next >= cost[j]) continue;
             cost[j] = next;
             paths.length[j] = paths.length[i] + length;

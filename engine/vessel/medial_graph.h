@@ -1,5 +1,5 @@
 #pragma once
-// Medial balls of the wall's vertices and the links between them.
+// Medial balls of the lumen and the links between them.
 
 #include "vessel/inside.h"
 
@@ -7,23 +7,29 @@
 
 namespace seldinger {
 
-/// One node per chosen wall vertex. Links in compressed rows: node i links to link_to[row[i] .. row[i + 1]).
+/// Wall samples, each with the ball that stands for its own medial ball, and the balls that are left when each that a larger one makes
+/// superfluous is taken away. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of neighbouring
+/// samples are linked too, so that the graph hangs together as the wall does; paths use such a link only where nothing else leads on.
+/// Links in compressed rows: ball i links to link_to[row[i] .. row[i + 1]).
 struct MedialGraph {
-    std::vector<Vec3> wall;       // [N] the vertex on the wall [m]
-    std::vector<Vec3> centre;     // [N] of its medial ball [m]
-    std::vector<double> radius;   // [N] distance of the centre to the wall [m]
+    std::vector<Vec3> wall;           // [N] samples of the wall [m]
+    std::vector<int> ball_of_sample;  // [N]
+    std::vector<int> sample_of_vertex;  // [V] sample that stands for each mesh vertex
+    std::vector<Vec3> centre;         // [B] [m]
+    std::vector<double> radius;       // [B] distance of the centre to the wall, decreasing [m]
+    std::vector<bool> is_lumen;       // [B] belongs to a stretch of lumen where a path may end, not to a corner of a rough wall
     std::vector<int> row, link_to;
-    std::vector<int> node_of_vertex;  // [V] node that stands for each mesh vertex
-    [[nodiscard]] std::size_t size() const { return wall.size(); }
+    [[nodiscard]] std::size_t ball_count() const { return centre.size(); }
 };
 
-/// At most about `node_limit` nodes: in finer meshes a node stands for a patch of neighbouring vertices.
-[[nodiscard]] MedialGraph build_medial_graph(const WallMesh& mesh, const LumenQuery& lumen, std::size_t node_limit = 50000);
+/// At most about `sample_limit` samples: in finer meshes one stands for a patch of neighbouring vertices.
+[[nodiscard]] MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings,
+                                             const LumenQuery& lumen, std::size_t sample_limit = 50000);
 
-/// Cheapest paths from one node: cost = length / radius^2; `length` is the plain length of that path [m].
+/// Cheapest paths from one ball: cost = length / radius^2; `length` is the plain length of that path [m].
 struct MedialPaths {
-    std::vector<int> towards_root;  // [N] next node, -1 at the root and where it cannot be reached
-    std::vector<double> length;     // [N] < 0 where it cannot be reached
+    std::vector<int> towards_root;  // [B] next ball, -1 at the root and where it cannot be reached
+    std::vector<double> length;     // [B] < 0 where it cannot be reached
 };
 [[nodiscard]] MedialPaths cheapest_paths(const MedialGraph& graph, int root);
 

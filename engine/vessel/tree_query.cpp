@@ -102,7 +102,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
     stack[top++] = 0;
     while (top > 0) {
         const TreeNode& node = tree.nodes[stack[--top]];
-        if (box_entry(node, local, inverse) > best) continue;
+        if (!(box_entry(node, local, inverse) < best)) continue;
         if (node.count > 0) {
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + node.count; ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));

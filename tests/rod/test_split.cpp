@@ -205,7 +205,8 @@ TEST_CASE("property: many turns stored between tip and clamp survive a split")
         // the lengths that twist is counted over change by (kappa h)^2/32 = 3e-4
         CHECK(clamp_torque(wire.rod, wire.clamps, wire.frames, 0) == doctest::Approx(torque).epsilon(1e-3));
         for (int i = 1; i < wire.rod.n - 1; ++i)
-            CHECK(wire.frames.twist[i] / wire.rod.voronoi_length(i) == doctest::Approx(turns + ArcWire::twist_rate).epsilon(2e-3));
+            CHECK(wire.frames.twist[i] / wire.rod.voronoi_length(i)
+                  == doctest::Approx(turns + ArcWire::twist_rate).epsilon(2e-3));
     }
 }
 
