@@ -249,16 +249,29 @@ TEST_CASE("analytic: an axis beyond the wall has depth r + d and a normal that p
     }
 }
 
-TEST_CASE("analytic: rims of an opening do not push, the face beside them does")
+// Distance to a convex set is continuous, so is the push of the floor's free edge when the wire slides off it; a bar has no sides.
+TEST_CASE("analytic: the rim of an opening pushes like a bar, from every side, and the back of the face beside it does not")
 {
     // a floor that ends at x = 0: edge c-a of the one triangle that borders it is the rim, both its ends are rim vertices
     Soup soup;
     soup.add(v3(0, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.01, 0), 1u << 2 | 8u << 0 | 8u << 2);
-    CHECK(touches_at(soup, v3(-0.3 * r, 0, 0.5 * r), r).first.found == 0);    // nearest feature: the rim
-    CHECK(touches_at(soup, v3(0, -0.0101, 0.3 * r), r).first.found == 0);     // nearest feature: a rim vertex
-    CHECK(touches_at(soup, v3(0.3 * r, 0, 0.5 * r), r).first.found == 1);     // the face
-    soup.rims[0] = 0;                                                          // with a neighbour there it would push
-    CHECK(touches_at(soup, v3(-0.3 * r, 0, 0.5 * r), r).first.found == 1);
+    for (double angle : {0.1, 0.8, 1.57, 2.5, 3.1, 4.0, 4.6}) {  // round the rim, from over the floor to under it
+        const vec3 p = (0.7 * r) * v3(std::cos(angle), 0, std::sin(angle));
+        const Touches t = touches_at(soup, p, r);
+        CAPTURE(angle);
+        REQUIRE(t.first.found == 1);
+        if (angle > 1.6) {
+            CHECK(t.first.outside == 0);
+            CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
+            CHECK(norm(t.first.normal - (1 / norm(p)) * p) <= 1e-12);
+        } else {
+            CHECK(std::abs(t.first.depth - (r - 0.7 * r * std::sin(angle))) <= 1e-15);
+        }
+    }
+    std::vector<std::uint32_t> all = {0};
+    const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
+    CHECK(nearest_touch(under, zero, r, 0.1 * r, 0, all.data(), 1, soup.vertices.data(), soup.rims.data()).outside == 1);
+    CHECK(nearest_touch(under, zero, r, 0.1 * r, 1, all.data(), 1, soup.vertices.data(), soup.rims.data()).found == 0);
 }
 
 TEST_CASE("property: facets without area beside real ones change nothing")

@@ -52,7 +52,7 @@ inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach,
     const vec3 origin = v3(0, 0, 0);
     const auto count = static_cast<std::uint32_t>(order.size());
     Touches t;
-    t.first = nearest_touch(p, origin, radius, reach, order.data(), count, soup.vertices.data(), soup.rims.data());
+    t.first = nearest_touch(p, origin, radius, reach, 0, order.data(), count, soup.vertices.data(), soup.rims.data());
     t.second = blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
     if (t.second.found)
         (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
