@@ -147,6 +147,9 @@ void constrain_now(World::Impl& state, int w)
 // A wire that is not fed pays its debt of rest length over this time [s]: slow against its axial waves, fast against what a hand does.
 constexpr double debt_time = 0.05;
 
+// Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
+constexpr int merge_period = 16;  // steps
+
 void drain_debt(World::Impl& state, int w, double dt)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
@@ -157,15 +160,17 @@ void drain_debt(World::Impl& state, int w, double dt)
     debt -= paid;
 }
 
-// A fed wire's base edge is kept within [h/2, 3h/2], 3h/2 being the longest edge that the shape there allows.
-bool adapt_base(World::Impl& state, int w, std::span<const double> longest)
+// A fed wire's base edge is kept within [h/2, 3h/2]. What feeding has grown is
+// split at once; what it has shortened is merged where the longer edge will stay, or at the last where it is too short for any wire.
+bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
     const RodView rod = state.rods.view(w);
-    const double h = std::min(spec.max_edge, std::max(longest[rod.n - 2], 3 * spec.min_edge)) / 1.5;
-    const double inner = state.adapters[w].planner.base_split(rod, spec);
-    if (inner == 0 && rod.rest_length[rod.n - 2] > 1.5 * h) return false;
-    const HubChange change = adapt_hub(state.feeds[w], spec, state.rods, w, h, inner);
+    NodePlanner& planner = state.adapters[w].planner;
+    BaseEdge limits = BaseEdge::uniform(planner.base_edge(rod, spec, demands.hub_tangent));
+    limits.inner = planner.base_split(rod, spec);
+    if (!demands.may_merge || !planner.base_may_merge(rod, spec)) limits.shortest = spec.min_edge;
+    const HubChange change = adapt_hub(state.feeds[w], spec, state.rods, w, limits);
     state.remesh_energy[w] += change.energy;
     return change.changed;
 }
@@ -176,8 +181,14 @@ void adapt_wire(World::Impl& state, int w, double dt)
     const bool fed = state.feeds[w].on;
     NodeAdapter& adapter = state.adapters[w];
     if (!fed) drain_debt(state, w, dt);
-    if (fed && adapt_base(state, w, adapter.planner.longest_edges(state.rods.view(w), spec))) return;
-    const auto changes = adapter.planner.plan(state.rods.view(w), spec, {adapter.kept, fed}, state.rods.capacity(w));
+    NodeDemands demands;
+    demands.kept = adapter.kept;
+    demands.fed = fed;
+    demands.may_merge = state.steps % merge_period == 0;
+    for (const RodClamp& clamp : state.constraints[w].clamps)
+        if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
+    if (fed && adapt_base(state, w, demands)) return;
+    const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
@@ -197,7 +208,7 @@ void adapt_nodes(World::Impl& state, double dt)
         if (state.adapters[w].on)
             adapt_wire(state, w, dt);
         else if (feed.on)
-            state.remesh_energy[w] += adapt_hub(feed, state.setup.wires[w].wire, state.rods, w, feed.edge, feed.edge).energy;
+            state.remesh_energy[w] += adapt_hub(feed, state.setup.wires[w].wire, state.rods, w, BaseEdge::uniform(feed.edge)).energy;
     }
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }

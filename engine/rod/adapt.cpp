@@ -14,8 +14,9 @@ namespace {
 
 // An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
 // two touches, a few lumen radii.
-constexpr double longest_lever = 0.03;  // [m]
-constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
+const double longest_lever = getenv("LEVER") ? atof(getenv("LEVER")) : 0.03;  // [m]
+const double merge_share = getenv("MERGE") ? atof(getenv("MERGE")) : 0.65;    // merged edge against the longest allowed, see adapt.h
+const double base_share = getenv("BASE") ? atof(getenv("BASE")) : 1.0 / 3;
 constexpr int most_seeds = 3;           // edges split in one call, not counting neighbours that have to follow
 
 /// Nodes of a wire that must stay, as flags.
@@ -54,45 +55,62 @@ NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
     changes_.reserve(capacity);
 }
 
-std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec)
+/// Curvature, moment and jump of shear at all nodes.
+void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
 {
-    const int n = rod.n;
-    moment_[0] = moment_[n - 1] = Vec3::Zero();
-    for (int i = 1; i < n - 1; ++i) {
+    const int hub = rod.n - 1;
+    curvature_[0] = curvature_[hub] = shear_jump_[0] = shear_jump_[hub] = 0;
+    moment_[0] = moment_[hub] = Vec3::Zero();
+    for (int i = 1; i < hub; ++i) {
         const Vec3 kb = binormal(rod, i);
         curvature_[i] = kb.norm() / rod.voronoi_length(i);
         moment_[i] = (rod.bend_stiffness[i] / rod.voronoi_length(i)) * (kb - rest_binormal(rod, i));
     }
-    curvature_[0] = n > 2 ? curvature_[1] : 0;
-    curvature_[n - 1] = n > 2 ? curvature_[n - 2] : 0;
-
-    // The hub's moment is a clamp's, which no turning angle tells: the shear of the edge before is continued.
-    Vec3 shear = n > 2 ? Vec3(moment_[1] / rod.rest_length[0]) : Vec3(Vec3::Zero());
-    shear_jump_[0] = shear_jump_[n - 1] = 0;
-    for (int i = 1; i < n - 1; ++i) {
-        const Vec3 next = i < n - 2 ? Vec3((moment_[i + 1] - moment_[i]) / rod.rest_length[i]) : shear;
-        shear_jump_[i] = (next - shear).norm();
-        shear = next;
+    if (!hub_tangent.isZero()) {
+        const Vec3 t = rod.tangent(hub - 1);
+        const Vec3 kappa = (2 / (one_plus_cos(t, hub_tangent) * rod.voronoi_length(hub))) * t.cross(hub_tangent);
+        curvature_[hub] = kappa.norm();
+        moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
-
-    for (int j = 0; j < n - 1; ++j) {
-        const double kappa = std::max(curvature_[j], curvature_[j + 1]);
-        const double lever = std::min(rod.material_s[j + 1], longest_lever);
-        const double stiffness = std::min(rod.bend_stiffness[j], rod.bend_stiffness[j + 1]);
-        const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
-        const double square = lever * 0.5 * (shear_jump_[j] + shear_jump_[j + 1]) / (12 * stiffness);
-        double longest = spec.max_edge;
-        if (cubic > 0) longest = std::min(longest, std::cbrt(spec.edge_error / cubic));
-        if (square > 0) longest = std::min(longest, std::sqrt(spec.edge_error / square));
-        longest_[j] = std::max(longest, spec.min_edge);
-    }
-    return std::span(longest_).first(n - 1);
+    for (int i = 1; i < hub; ++i)
+        shear_jump_[i] = ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] - (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
+    if (hub == 1) return;
+    curvature_[0] = curvature_[1];
+    shear_jump_[0] = shear_jump_[1];          // what is at an end itself, a load or a reaction, is no error;
+    shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Where to split an edge so that a node comes to a section's boundary inside it; 0 where none is, or too near to an end.
-double NodePlanner::boundary_fraction(const RodView& rod, const WireSpec& spec, int edge) const
+/// Longest edge [m] in the place of the material between nodes `from` and `to`, all the jumps of shear inside on its ends.
+double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
-    const double begin = rod.material_s[edge], end = rod.material_s[edge + 1];
+    double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
+    for (int i = from; i <= to; ++i) kappa = std::max(kappa, curvature_[i]), stiffness = std::min(stiffness, rod.bend_stiffness[i]);
+    for (int i = from + 1; i < to; ++i) jump += shear_jump_[i];
+    const double lever = std::min(rod.material_s[to], longest_lever);
+    const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
+    const double square = lever * jump / (12 * stiffness);
+    double longest = spec.max_edge;
+    if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
+    if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
+    return std::max(longest, spec.min_edge);
+}
+
+double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+{
+    measure(rod, hub_tangent);
+    return std::max(base_share * longest_edge(rod, spec, rod.n - 2, rod.n - 1), 2 * spec.min_edge);
+}
+
+std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+{
+    measure(rod, hub_tangent);
+    for (int j = 0; j < rod.n - 1; ++j) longest_[j] = longest_edge(rod, spec, j, j + 1);
+    return std::span(longest_).first(rod.n - 1);
+}
+
+/// Where to split the edge [begin, end] so that a node comes to a section's boundary inside it; 0 where none is, or too near to an end.
+double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double end) const
+{
     for (const double s : boundaries_)
         if (s - begin >= spec.min_edge && end - s >= spec.min_edge) return (s - begin) / (end - begin);
     return 0;
@@ -101,10 +119,18 @@ double NodePlanner::boundary_fraction(const RodView& rod, const WireSpec& spec, 
 double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
 {
     const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
-    double inner = 0.6 * length;  // the two stay within the ratio of neighbours
+    double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
     for (const double s : boundaries_)
         if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);
     return inner >= spec.min_edge ? inner : 0;
+}
+
+bool NodePlanner::base_may_merge(const RodView& rod, const WireSpec& spec) const
+{
+    if (rod.n < 3) return false;
+    const double length = rod.rest_length[rod.n - 3] + rod.rest_length[rod.n - 2];
+    if (boundary_fraction(spec, rod.material_s[rod.n - 3], rod.material_s[rod.n - 1]) > 0) return false;
+    return length < 0.9 * 1.5 * base_share * longest_edge(rod, spec, rod.n - 3, rod.n - 1);
 }
 
 /// Marks neighbours that would be more than edge_ratio_limit times as long as a half of edge `from`, and so on.
@@ -119,18 +145,19 @@ void NodePlanner::spread_marks(const RodView& rod, const WireSpec& spec, int fro
         }
 }
 
-void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, int capacity)
+void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
 {
     std::fill(marked_.begin(), marked_.end(), 0);
-    for (int j = 0; j < rod.n - 1; ++j)  // ratios that feeding or a boundary has spoilt
+    for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j)  // ratios that a boundary has spoilt, or feeding (a base edge that grows)
         spread_marks(rod, spec, j);
     for (int seed = 0; seed < most_seeds; ++seed) {
         int worst = -1;
         double most = 1;
         for (int j = 0; j < rod.n - 1; ++j) {
             if (marked_[j] || rod.rest_length[j] < 2 * spec.min_edge) continue;
-            const double boundary = boundary_fraction(rod, spec, j) > 0 ? 1e3 : 0;
-            const double excess = std::max(boundary, rod.rest_length[j] / longest_[j]);
+            const double boundary = boundary_fraction(spec, rod.material_s[j], rod.material_s[j + 1]) > 0 ? 1e3 : 0;
+            const bool judged = !(demands.fed && j == rod.n - 2);  // the base edge is feeding's
+            const double excess = std::max(boundary, judged ? rod.rest_length[j] / longest_[j] : 0.0);
             if (excess > most) worst = j, most = excess;
         }
         if (worst < 0) break;
@@ -140,7 +167,7 @@ void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, int capa
     int room = capacity - rod.n;
     for (int j = rod.n - 2; j >= 0 && room > 0; --j) {
         if (!marked_[j]) continue;
-        const double fraction = boundary_fraction(rod, spec, j);
+        const double fraction = boundary_fraction(spec, rod.material_s[j], rod.material_s[j + 1]);
         changes_.push_back({true, j, fraction > 0 ? fraction : 0.5});
         --room;
     }
@@ -159,7 +186,8 @@ void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const Nod
         if (length > spec.max_edge) continue;
         if (i > 1 && length > edge_ratio_limit * rod.rest_length[i - 2]) continue;
         if (i + 1 < rod.n - 1 && length > edge_ratio_limit * rod.rest_length[i + 1]) continue;
-        const double share = length / std::min(longest_[i - 1], longest_[i]);
+        if (boundary_fraction(spec, rod.material_s[i - 1], rod.material_s[i + 1]) > 0) continue;
+        const double share = length / longest_edge(rod, spec, i - 1, i + 1);
         if (share < least) best = i, least = share;
     }
     if (best > 0) changes_.push_back({false, best, 0});
@@ -168,9 +196,9 @@ void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const Nod
 std::span<const NodeChange> NodePlanner::plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
 {
     changes_.clear();
-    longest_edges(rod, spec);
-    plan_splits(rod, spec, capacity);
-    if (changes_.empty()) plan_merge(rod, spec, demands);
+    longest_edges(rod, spec, demands.hub_tangent);
+    plan_splits(rod, spec, demands, capacity);
+    if (changes_.empty() && demands.may_merge) plan_merge(rod, spec, demands);
     return changes_;
 }
 

@@ -34,7 +34,9 @@ struct NodeChange {
 /// What a wire's nodes are judged by besides its shape.
 struct NodeDemands {
     std::span<const double> kept;  // material distances [m]; the nearest node to each stays
-    bool fed = false;              // the base edge belongs to feeding: not merged here
+    Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
+    bool may_merge = true;
+    bool fed = false;              // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
 };
 
 /// Scratch of one wire; allocated once.
@@ -45,19 +47,25 @@ public:
 
     /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
     /// @return [n-1]; valid until the next call
-    std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec);
+    std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
+    /// h of a fed wire's base edge [m], which is kept within [h/2, 3h/2].
+    [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
     /// How much of a fed wire's base edge a split should leave tipwards [m], so that a section's boundary in it can get its own node
     /// later; 0: not yet.
     [[nodiscard]] double base_split(const RodView& rod, const WireSpec& spec) const;
+    /// Whether the base edge and its neighbour may be one. After base_edge().
+    [[nodiscard]] bool base_may_merge(const RodView& rod, const WireSpec& spec) const;
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
 
 private:
-    void plan_splits(const RodView& rod, const WireSpec& spec, int capacity);
+    void measure(const RodView& rod, const Vec3& hub_tangent);
+    [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
+    void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
     void spread_marks(const RodView& rod, const WireSpec& spec, int from);
     void plan_merge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    [[nodiscard]] double boundary_fraction(const RodView& rod, const WireSpec& spec, int edge) const;
+    [[nodiscard]] double boundary_fraction(const WireSpec& spec, double begin, double end) const;
 
     std::vector<double> boundaries_;             // [m] where sections begin and end
     std::vector<double> longest_;                // [n-1]

@@ -43,7 +43,15 @@ struct HubChange {
     double energy = 0;  // made by it [J]
 };
 
-/// Splits or merges the base edge where it left [h/2, 3h/2]; `inner` is the length that a split leaves tipwards of the new node.
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double h, double inner);
+/// What the base edge may be [m].
+struct BaseEdge {
+    double shortest = 0, longest = 0;
+    double inner = 0;  // what a split leaves tipwards of the new node; 0: it may not be split now
+
+    static BaseEdge uniform(double h) { return {0.5 * h, 1.5 * h, h}; }
+};
+
+/// Splits or merges the base edge where it left its limits.
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits);
 
 }  // namespace seldinger
