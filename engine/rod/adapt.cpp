@@ -14,9 +14,11 @@ namespace {
 
 // An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
 // two touches, a few lumen radii.
-const double longest_lever = getenv("LEVER") ? atof(getenv("LEVER")) : 0.03;  // [m]
-const double merge_share = getenv("MERGE") ? atof(getenv("MERGE")) : 0.65;    // merged edge against the longest allowed, see adapt.h
-const double base_share = getenv("BASE") ? atof(getenv("BASE")) : 1.0 / 3;
+constexpr double longest_lever = 0.03;  // [m]
+constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
+// The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on the arch and on an arc
+// of 40 mm, thirds leave less than 1 mN where whole ones left 4 mN of 240 mN, and cost three nodes.
+constexpr double base_share = 1.0 / 3;
 constexpr int most_seeds = 3;           // edges split in one call, not counting neighbours that have to follow
 
 /// Nodes of a wire that must stay, as flags.
@@ -80,7 +82,7 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
     shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Longest edge [m] in the place of the material between nodes `from` and `to`, all the jumps of shear inside on its ends.
+/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, all the jumps of shear inside on its ends.
 double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
@@ -89,7 +91,7 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     const double lever = std::min(rod.material_s[to], longest_lever);
     const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
     const double square = lever * jump / (12 * stiffness);
-    double longest = spec.max_edge;
+    double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
     if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
     return std::max(longest, spec.min_edge);
@@ -98,13 +100,13 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
 double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
 {
     measure(rod, hub_tangent);
-    return std::max(base_share * longest_edge(rod, spec, rod.n - 2, rod.n - 1), 2 * spec.min_edge);
+    return std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 2, rod.n - 1)), 2 * spec.min_edge);
 }
 
 std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
 {
     measure(rod, hub_tangent);
-    for (int j = 0; j < rod.n - 1; ++j) longest_[j] = longest_edge(rod, spec, j, j + 1);
+    for (int j = 0; j < rod.n - 1; ++j) longest_[j] = std::min(spec.max_edge, longest_edge(rod, spec, j, j + 1));
     return std::span(longest_).first(rod.n - 1);
 }
 
@@ -130,7 +132,7 @@ bool NodePlanner::base_may_merge(const RodView& rod, const WireSpec& spec) const
     if (rod.n < 3) return false;
     const double length = rod.rest_length[rod.n - 3] + rod.rest_length[rod.n - 2];
     if (boundary_fraction(spec, rod.material_s[rod.n - 3], rod.material_s[rod.n - 1]) > 0) return false;
-    return length < 0.9 * 1.5 * base_share * longest_edge(rod, spec, rod.n - 3, rod.n - 1);
+    return length < 0.9 * 1.5 * base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 3, rod.n - 1));
 }
 
 /// Marks neighbours that would be more than edge_ratio_limit times as long as a half of edge `from`, and so on.
@@ -179,7 +181,7 @@ void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const Nod
     flag_kept(rod, demands.kept, marked_);
     flag_kept(rod, boundaries_, marked_);
     int best = -1;
-    double least = merge_share;
+    double least = merge_share * (1 + 1e-9);
     for (int i = 1; i < rod.n - (demands.fed ? 2 : 1); ++i) {
         if (marked_[i]) continue;
         const double length = rod.rest_length[i - 1] + rod.rest_length[i];
