@@ -28,10 +28,9 @@ double layer_height(const ContactSpec& contact, double radius)
     return contact.layer_height > 0 ? contact.layer_height : radius + pair_distance(contact, radius);
 }
 
-// w in [r/4, 2r], smaller where the lumen is larger
-double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
-
 }  // namespace
+
+double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
 
 LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius)
     : context_(context),

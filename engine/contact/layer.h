@@ -7,6 +7,9 @@
 
 namespace seldinger {
 
+/// w of the layer: in [r/4, 2r], smaller where the lumen is larger [m].
+[[nodiscard]] double layer_width(double radius, double lumen_radius);
+
 class LayerContact final : public ContactMethod {
 public:
     LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius);

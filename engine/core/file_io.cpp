@@ -2,12 +2,12 @@
 
 #include "core/error.h"
 
-#include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <cerrno>
+#include <cstring>
 #include <utility>
 
 namespace seldinger {
@@ -39,7 +39,8 @@ int write_all(int fd, std::string_view bytes)
 std::string read_file(const std::filesystem::path& path)
 {
     auto fail = [&](int error) {
-        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read: {}; check the path", path.string(), std::strerror(error)));
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: cannot be read: {}; check the path", path.string(), std::strerror(error)));
     };
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) fail(errno);
@@ -87,14 +88,15 @@ AppendFile::AppendFile(const std::filesystem::path& path, std::uint64_t keep) : 
 {
     fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (fd_ < 0) fail_writing(path, errno);
-    struct stat status{};
+    struct stat status {};
     const bool known = ::fstat(fd_, &status) == 0;
     const bool too_short = known && static_cast<std::uint64_t>(status.st_size) < keep;
     if (!known || too_short || ::ftruncate(fd_, static_cast<off_t>(keep)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
         const int error = errno;
         ::close(std::exchange(fd_, -1));
         if (too_short)
-            throw Error(ExitCode::BadFile, fmt::format("{}: is shorter than its checkpoint says; run again with --overwrite", path.string()));
+            throw Error(ExitCode::BadFile,
+                        fmt::format("{}: is shorter than its checkpoint says; run again with --overwrite", path.string()));
         fail_writing(path, error);
     }
 }

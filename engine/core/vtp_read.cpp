@@ -109,6 +109,8 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
     for (std::uint64_t i = 0; i < blocks; ++i) {
         const std::string packed = source.take(read_length(sizes, i, width));
         uLongf size = static_cast<uLongf>(i + 1 == blocks && last ? last : full);
+        // zlib unpacks at most 1032-fold: a larger promise is a damaged length, and would ask for absurd memory
+        if (size > 1032 * packed.size() + 64) fail(file, "a compressed array has an impossible size");
         const std::size_t start = out.size();
         out.resize(start + size);
         if (uncompress(reinterpret_cast<Bytef*>(out.data() + start), &size, reinterpret_cast<const Bytef*>(packed.data()),
@@ -208,6 +210,7 @@ void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* 
                 std::int64_t points, PolyCells& cells)
 {
     const auto shift = static_cast<std::int64_t>(cells.connectivity.size());
+    const std::size_t cells_before = cells.offsets.size();
     for (const pugi::xml_node& node : piece.child(kind).children("DataArray")) {
         const std::string name = node.attribute("Name").as_string();
         if (name != "connectivity" && name != "offsets") continue;
@@ -224,6 +227,13 @@ void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* 
             fail(file, std::string(kind) + " are damaged");
         before = offset;
     }
+    if (before != static_cast<std::int64_t>(cells.connectivity.size()))
+        fail(file, std::string(kind) + " are damaged: offsets end at " + std::to_string(before) + ", " +
+                       std::to_string(cells.connectivity.size()) + " indices are there");
+    const pugi::xml_attribute announced = piece.attribute((std::string("NumberOf") + kind).c_str());
+    if (announced && announced.as_ullong() != cells.offsets.size() - cells_before)
+        fail(file, "NumberOf" + std::string(kind) + " is " + announced.value() + ", but " +
+                       std::to_string(cells.offsets.size() - cells_before) + " are there");
 }
 
 void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyData& data)

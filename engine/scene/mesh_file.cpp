@@ -2,10 +2,10 @@
 #include "scene/mesh_file.h"
 
 #include "core/error.h"
-#include "scene/vtk_polydata.h"
+#include "core/file_io.h"
+#include "scene/vtk_legacy.h"
 
 #include <assimp/Importer.hpp>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <Eigen/Geometry>
@@ -18,6 +18,11 @@
 namespace seldinger {
 namespace {
 
+[[noreturn]] void bad_file(const std::filesystem::path& path, const std::string& message)
+{
+    throw Error(ExitCode::BadFile, fmt::format("{}: {}", path.string(), message));
+}
+
 std::string lower_extension(const std::filesystem::path& path)
 {
     std::string text = path.extension().string();
@@ -25,7 +30,7 @@ std::string lower_extension(const std::filesystem::path& path)
     return text;
 }
 
-/// Cuts a polygon by ears, smallest corner angle first by order of appearance; a convex one ends as a fan.
+/// Cuts a polygon by ears, in order of appearance; fewer than three corners give nothing.
 void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> polygon, WallMesh& mesh)
 {
     auto at = [&](std::size_t i) -> const Vec3& { return vertices[static_cast<std::size_t>(polygon[i % polygon.size()])]; };
@@ -52,27 +57,25 @@ void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> po
     if (polygon.size() == 3) mesh.triangles.push_back({polygon[0], polygon[1], polygon[2]});
 }
 
-WallMesh from_polydata(const std::filesystem::path& path, const VtkPolyData& data)
+WallMesh from_polydata(const PolyData& data)
 {
-    const std::size_t count = data.points.size() / 3;
-    check_cells(path, data.polygons, count, "polygon");
-    check_cells(path, data.strips, count, "strip");
     WallMesh mesh;
-    for (std::size_t i = 0; i < count; ++i) mesh.vertices.emplace_back(data.points[3 * i], data.points[3 * i + 1], data.points[3 * i + 2]);
-    std::vector<std::int32_t> polygon;
-    for (std::size_t cell = 0; cell < data.polygons.size(); ++cell) {
-        polygon.clear();
-        for (std::int64_t k = data.polygons.offsets[cell]; k < data.polygons.offsets[cell + 1]; ++k)
-            polygon.push_back(static_cast<std::int32_t>(data.polygons.connectivity[static_cast<std::size_t>(k)]));
-        triangulate(mesh.vertices, polygon, mesh);
+    for (const auto& p : data.points) mesh.vertices.emplace_back(p[0], p[1], p[2]);
+    std::vector<std::int32_t> corners;
+    std::int64_t begin = 0;
+    auto next_cell = [&](const PolyCells& cells, std::int64_t end) {
+        corners.clear();
+        for (; begin < end; ++begin) corners.push_back(static_cast<std::int32_t>(cells.connectivity[static_cast<std::size_t>(begin)]));
+    };
+    for (const std::int64_t end : data.polys.offsets) {
+        next_cell(data.polys, end);
+        triangulate(mesh.vertices, corners, mesh);
     }
-    for (std::size_t cell = 0; cell < data.strips.size(); ++cell) {
-        const std::int64_t begin = data.strips.offsets[cell], end = data.strips.offsets[cell + 1];
-        auto corner = [&](std::int64_t k) { return static_cast<std::int32_t>(data.strips.connectivity[static_cast<std::size_t>(k)]); };
-        for (std::int64_t k = begin; k + 2 < end; ++k) {
-            const bool odd = (k - begin) % 2 == 1;  // every second triangle of a strip runs the other way
-            mesh.triangles.push_back({corner(k), corner(odd ? k + 2 : k + 1), corner(odd ? k + 1 : k + 2)});
-        }
+    begin = 0;
+    for (const std::int64_t end : data.strips.offsets) {
+        next_cell(data.strips, end);
+        for (std::size_t k = 0; k + 2 < corners.size(); ++k)  // every second triangle of a strip runs the other way
+            mesh.triangles.push_back({corners[k], corners[k + 1 + k % 2], corners[k + 2 - k % 2]});
     }
     return mesh;
 }
@@ -116,29 +119,35 @@ WallMesh read_with_assimp(const std::filesystem::path& path, const std::string& 
 {
     long announced = 0;
     {
-        const std::string bytes = read_whole_file(path);
+        const std::string bytes = read_file(path);
         if (extension == ".stl") check_stl(path, bytes);
         if (extension == ".ply") announced = announced_ply_faces(path, bytes);
     }
     Assimp::Importer importer;
-    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_SortByPType);
+    // no post-processing: Assimp's own triangulation trusts indices, and crashes on a truncated PLY
+    const aiScene* scene = importer.ReadFile(path.string(), 0);
     if (!scene) bad_file(path, importer.GetErrorString());
     WallMesh mesh;
+    long faces = 0;
+    std::vector<std::int32_t> corners;
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         const aiMesh& part = *scene->mMeshes[m];
         const auto first = static_cast<std::int32_t>(mesh.vertices.size());
         for (unsigned v = 0; v < part.mNumVertices; ++v)
             mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
-        for (unsigned f = 0; f < part.mNumFaces; ++f) {
-            const aiFace& face = part.mFaces[f];
-            if (face.mNumIndices != 3) continue;
-            mesh.triangles.push_back({first + static_cast<std::int32_t>(face.mIndices[0]), first + static_cast<std::int32_t>(face.mIndices[1]),
-                                      first + static_cast<std::int32_t>(face.mIndices[2])});
+        for (unsigned f = 0; f < part.mNumFaces; ++f, ++faces) {
+            corners.clear();
+            for (unsigned c = 0; c < part.mFaces[f].mNumIndices; ++c) {
+                const unsigned index = part.mFaces[f].mIndices[c];
+                if (index >= part.mNumVertices)
+                    bad_file(path, fmt::format("face {} names vertex {}, only {} exist: truncated or damaged", faces, index, part.mNumVertices));
+                corners.push_back(first + static_cast<std::int32_t>(index));
+            }
+            triangulate(mesh.vertices, corners, mesh);  // leaves points and lines out
         }
     }
-    if (static_cast<long>(mesh.triangles.size()) < announced)
-        bad_file(path, fmt::format("the header announces {} faces, {} could be read: truncated or damaged", announced, mesh.triangles.size()));
+    if (faces < announced)
+        bad_file(path, fmt::format("the header announces {} faces, {} could be read: truncated or damaged", announced, faces));
     return mesh;
 }
 
@@ -158,9 +167,11 @@ WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, 
 {
     const double scale = metres_per_unit(units);
     const std::string extension = lower_extension(path);
+    if (std::error_code ignored; std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) == 0)
+        bad_file(path, "the file is empty");
     WallMesh mesh;
-    if (extension == ".vtp") mesh = from_polydata(path, read_vtp(path));
-    else if (extension == ".vtk") mesh = from_polydata(path, read_legacy_vtk(path));
+    if (extension == ".vtp") mesh = from_polydata(read_poly_data(path));
+    else if (extension == ".vtk") mesh = from_polydata(read_legacy_vtk(path));
     else if (extension == ".stl" || extension == ".obj" || extension == ".ply") mesh = read_with_assimp(path, extension);
     else bad_file(path, fmt::format("unknown mesh format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected", extension));
     if (mesh.triangles.empty()) bad_file(path, "holds no triangle");

@@ -1,7 +1,8 @@
 // Writing meshes and centrelines, and reading centrelines.
 #include "core/error.h"
+#include "core/file_io.h"
+#include "core/vtp_read.h"
 #include "scene/mesh_file.h"
-#include "scene/vtk_polydata.h"
 #include "vessel/triangle_geometry.h"
 
 #include <algorithm>
@@ -10,8 +11,8 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
+#include <string_view>
 
 namespace seldinger {
 namespace {
@@ -64,6 +65,21 @@ std::string ply_bytes(const WallMesh& mesh, double scale)
     return bytes;
 }
 
+std::string base64_encode(std::string_view bytes)
+{
+    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t group = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += k <= bytes.size() - i ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
+    }
+    return text;
+}
+
 /// One <DataArray>, inline base64, uncompressed, UInt64 header.
 template <class T>
 std::string data_array(const char* type, const char* name, int components, const std::vector<T>& values)
@@ -89,64 +105,48 @@ std::string vtp_text(const std::vector<Vec3>& points, double scale, const char* 
                        data_array("Int64", "connectivity", 1, connectivity), data_array("Int64", "offsets", 1, offsets), kind);
 }
 
-void write_then_rename(const std::filesystem::path& path, const std::string& bytes)
-{
-    std::filesystem::path temporary = path;
-    temporary += ".part";
-    {
-        std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-        if (!out) bad_file(path, "cannot be opened for writing");
-        out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        out.flush();
-        if (!out) bad_file(path, "writing failed; is the disk full?");
-    }
-    std::error_code code;
-    std::filesystem::rename(temporary, path, code);
-    if (code) bad_file(path, fmt::format("the finished file could not be put in place: {}", code.message()));
-}
-
 }  // namespace
 
 void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const std::string& units)
 {
     const double scale = 1.0 / metres_per_unit(units);
     const std::string extension = path.extension().string();
-    if (extension == ".stl") return write_then_rename(path, stl_bytes(mesh, scale));
-    if (extension == ".obj") return write_then_rename(path, obj_text(mesh, scale));
-    if (extension == ".ply") return write_then_rename(path, ply_bytes(mesh, scale));
-    if (extension != ".vtp") bad_file(path, fmt::format("cannot write \"{}\"; .stl, .obj, .ply or .vtp expected", extension));
+    if (extension == ".stl") return write_file(path, stl_bytes(mesh, scale));
+    if (extension == ".obj") return write_file(path, obj_text(mesh, scale));
+    if (extension == ".ply") return write_file(path, ply_bytes(mesh, scale));
+    if (extension != ".vtp") throw Error(ExitCode::BadFile, fmt::format("{}: cannot write \"{}\"; .stl, .obj, .ply or .vtp expected", path.string(), extension));
     std::vector<std::int64_t> connectivity, offsets;
     for (const auto& t : mesh.triangles) {
         connectivity.insert(connectivity.end(), t.begin(), t.end());
         offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
     }
-    write_then_rename(path, vtp_text(mesh.vertices, scale, "Polys", connectivity, offsets, ""));
+    write_file(path, vtp_text(mesh.vertices, scale, "Polys", connectivity, offsets, ""));
 }
 
 Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units)
 {
     const double scale = metres_per_unit(units);
-    const VtkPolyData data = read_vtp(path);
-    const std::size_t count = data.points.size() / 3;
-    check_cells(path, data.lines, count, "line");
-    const auto radius = data.point_scalars.find("MaximumInscribedSphereRadius");
-    if (radius == data.point_scalars.end() || radius->second.size() != count)
-        bad_file(path, "has no point array MaximumInscribedSphereRadius with a value for each point");
-    if (data.lines.size() == 0) bad_file(path, "holds no line");
+    const auto fail = [&](const std::string& message) { throw Error(ExitCode::BadFile, path.string() + ": " + message); };
+    const PolyData data = read_poly_data(path);
+    const auto radius = data.point_data.find("MaximumInscribedSphereRadius");
+    if (radius == data.point_data.end() || radius->second.values.size() != data.points.size())
+        fail("has no point array MaximumInscribedSphereRadius with a value for each point");
+    if (data.lines.offsets.empty()) fail("holds no line");
 
     Centreline result;
     std::map<std::array<double, 3>, int> known;  // coordinates -> point of the tree
-    for (std::size_t line = 0; line < data.lines.size(); ++line) {
+    std::int64_t begin = 0;
+    for (const std::int64_t end : data.lines.offsets) {
         int previous = -1;
-        for (std::int64_t k = data.lines.offsets[line]; k < data.lines.offsets[line + 1]; ++k) {
-            const auto i = static_cast<std::size_t>(data.lines.connectivity[static_cast<std::size_t>(k)]);
-            const std::array<double, 3> key = {data.points[3 * i], data.points[3 * i + 1], data.points[3 * i + 2]};
-            const double r = radius->second[i];
-            if (!(r > 0) || !std::all_of(key.begin(), key.end(), [](double x) { return std::isfinite(x); }))
-                bad_file(path, fmt::format("point {}: a finite place and a radius above 0 are expected", i));
-            const auto [it, fresh] = known.try_emplace(key, static_cast<int>(result.points.size()));
+        for (; begin < end; ++begin) {
+            const auto i = static_cast<std::size_t>(data.lines.connectivity[static_cast<std::size_t>(begin)]);
+            const auto& at = data.points[i];
+            const double r = radius->second.values[i];
+            if (!(r > 0) || !std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); }))
+                fail(fmt::format("point {}: a finite place and a radius above 0 are expected", i));
+            const auto [it, fresh] = known.try_emplace(at, static_cast<int>(result.points.size()));
             if (fresh) {
-                result.points.push_back(scale * Vec3(key[0], key[1], key[2]));
+                result.points.push_back(scale * Vec3(at[0], at[1], at[2]));
                 result.radius.push_back(scale * r);
                 result.parent.push_back(previous);
             }
@@ -177,7 +177,7 @@ void write_centreline_vtp(const std::filesystem::path& path, const Centreline& c
     }
     std::vector<double> radius;
     for (const double r : centreline.radius) radius.push_back(r * scale);
-    write_then_rename(path, vtp_text(centreline.points, scale, "Lines", connectivity, offsets,
+    write_file(path, vtp_text(centreline.points, scale, "Lines", connectivity, offsets,
                                      data_array("Float64", "MaximumInscribedSphereRadius", 1, radius)));
 }
 

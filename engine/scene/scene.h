@@ -55,8 +55,9 @@ struct Scene {
 
 /// Loads the vessel, places the feed and checks that wire and vessel fit each other.
 /// @param device_index  as in `seldinger devices`; -1: the default
+/// @param report  out, may be null: what import found and mended
 /// @throws Error BadFile, BadScene
-[[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1);
+[[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
 
 /// Bending, twisting and stretching stiffness of a round solid wire: B = E pi r^4 / 4, C = G pi r^4 / 2 with
 /// G = E / (2 (1 + nu)), EA = E pi r^2. Overwrites the three in `section` from its youngs, poisson and radius.

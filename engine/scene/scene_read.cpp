@@ -5,9 +5,9 @@
 #include "scene/availability.h"
 #include "scene/toml_set.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace seldinger {
 namespace {
@@ -16,8 +16,7 @@ constexpr long most_steps = 1'000'000'000;
 
 void read_integrator(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "integrator",
-                        {"scheme", "beta", "gamma", "tolerance", "damping_mass_1_s", "damping_stiffness_s"});
+    const TableReader t(table, "integrator", {"scheme", "beta", "gamma", "tolerance", "damping_mass_1_s", "damping_stiffness_s"});
     IntegratorSpec& spec = scene.integrator;
     t.choice("scheme", spec.scheme, scheme_words);
     // absent: backward Euler; one of the two alone: the other is the trapezoid's
@@ -45,7 +44,8 @@ void read_scene_table(const toml::table& table, Scene& scene)
     const double steps = scene.duration / scene.dt;
     if (timed && !(steps >= 0.5)) t.fail("duration_s", "expected at least one step; make duration_s longer or dt_s shorter");
     if (!(steps <= static_cast<double>(most_steps)))
-        t.fail("dt_s", fmt::format("makes {:.3g} steps, expected at most {:.0e}; make it longer", steps, static_cast<double>(most_steps)));
+        t.fail("dt_s", fmt::format("makes {:.3g} steps, expected at most {:.0e}; make it longer", steps,
+                                   static_cast<double>(most_steps)));
     t.choice("until", scene.until, until_words);
     t.count("record_every", scene.record_every, 1, static_cast<int>(most_steps));
     t.whole("seed", scene.seed);
@@ -132,8 +132,9 @@ void read_feed(const toml::table& table, Scene& scene)
         const bool first = feed.keys.empty();
         feed.keys.push_back(read_feed_key(node, first ? FeedKey{} : feed.keys.back(), first));
         if (feed.keys.back().advance > scene.wire.length)
-            fail_at(node.source(), "feed.keys.advance_m", fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer",
-                                                                      feed.keys.back().advance, scene.wire.length));
+            fail_at(node.as_table()->get("advance_m")->source(), "feed.keys.advance_m",
+                    fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer", feed.keys.back().advance,
+                                scene.wire.length));
     }
 }
 
@@ -234,7 +235,8 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
 {
     Scene scene;
     scene.source = file;
-    const TableReader all(root, "", {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "output"});
+    const TableReader all(root, "",
+                          {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "output"});
     // an absent table reads as an empty one that stands where the file begins
     auto table = [&](std::string_view name) -> const toml::table& {
         static const toml::table none = toml::parse("");
@@ -242,8 +244,9 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
         return found ? *found : none;
     };
     all.need("wire", "every scene has one [wire]");
-    if (!find_table(root, "integrator") || root.at_path("integrator.scheme").value<std::string>() != "static")
-        all.need("scene", "a table with duration_s and dt_s");
+    for (const auto name : {"wire", "integrator", "scene"})
+        (void)find_table(root, name);  // a wrong type is said before a missing table
+    if (root.at_path("integrator.scheme").value<std::string>() != "static") all.need("scene", "a table with duration_s and dt_s");
     read_integrator(table("integrator"), scene);
     read_scene_table(table("scene"), scene);
     read_contact(table("contact"), scene);
@@ -287,14 +290,11 @@ Scene read_scene_text(const std::string& text, const std::filesystem::path& file
     try {
         root = toml::parse(text, file.string());
     } catch (const toml::parse_error& error) {
-        std::string why(error.description());
-        std::replace(why.begin(), why.end(), '\n', ' ');
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", why));
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
     }
     for (const std::string& entry : overrides) apply_override(root, entry);
     refuse_what_is_not_built(root);
-    Scene scene = read_root(root, file);
-    return scene;
+    return read_root(root, file);
 }
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides)

@@ -3,9 +3,9 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace seldinger {
@@ -21,7 +21,9 @@ const ShapeKeys& keys_of(VesselShape shape)
 {
     static const std::vector<ShapeKeys> all = {
         {VesselShape::Tube, {"radius_m", "length_m"}, {"axis", "origin", "normal", "triangles"}},
-        {VesselShape::Arc, {"radius_m", "bend_radius_m", "angle_deg"}, {"lead_in_m", "lead_out_m", "axis", "origin", "normal", "triangles"}},
+        {VesselShape::Arc,
+         {"radius_m", "bend_radius_m", "angle_deg"},
+         {"lead_in_m", "lead_out_m", "axis", "origin", "normal", "triangles"}},
         {VesselShape::Plane, {"size_m"}, {"origin", "normal", "triangles"}},
         {VesselShape::Arch, {}, {"axis", "origin", "normal", "triangles"}},
         {VesselShape::Mesh, {"mesh"}, {"units"}},
@@ -35,7 +37,8 @@ std::filesystem::path existing_file(const TableReader& t, std::string_view key, 
     std::string written;
     t.text(key, written);
     std::error_code ignored;
-    const auto path = (std::filesystem::absolute(scene.source, ignored).parent_path() / written).lexically_normal();
+    const auto path =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(scene.source, ignored).parent_path() / written, ignored);
     if (!std::filesystem::is_regular_file(path, ignored)) {
         try {
             t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));
@@ -65,9 +68,11 @@ void check_shape_keys(const TableReader& t, VesselShape shape)
 {
     const ShapeKeys& keys = keys_of(shape);
     const std::string owner = shape == VesselShape::Mesh ? "a mesh" : fmt::format("shape = \"{}\"", word_of(vessel_words, shape));
-    for (const auto key : {"units", "radius_m", "length_m", "bend_radius_m", "angle_deg", "lead_in_m", "lead_out_m", "size_m", "axis",
-                           "origin", "normal", "triangles"}) {
-        const auto has = [&](const std::vector<std::string_view>& list) { return std::find(list.begin(), list.end(), key) != list.end(); };
+    for (const auto key : {"units", "radius_m", "length_m", "bend_radius_m", "angle_deg", "lead_in_m", "lead_out_m", "size_m",
+                           "axis", "origin", "normal", "triangles"}) {
+        const auto has = [&](const std::vector<std::string_view>& list) {
+            return std::find(list.begin(), list.end(), key) != list.end();
+        };
         if (!has(keys.needed) && !has(keys.optional)) t.refuse(key, fmt::format("is not used by {}; take it out", owner));
     }
     for (const auto key : keys.needed) t.need(key, fmt::format("{} needs it", owner));
@@ -84,8 +89,9 @@ void read_dimensions(const TableReader& t, VesselSpec& vessel)
     t.number("lead_in_m", vessel.lead_in, not_negative);
     t.number("lead_out_m", vessel.lead_out, not_negative);
     t.number("size_m", vessel.size, positive);
-    vessel.triangles = vessel.shape == VesselShape::Mesh ? 0 : 20'000;
-    t.count("triangles", vessel.triangles, 2, 20'000'000);
+    const bool arch = vessel.shape == VesselShape::Arch;  // its branches need some triangles (vessel/aortic_arch.h)
+    vessel.triangles = vessel.shape == VesselShape::Mesh ? 0 : arch ? 30'000 : 20'000;
+    t.count("triangles", vessel.triangles, arch ? 2'000 : 2, arch ? 1'000'000 : 20'000'000);
     if (vessel.shape == VesselShape::Arc && vessel.bend_radius <= vessel.radius)
         t.fail("bend_radius_m", "expected more than radius_m, or the tube cuts itself");
 }
@@ -105,9 +111,10 @@ void read_axes(const TableReader& t, VesselSpec& vessel)
 
 void read_vessel_table(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "vessel",
-                        {"mesh", "units", "shape", "radius_m", "length_m", "axis", "origin", "normal", "bend_radius_m", "angle_deg",
-                         "lead_in_m", "lead_out_m", "size_m", "triangles", "wall", "youngs_pa", "poisson", "thickness_m", "centreline"});
+    const TableReader t(
+        table, "vessel",
+        {"mesh", "units", "shape", "radius_m", "length_m", "axis", "origin", "normal", "bend_radius_m", "angle_deg", "lead_in_m",
+         "lead_out_m", "size_m", "triangles", "wall", "youngs_pa", "poisson", "thickness_m", "centreline"});
     VesselSpec& vessel = scene.vessel;
     read_shape_choice(t, scene);
     check_shape_keys(t, vessel.shape);

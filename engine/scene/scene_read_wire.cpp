@@ -3,9 +3,9 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace seldinger {
 namespace {
@@ -81,14 +81,12 @@ void read_points(const TableReader& t, WireSpec& wire)
     }
     // chords are shorter than the arc they stand for; more than this is a wire placed under strain
     if (std::abs(length - wire.length) > 0.05 * wire.length)
-        t.fail("points", fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));
+        t.fail("points",
+               fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));
 }
 
 /// The first director of a wire whose scene gives none: z, or x for a wire along z.
-Vec3 default_normal(const Vec3& direction)
-{
-    return std::abs(direction.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX();
-}
+Vec3 default_normal(const Vec3& direction) { return std::abs(direction.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX(); }
 
 void read_place(const toml::table& table, Scene& scene)
 {
@@ -110,7 +108,8 @@ void read_place(const toml::table& table, Scene& scene)
     only_for("points", PlaceShape::Points);
     only_for("from_m", PlaceShape::Centreline);
     if (place.shape == PlaceShape::Points || place.shape == PlaceShape::Centreline)
-        for (const auto key : {"base", "direction"}) t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", shape));
+        for (const auto key : {"base", "direction"})
+            t.refuse(key, fmt::format("follows from shape = \"{}\"; take it out", shape));
     else if (place.direction.normalized().cross(place.normal.normalized()).norm() < 1e-6)
         t.fail("normal", "is parallel to direction; give any other direction");
 
@@ -136,7 +135,8 @@ void read_nodes(const TableReader& t, WireSpec& wire)
     if (wire.nodes == 0 && wire.min_edge >= wire.max_edge)
         t.fail("min_edge_m", fmt::format("expected less than max_edge_m, {} m", wire.max_edge));
     if (wire.nodes == 0 && wire.length / wire.min_edge > 200'000)
-        t.fail("min_edge_m", fmt::format("makes up to {:.3g} nodes, expected at most 200000; make it longer", wire.length / wire.min_edge));
+        t.fail("min_edge_m",
+               fmt::format("makes up to {:.3g} nodes, expected at most 200000; make it longer", wire.length / wire.min_edge));
 }
 
 /// A fed wire starts straight and at rest at the inlet: what places another wire contradicts [feed].
@@ -152,9 +152,10 @@ void refuse_placement(const TableReader& t)
 
 void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
 {
-    const TableReader t(table, "wire",
-                        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "youngs_pa", "poisson", "bend_nm2",
-                         "twist_nm2", "stretch_n", "mu_static", "mu_sliding", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
+    const TableReader t(
+        table, "wire",
+        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
+         "stretch_n", "mu_static", "mu_sliding", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))
@@ -166,7 +167,8 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
     wire.shaft.mu_sliding = scene.contact.mu_sliding;
     read_properties(t, wire.shaft);
     order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, "wire", scene);
-    if (wire.shaft.radius * 2 > wire.length) t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
+    if (wire.shaft.radius * 2 > wire.length)
+        t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
     read_nodes(t, wire);
 
     if (root.contains("feed")) refuse_placement(t);

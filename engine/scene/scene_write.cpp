@@ -1,8 +1,8 @@
 // A Scene as TOML. Doubles are printed as the shortest text that reads back to the same bits.
 #include "scene/scene_names.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -16,10 +16,7 @@ std::string real(double v)
     return text;
 }
 
-std::string vec(const Vec3& v)
-{
-    return fmt::format("[{}, {}, {}]", real(v.x()), real(v.y()), real(v.z()));
-}
+std::string vec(const Vec3& v) { return fmt::format("[{}, {}, {}]", real(v.x()), real(v.y()), real(v.z())); }
 
 std::string quoted(std::string_view text)
 {
@@ -35,8 +32,15 @@ std::string quoted(std::string_view text)
 /// Lines "key = value" of one table.
 class TableText {
 public:
-    explicit TableText(std::string& out, std::string_view header) : out_(out) { out_ += fmt::format("{}{}\n", out_.empty() ? "" : "\n", header); }
-    TableText& raw(std::string_view key, std::string_view value) { out_ += fmt::format("{} = {}\n", key, value); return *this; }
+    explicit TableText(std::string& out, std::string_view header) : out_(out)
+    {
+        out_ += fmt::format("{}{}\n", out_.empty() ? "" : "\n", header);
+    }
+    TableText& raw(std::string_view key, std::string_view value)
+    {
+        out_ += fmt::format("{} = {}\n", key, value);
+        return *this;
+    }
     TableText& num(std::string_view key, double v) { return raw(key, real(v)); }
     TableText& whole(std::string_view key, std::int64_t v) { return raw(key, fmt::format("{}", v)); }
     TableText& flag(std::string_view key, bool v) { return raw(key, v ? "true" : "false"); }
@@ -79,8 +83,8 @@ void write_properties(TableText& t, const WireSection& s, bool inherits_material
     t.num("radius_m", s.radius).num("density", s.density);
     WireSection solid = s;
     set_stiffness_from_material(solid);
-    const bool by_material = s.youngs > 0 && solid.bend_stiffness == s.bend_stiffness && solid.twist_stiffness == s.twist_stiffness &&
-                             solid.stretch_stiffness == s.stretch_stiffness;
+    const bool by_material = s.youngs > 0 && solid.bend_stiffness == s.bend_stiffness &&
+                             solid.twist_stiffness == s.twist_stiffness && solid.stretch_stiffness == s.stretch_stiffness;
     if (by_material) t.num("youngs_pa", s.youngs).num("poisson", s.poisson);
     else t.num("bend_nm2", s.bend_stiffness).num("twist_nm2", s.twist_stiffness).num("stretch_n", s.stretch_stiffness);
     if (!by_material && inherits_material) t.num("poisson", s.poisson);
@@ -117,7 +121,8 @@ void write_wire(std::string& out, const Scene& scene)
         TableText s(out, "[[wire.section]]");
         s.raw("from_tip_m", fmt::format("[{}, {}]", real(range.begin), real(range.end)));
         write_properties(s, range.section, range.section.youngs > 0);
-        s.raw("rest_curvature_1_m", fmt::format("[{}, {}]", real(range.section.rest_curvature[0]), real(range.section.rest_curvature[1])));
+        s.raw("rest_curvature_1_m",
+              fmt::format("[{}, {}]", real(range.section.rest_curvature[0]), real(range.section.rest_curvature[1])));
     }
 }
 
@@ -141,13 +146,19 @@ void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::
         t.word("shape", word_of(vessel_words, v.shape));
         if (v.shape == VesselShape::Tube) t.num("radius_m", v.radius).num("length_m", v.length);
         if (v.shape == VesselShape::Arc)
-            t.num("radius_m", v.radius).num("bend_radius_m", v.bend_radius).num("angle_deg", degrees(v.angle)).num("lead_in_m", v.lead_in)
+            t.num("radius_m", v.radius)
+                .num("bend_radius_m", v.bend_radius)
+                .num("angle_deg", degrees(v.angle))
+                .num("lead_in_m", v.lead_in)
                 .num("lead_out_m", v.lead_out);
         if (v.shape == VesselShape::Plane) t.num("size_m", v.size);
         else t.vector("axis", v.axis);
         t.vector("origin", v.origin).vector("normal", v.normal).whole("triangles", v.triangles);
     }
-    t.word("wall", word_of(wall_words, v.elastic)).num("youngs_pa", v.youngs).num("poisson", v.poisson).num("thickness_m", v.thickness);
+    t.word("wall", word_of(wall_words, v.elastic))
+        .num("youngs_pa", v.youngs)
+        .num("poisson", v.poisson)
+        .num("thickness_m", v.thickness);
     if (!v.centreline.empty()) t.word("centreline", rebased(v.centreline, folder));
 }
 
@@ -173,7 +184,8 @@ void write_feed(std::string& out, const FeedSpec& feed)
     else t.vector("point", feed.point).vector("direction", feed.direction);
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
-        keys += fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", real(key.t), real(key.advance), real(key.turn));
+        keys +=
+            fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", real(key.t), real(key.advance), real(key.turn));
     t.raw("keys", keys + "]");
 }
 

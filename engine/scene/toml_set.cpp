@@ -1,10 +1,11 @@
 #include "scene/toml_set.h"
 
 #include "core/error.h"
+#include "scene/toml_table.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <fmt/format.h>
 #include <optional>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace {
 
 [[noreturn]] void fail_set(const std::string& text, const std::string& message)
 {
-    throw Error(ExitCode::BadScene, fmt::format("--set {}: {}", text, message));
+    throw Error(ExitCode::BadScene, one_line(fmt::format("--set {}: {}", text, message)));
 }
 
 std::vector<std::string> split_path(const std::string& path)
@@ -34,7 +35,8 @@ std::string trimmed(const std::string& text)
 
 std::optional<std::size_t> as_index(const std::string& part)
 {
-    const bool digits = !part.empty() && part.size() < 7 && std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c); });
+    const bool digits = !part.empty() && part.size() < 7 &&
+                        std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c); });
     return digits ? std::optional<std::size_t>(std::stoul(part)) : std::nullopt;
 }
 
@@ -85,9 +87,11 @@ toml::node& child(toml::node& at, const std::vector<std::string>& parts, std::si
     }
     toml::array* array = at.as_array();
     const auto index = as_index(parts[i]);
-    if (!array || !index) fail_set(text, fmt::format("{} is not a table; check the key", fmt::join(parts.begin(), parts.begin() + i, ".")));
+    if (!array || !index)
+        fail_set(text, fmt::format("{} is not a table; check the key", fmt::join(parts.begin(), parts.begin() + i, ".")));
     if (*index > array->size())
-        fail_set(text, fmt::format("there are only {} of {}; count from 0", array->size(), fmt::join(parts.begin(), parts.begin() + i, ".")));
+        fail_set(text, fmt::format("there are only {} of {}; count from 0", array->size(),
+                                   fmt::join(parts.begin(), parts.begin() + i, ".")));
     if (*index == array->size()) put(*array, *index, parse_value(text, "{}"));
     return (*array)[*index];
 }

@@ -2,9 +2,9 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <sstream>
 
@@ -18,13 +18,19 @@ std::string shown(const toml::node& node)
     if (node.is_array_of_tables()) return "tables";
     std::ostringstream out;
     node.visit([&](const auto& value) { out << value; });
-    std::string text = out.str();
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    std::string text = one_line(out.str());
     if (text.size() > 60) text = text.substr(0, 57) + "...";
     return text;
 }
 
 }  // namespace
+
+std::string one_line(std::string text)
+{
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    return text;
+}
 
 int edit_distance(std::string_view a, std::string_view b)
 {
@@ -60,10 +66,11 @@ void fail_at(const toml::source_region& where, std::string_view key, std::string
 {
     const std::string path = where.path ? *where.path : std::string("scene");
     const bool from_command_line = path.starts_with("--set ");
-    const std::string place = from_command_line ? path : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line),
-                                                                     std::max(1u, where.begin.column));
-    throw Error(ExitCode::BadScene, key.empty() ? fmt::format("{}: {}", place, message)
-                                                : fmt::format("{}: {}: {}", place, key, message));
+    const std::string place =
+        from_command_line ? path
+                          : fmt::format("{}:{}:{}", path, std::max(1u, where.begin.line), std::max(1u, where.begin.column));
+    throw Error(ExitCode::BadScene,
+                one_line(key.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {}: {}", place, key, message)));
 }
 
 TableReader::TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known)
@@ -160,7 +167,8 @@ bool TableReader::vector(std::string_view key, Vec3& value) const
 bool TableReader::direction(std::string_view key, Vec3& value) const
 {
     if (!vector(key, value)) return false;
-    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm())) wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
+    if (!(value.norm() > 1e-12) || !std::isfinite(value.squaredNorm()))
+        wrong(*node(key), key, "a direction [x, y, z] of any length but zero");
     return true;
 }
 

@@ -31,6 +31,9 @@ inline constexpr Range not_negative{0, range_end, false, false, "a number, 0 or 
 inline constexpr Range friction_range{0, 10, false, false, "a coefficient of friction between 0 and 10"};
 inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio above -1 and below 0.5"};
 
+/// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.
+[[nodiscard]] std::string one_line(std::string text);
+
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
 /// The word of `known` with the fewest edits from `word`.

@@ -1,6 +1,8 @@
 // Reading legacy .vtk polydata. The format: VTK File Formats, "Simple Legacy Formats"; binary values are big-endian.
+#include "scene/vtk_legacy.h"
+
 #include "core/error.h"
-#include "scene/vtk_polydata.h"
+#include "core/file_io.h"
 
 #include <algorithm>
 #include <bit>
@@ -13,32 +15,35 @@ namespace {
 
 class LegacyReader {
 public:
-    explicit LegacyReader(const std::filesystem::path& path) : path_(path), file_(read_whole_file(path)) {}
+    explicit LegacyReader(const std::filesystem::path& path) : path_(path), file_(read_file(path)) {}
 
-    VtkPolyData read()
+    PolyData read()
     {
         read_header();
-        VtkPolyData data;
-        std::size_t point_count = 0;
+        PolyData data;
         for (std::string key = lower(word()); !key.empty(); key = lower(word())) {
             if (key == "points") {
-                point_count = count("POINTS");
-                const std::string type = lower(word());
-                data.points = values<double>(3 * point_count, type, "POINTS");
-            } else if (key == "polygons") read_cells(data.polygons, "POLYGONS");
+                const std::size_t point_count = count("POINTS");
+                const std::vector<double> xyz = values<double>(3 * point_count, lower(word()), "POINTS");
+                for (std::size_t i = 0; i < point_count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
+            } else if (key == "polygons") read_cells(data.polys, "POLYGONS");
             else if (key == "triangle_strips") read_cells(data.strips, "TRIANGLE_STRIPS");
             else if (key == "lines") read_cells(data.lines, "LINES");
-            else if (key == "vertices") { VtkCells unused; read_cells(unused, "VERTICES"); }
+            else if (key == "vertices") read_cells(data.verts, "VERTICES");
             else if (key == "metadata") skip_metadata();
             else if (key == "cell_data" || key == "point_data" || key == "field") break;
             else fail(fmt::format("\"{}\" where a section of polydata is expected; the file may be truncated or damaged", key.substr(0, 32)));
         }
-        if (point_count == 0) fail("no POINTS section");
+        if (data.points.empty()) fail("no POINTS section");
+        for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts}) check_cells(*cells, data.points.size());
         return data;
     }
 
 private:
-    [[noreturn]] void fail(const std::string& message) const { bad_file(path_, message); }
+    [[noreturn]] void fail(const std::string& message) const
+    {
+        throw Error(ExitCode::BadFile, fmt::format("{}: {}", path_.string(), message));
+    }
 
     static std::string lower(std::string text)
     {
@@ -127,7 +132,19 @@ private:
         return result;
     }
 
-    void read_cells(VtkCells& cells, const char* section)
+    void check_cells(const PolyCells& cells, std::size_t point_count) const
+    {
+        for (const std::int64_t index : cells.connectivity)
+            if (index < 0 || index >= static_cast<std::int64_t>(point_count))
+                fail(fmt::format("a cell names point {}, only 0 to {} exist", index, point_count - 1));
+        std::int64_t before = 0;
+        for (const std::int64_t offset : cells.offsets) {
+            if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size())) fail("offsets run backwards or past the end");
+            before = offset;
+        }
+    }
+
+    void read_cells(PolyCells& cells, const char* section)
     {
         const std::size_t first = count(section), second = count(section);
         const std::size_t back = at_;
@@ -135,7 +152,7 @@ private:
             cells.offsets = values<std::int64_t>(first, lower(word()), section);
             if (lower(word()) != "connectivity") fail(fmt::format("{}: CONNECTIVITY is expected after OFFSETS", section));
             cells.connectivity = values<std::int64_t>(second, lower(word()), section);
-            if (cells.offsets.empty()) cells.offsets = {0};
+            if (!cells.offsets.empty()) cells.offsets.erase(cells.offsets.begin());  // they begin with 0; PolyCells does not
             return;
         }
         at_ = back;
@@ -160,6 +177,6 @@ private:
 
 }  // namespace
 
-VtkPolyData read_legacy_vtk(const std::filesystem::path& path) { return LegacyReader(path).read(); }
+PolyData read_legacy_vtk(const std::filesystem::path& path) { return LegacyReader(path).read(); }
 
 }  // namespace seldinger

@@ -43,6 +43,12 @@ void BandMatrix::fix(int i)
     row(i)[half_bandwidth] = 1.0;
 }
 
+void BandMatrix::add_scaled(const BandMatrix& other, double factor)
+{
+    SEL_ASSERT(other.size_ == size_);
+    for (int k = 0; k < size_ * stride; ++k) rows_[k] += factor * other.rows_[k];
+}
+
 void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
 {
     for (int i = 0; i < size_; ++i) {
@@ -190,12 +196,14 @@ bool BandMatrix::factor_lu()
 {
     load_upper();
     load_lower();
+    negative_pivots_ = 0;
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b) {
         NodeFactor& f = factor_[b];
         for (int p = 0; p < 4; ++p) {
             const double pivot = f.upper[p][p];
             if (!(std::abs(pivot) > pivot_floor * row_scale(4 * b + p))) return false;
+            negative_pivots_ += pivot < 0;
             const double inverse = 1.0 / pivot;
             f.inverse_pivot[p] = inverse;
             Vec4d own = block(f.upper[p]);

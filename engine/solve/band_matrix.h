@@ -37,6 +37,8 @@ public:
 
     /// Makes unknown i prescribed: row and column zero, unit diagonal.
     void fix(int i);
+    /// A += factor * other, of the same size.
+    void add_scaled(const BandMatrix& other, double factor);
     /// y = A x
     void multiply(std::span<const double> x, std::span<double> y) const;
 
@@ -50,6 +52,8 @@ public:
     /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place
     /// of an LDL^T. @return false when a pivot vanishes against its row's scale; the caller falls back to factor_ldlt
     [[nodiscard]] bool factor_lu();
+    /// Negative pivots of the last factor_lu(): none when the symmetric part is positive definite.
+    [[nodiscard]] int negative_pivots() const { return negative_pivots_; }
     void solve_lu(std::span<double> rhs_to_x);
 
     /// Rounding leaves a pivot that should be 0 at about 1e-15 of its diagonal; the weakest honest one (the inertia of a
@@ -70,7 +74,7 @@ private:
     void load_lower();
     [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero
 
-    int size_ = 0;
+    int size_ = 0, negative_pivots_ = 0;
     std::vector<double> rows_, scratch_;
     std::vector<NodeFactor> factor_;  // two more than nodes, so that the last ones need no special case
 };

@@ -11,6 +11,8 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
                          std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     begin(Motion::Static, 0, constraints, active);
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (active[w]) work_[w]->newton.problem.keep_reference();
     NewtonOptions newton;
     newton.shifted = true;
     newton.max_iterations = 150;
@@ -24,10 +26,13 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
     for (int w = 0; w < rods_.wire_count(); ++w) {
         NewtonWire& wire = work_[w]->newton;
         if (!active[w] || wire.converged()) continue;
+        wire.problem.restore_reference();
         wire.problem.trial = wire.problem.start;
         wire.start(flow, move_limit(contact, w));
     }
     iterate(0, contact, active);
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (active[w] && !work_[w]->newton.converged()) work_[w]->newton.problem.restore_reference();
     finish(active, reports);
 }
 

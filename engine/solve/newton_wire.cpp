@@ -9,7 +9,7 @@ namespace {
 
 constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
 constexpr double smallest_alpha = 1e-6;
-constexpr int full_tangent_after = 3;      // iterations with the symmetric part only
+constexpr int most_polish = 4;
 
 }  // namespace
 
@@ -39,8 +39,8 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     options_ = options;
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
-    non_finite_ = unsymmetric_ = chord_ = false;
-    iterations_ = evaluations_ = retreats_ = 0;
+    non_finite_ = unsymmetric_ = shortened_ = false;
+    iterations_ = evaluations_ = retreats_ = safe_steps_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -112,7 +112,7 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (phase_ == Phase::Search && !acceptable(norm_)) {
+    if (phase_ == Phase::Search && !acceptable()) {
         if (at_kink(contact, wire)) phase_ = Phase::Done;
         return;
     }
@@ -123,6 +123,7 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
     take_base();
     new_direction(contact, wire);
     launch();
+    polish(contact);
 }
 
 bool NewtonWire::at_prescribed() const
@@ -133,9 +134,8 @@ bool NewtonWire::at_prescribed() const
 }
 
 /// The tests at the top of newton_wire.h; a shorter trial is set when they fail.
-bool NewtonWire::acceptable(double norm)
+bool NewtonWire::acceptable()
 {
-    chord_ = false;
     double slope = 0;
     for (int i = 0; i < problem.size(); ++i)
         if (!problem.prescribed[i]) slope += problem.residual[i] * direction_[i];
@@ -145,19 +145,22 @@ bool NewtonWire::acceptable(double norm)
         raise_shift();
         return false;
     }
-    correction_at_trial(part(correction_), 1 - alpha_);
+    correct();
     contraction_ = problem.norm(part(correction_)) / direction_norm_;
-    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) {
-        // the correction is at hand: use it as the next step when its own error will be below the tolerance
-        chord_ = alpha_ == 1 && contraction_ < 0.1 && 4 * contraction_ * norm < problem.tolerance;
-        return true;
-    }
+    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
     // what the linear equations did not foresee of the correction grows with alpha^2
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
     const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(part(scratch_));
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
     shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
     return false;
+}
+
+/// The simplified Newton correction at the trial into correction_.
+void NewtonWire::correct()
+{
+    problem.mixed_residual(part(scratch_));
+    correction_at_trial(scratch_, part(correction_), 1 - alpha_);
 }
 
 /// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
@@ -179,6 +182,7 @@ void NewtonWire::shorten(double alpha)
         phase_ = Phase::Failed;
         return;
     }
+    shortened_ = true;
     set_trial(alpha);
 }
 
@@ -191,7 +195,8 @@ void NewtonWire::take_base()
         else if (alpha_ == first_alpha_) shift_ *= contraction_ < 0.5 ? 0.1 : 0.5;
         if (shift_ < smallest_shift_) shift_ = 0;
     }
-    if (phase_ == Phase::Search) problem.predict_tension(base_, direction_, alpha_);
+    problem.set_base();
+    if (options_.shifted && problem.far_from_reference()) problem.move_reference();
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());
     phase_ = Phase::Search;
@@ -202,25 +207,28 @@ void NewtonWire::take_base()
 
 void NewtonWire::new_direction(const ContactTerm* contact, int wire)
 {
-    if (chord_) {
-        chord_ = false;
-        std::copy_n(correction_.begin(), problem.size(), direction_.begin());
-        return;
-    }
     if (options_.shifted) factorise_shifted(contact, wire);
     else factorise(contact, wire);
-    correction_at_trial(part(direction_), 1);
+    correction_at_trial(problem.residual, part(direction_), 1);
 }
 
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
 {
-    unsymmetric_ = contact && (iterations_ > full_tangent_after || options_.linearised) && contact->unsymmetric(wire);
-    if (factorise_with(HessianMode::Exact, contact, wire) == 0) return;
+    // after a step that had to be shortened, the symmetric tangent, which goes downhill
+    const bool sliding = contact && contact->unsymmetric(wire) && !shortened_;
+    safe_steps_ = shortened_ ? 0 : safe_steps_;
+    shortened_ = false;
+    unsymmetric_ = sliding || safe_steps_ >= 3;
+    const int indefinite = factorise_with(HessianMode::Exact, contact, wire);
+    if (indefinite == 0 || (safe_steps_ >= 3 && indefinite < problem.size())) return;
+    unsymmetric_ = sliding;
+    ++safe_steps_;
+    if (factorise_with(HessianMode::Safe, contact, wire) < problem.size() || !unsymmetric_) return;
     unsymmetric_ = false;
     (void)factorise_with(HessianMode::Safe, contact, wire);
 }
 
-/// @return pivots raised; for LU 1 when it fails
+/// @return pivots that were not positive; all of them when LU fails
 int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int wire)
 {
     problem.assemble_tangent(mode, !unsymmetric_, contact, wire);
@@ -235,7 +243,7 @@ int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int
     else std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i)
         if (problem.prescribed[i]) problem.matrix.fix(i);
-    if (unsymmetric_) return problem.matrix.factor_lu() ? 0 : 1;
+    if (unsymmetric_) return problem.matrix.factor_lu() ? problem.matrix.negative_pivots() : size;
     add_shift(shift_);
     return problem.matrix.factor_ldlt();
 }
@@ -274,7 +282,7 @@ void NewtonWire::raise_shift()
     (void)problem.matrix.factor_ldlt();
     std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
     std::copy_n(base_residual_.begin(), problem.size(), problem.residual.begin());
-    correction_at_trial(part(direction_), 1);
+    correction_at_trial(problem.residual, part(direction_), 1);
     launch();
 }
 
@@ -284,13 +292,13 @@ void NewtonWire::solve(std::span<double> rhs_to_x)
     else problem.matrix.solve_ldlt(rhs_to_x);
 }
 
-/// -A^-1 R at the trial, with the present factors; prescribed unknowns go to their values.
+/// -A^-1 `residual` at the trial, with the present factors; prescribed unknowns go to their values.
 /// @param prescribed_left  how much of the prescribed unknowns' move at the base is still to be made
-void NewtonWire::correction_at_trial(std::span<double> out, double prescribed_left)
+void NewtonWire::correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left)
 {
     for (int i = 0; i < problem.size(); ++i)
         out[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i]
-                                       : -problem.residual[i] - prescribed_left * coupling_[i];
+                                       : -residual[i] - prescribed_left * coupling_[i];
     solve(out);
 }
 
@@ -314,9 +322,27 @@ void NewtonWire::launch()
     set_trial(first_alpha_);
 }
 
+/// Further simplified corrections with contact linear, while they shrink fast.
+void NewtonWire::polish(const ContactTerm* contact)
+{
+    if (!running() || alpha_ != 1 || options_.linearised || options_.gradient_flow) return;
+    double last = direction_norm_;
+    for (int k = 0; k < most_polish; ++k) {
+        const bool usable = problem.update() && problem.evaluate_linear_contact(contact, base_);
+        if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
+        if (usable) correct();
+        const double size = problem.norm(part(correction_));
+        if (!usable || !(size < 0.05 * last)) return;
+        last = size;
+        problem.correct_tension(correction_);
+        for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
+    }
+}
+
 void NewtonWire::set_trial(double alpha)
 {
     alpha_ = alpha;
+    problem.predict_tension(direction_, alpha);
     for (int i = 0; i < problem.size(); ++i) problem.trial[i] = base_[i] + alpha * direction_[i];
     if (alpha == 1)
         for (int i = 0; i < problem.size(); ++i)

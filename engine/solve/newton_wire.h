@@ -2,8 +2,9 @@
 // Newton's method for one wire as a state machine: the solver evaluates all wires' trial states together, then lets each wire
 // take its own decision. Nothing here looks at another wire.
 //
-// Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one; with sliding friction the full,
-// unsymmetric tangent after three iterations. The geometric stiffness of stretching is taken at the tension that the *linear*
+// Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one (and the exact one again, by LU,
+// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding
+// friction the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that the *linear*
 // equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens
 // it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is far too stiff
 // sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed
@@ -12,7 +13,9 @@
 // Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
 // either the simplified Newton correction A^-1 R(q + alpha d), in metres, has shrunk against d (the natural monotonicity test of
 // [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has: |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is
-// reduced. No edge turns by more than half a radian and no node moves farther than contact has searched in one update.
+// reduced. Between two evaluations of contact, which cost most of a step, the equations with contact taken as linear are
+// solved on by further back-substitutions (polish), so that what the next evaluation finds is contact's own curvature only.
+// No edge turns by more than half a radian and no node moves farther than contact has searched in one update.
 
 #include "solve/wire_problem.h"
 
@@ -50,7 +53,8 @@ private:
     void set_guess(double fraction);
     void retreat();
     [[nodiscard]] bool at_prescribed() const;
-    [[nodiscard]] bool acceptable(double norm);
+    [[nodiscard]] bool acceptable();
+    void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);
     void take_base();
@@ -61,15 +65,17 @@ private:
     void add_shift(double amount);
     void raise_shift();
     void solve(std::span<double> rhs_to_x);
-    void correction_at_trial(std::span<double> out, double prescribed_left);
+    void correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left);
     void launch();
+    void polish(const ContactTerm* contact);
     void set_trial(double alpha);
 
     [[nodiscard]] std::span<double> part(std::vector<double>& v) { return {v.data(), static_cast<std::size_t>(problem.size())}; }
 
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
-    bool non_finite_ = false, unsymmetric_ = false, chord_ = false;
+    bool non_finite_ = false, unsymmetric_ = false, shortened_ = false;
+    int safe_steps_ = 0;           // full steps in a row with the safe Hessian
     int iterations_ = 0, evaluations_ = 0, retreats_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;

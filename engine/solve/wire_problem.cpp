@@ -20,13 +20,15 @@ void add_to_node(std::span<double> q, int i, const Vec3& value)
 }  // namespace
 
 WireProblem::WireProblem(int capacity, bool stiffness_damping)
-    : frames(capacity), matrix(4 * capacity), damping_(stiffness_damping ? 4 * capacity : 0)
+    : frames(capacity), matrix(4 * capacity), contact_tangent_(4 * capacity), damping_(stiffness_damping ? 4 * capacity : 0)
 {
     for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
-                        &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_})
+                        &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_, &contact_gradient_})
         array->resize(4 * capacity);
     prescribed.resize(4 * capacity);
-    tension.resize(capacity);
+    for (auto* array : {&tension_, &base_tension_, &base_longer_}) array->resize(capacity);
+    base_tangent_.resize(capacity);
+    kept_reference_.resize(reference_count * capacity);
 }
 
 void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
@@ -57,7 +59,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     prescribed[4 * n - 1] = 1;  // no edge begins at the last node
     prescribed_value[4 * n - 1] = start[4 * n - 1];
     for (int j = 0; j < n - 1; ++j)
-        tension[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+        tension_[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
     set_kinematics(spec);
     set_external(gravity);
     set_scales(spec, gravity);
@@ -173,6 +175,31 @@ double WireProblem::acceleration(int i) const
 
 bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
 {
+    const std::size_t size = 4 * rod.n;
+    evaluate_host_residual();
+    if (contact) {
+        std::fill_n(contact_gradient_.begin(), size, 0.0);
+        contact->add(wire, {contact_gradient_.data(), size}, nullptr, true);
+        for (std::size_t i = 0; i < size; ++i) residual[i] += contact_gradient_[i];
+    }
+    return finish_residual();
+}
+
+bool WireProblem::evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base)
+{
+    const int size = 4 * rod.n;
+    evaluate_host_residual();
+    if (contact) {
+        for (int i = 0; i < size; ++i) damped_velocity_[i] = trial[i] - base[i];
+        contact_tangent_.multiply(damped_velocity_, scratch_);
+        for (int i = 0; i < size; ++i) residual[i] += contact_gradient_[i] + scratch_[i];
+    }
+    return finish_residual();
+}
+
+/// All of R but contact.
+void WireProblem::evaluate_host_residual()
+{
     const int size = 4 * rod.n;
     const std::span<double> r(residual.data(), size);
     for (int i = 0; i < size; ++i)
@@ -184,10 +211,14 @@ bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
     }
     add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
     add_loads();
-    if (contact) contact->add(wire, r, nullptr, true);
-    r[size - 1] = 0;
+}
+
+/// @return false if not finite
+bool WireProblem::finish_residual()
+{
+    residual[4 * rod.n - 1] = 0;  // the last node begins no edge
     double sum = 0;
-    for (int i = 0; i < size; ++i) sum += std::abs(r[i]);
+    for (int i = 0; i < 4 * rod.n; ++i) sum += std::abs(residual[i]);
     return std::isfinite(sum);
 }
 
@@ -225,13 +256,14 @@ void WireProblem::add_springs_to(BandMatrix& target) const
     }
 }
 
-// The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1). Puts `tension` in place of N.
-void WireProblem::replace_tension()
+// The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1), and max(N, 0) when safe. Puts the
+// predicted tension in place of N.
+void WireProblem::replace_tension(HessianMode mode)
 {
+    const double least = mode == HessianMode::Safe ? 0.0 : -std::numeric_limits<double>::infinity();
     for (int j = 0; j < rod.n - 1; ++j) {
         const double length = frames.edge_length[j];
-        const double actual = rod.stretch_stiffness[j] * (length / rod.rest_length[j] - 1);
-        const double change = (tension[j] - actual) / length;
+        const double change = (std::max(tension_[j], least) - std::max(actual_tension(j), least)) / length;
         const Vec3& t = frames.tangent[j];
         for (int c = 0; c < 3; ++c)
             for (int d = 0; d < 3; ++d) {
@@ -251,15 +283,16 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     const std::span<double> unused(scratch_.data(), size);
     std::fill(unused.begin(), unused.end(), 0.0);
     add_elastic(rod, clamps, frames, unused, &matrix, mode);
-    if (mode == HessianMode::Exact) replace_tension();
+    replace_tension(mode);
     const double rate = acceleration_rate_ + damping_mass_ * velocity_rate_;
     for (int i = 0; i < size; ++i) matrix.add(i, i, rate * inertia[i]);
     add_springs_to(matrix);
-    if (contact) contact->add(wire, unused, &matrix, symmetric);
-    if (damping_stiffness_ > 0)
-        for (int i = 0; i < size; ++i)
-            for (int c = 0; c < BandMatrix::row_width; ++c)
-                matrix.row(i)[c] += damping_stiffness_ * velocity_rate_ * damping_.row(i)[c];
+    if (contact) {
+        contact_tangent_.reset(size);
+        contact->add(wire, unused, &contact_tangent_, symmetric);
+        matrix.add_scaled(contact_tangent_, 1);
+    }
+    if (damping_stiffness_ > 0) matrix.add_scaled(damping_, damping_stiffness_ * velocity_rate_);
 }
 
 double WireProblem::residual_norm() const
@@ -297,13 +330,43 @@ double WireProblem::largest_turn(std::span<const double> d) const
     return largest;
 }
 
-void WireProblem::predict_tension(std::span<const double> base, std::span<const double> d, double alpha)
+double WireProblem::actual_tension(int j) const
+{
+    return rod.stretch_stiffness[j] * (frames.edge_length[j] / rod.rest_length[j] - 1);
+}
+
+void WireProblem::set_base()
 {
     for (int j = 0; j < rod.n - 1; ++j) {
-        const Vec3 edge = node_of(base, j + 1) - node_of(base, j);
-        const double length = edge.norm(), rest = rod.rest_length[j];
-        const double longer = length - rest + edge.dot(node_of(d, j + 1) - node_of(d, j)) / length;
-        tension[j] += alpha * (rod.stretch_stiffness[j] / rest * longer - tension[j]);
+        base_tension_[j] = tension_[j];
+        base_tangent_[j] = frames.tangent[j];
+        base_longer_[j] = frames.edge_length[j] - rod.rest_length[j];
+    }
+}
+
+void WireProblem::predict_tension(std::span<const double> d, double alpha)
+{
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const double longer = base_longer_[j] + base_tangent_[j].dot(node_of(d, j + 1) - node_of(d, j));
+        tension_[j] = (1 - alpha) * base_tension_[j] + alpha * rod.stretch_stiffness[j] / rod.rest_length[j] * longer;
+    }
+}
+
+void WireProblem::correct_tension(std::span<const double> correction)
+{
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const double more = base_tangent_[j].dot(node_of(correction, j + 1) - node_of(correction, j));
+        tension_[j] = actual_tension(j) + rod.stretch_stiffness[j] / rod.rest_length[j] * more;
+    }
+}
+
+void WireProblem::mixed_residual(std::span<double> out) const
+{
+    std::copy_n(residual.begin(), 4 * rod.n, out.begin());
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const Vec3 excess = (actual_tension(j) - tension_[j]) * (frames.tangent[j] - base_tangent_[j]);
+        add_to_node(out, j, excess);
+        add_to_node(out, j + 1, -excess);
     }
 }
 
@@ -319,6 +382,47 @@ void WireProblem::write_acceleration(int i, const double (&a)[4])
     rod.ay[i] = a[1];
     rod.az[i] = a[2];
     if (i < rod.n - 1) rod.spin_acc[i] = a[3];
+}
+
+// A trial is described relative to the accepted tangents, from which no edge may turn by pi. A static solve that turns
+// farther moves that reference along; positions stay those of the start, which contact measures from.
+bool WireProblem::far_from_reference() const
+{
+    for (int j = 0; j < rod.n - 1; ++j)
+        if (frames.tangent[j].dot(rod.tangent(j)) < 0.5) return true;
+    return false;
+}
+
+void WireProblem::move_reference()
+{
+    accept_frames(rod, trial_view(), frames);
+    restore_positions();
+}
+
+void WireProblem::restore_positions()
+{
+    for (int i = 0; i < rod.n; ++i) {
+        rod.set_pos(i, node_of(start, i));
+        rod.theta[i] = start[4 * i + 3];
+    }
+}
+
+void WireProblem::keep_reference()
+{
+    for (std::size_t k = 0; k < reference_arrays().size(); ++k)
+        std::copy_n(reference_arrays()[k].begin(), rod.n, kept_reference_.begin() + k * rod.n);
+}
+
+void WireProblem::restore_reference()
+{
+    for (std::size_t k = 0; k < reference_arrays().size(); ++k)
+        std::copy_n(kept_reference_.begin() + k * rod.n, rod.n, reference_arrays()[k].begin());
+    restore_positions();
+}
+
+std::array<std::span<double>, WireProblem::reference_count> WireProblem::reference_arrays() const
+{
+    return {rod.tx, rod.ty, rod.tz, rod.d1x, rod.d1y, rod.d1z, rod.ref_twist, rod.clamp_twist_a, rod.clamp_twist_b};
 }
 
 void WireProblem::commit(bool newmark)

@@ -9,6 +9,7 @@
 
 #include "solve/newton.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,7 +30,10 @@ public:
     [[nodiscard]] bool update();
     /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
-    /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed. Exact: with the geometric stiffness of `tension`.
+    /// The same with contact taken as linear from where assemble_tangent last ran, `base`: costs no evaluation of contact.
+    [[nodiscard]] bool evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base);
+    /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed, with the geometric stiffness of the
+    /// predicted tension.
     void assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire);
 
     /// Largest free residual [N]; moments divided by length_scale.
@@ -40,12 +44,26 @@ public:
     [[nodiscard]] double largest_move(std::span<const double> d) const;
     /// Largest change of an edge vector by d, relative to the edge's rest length.
     [[nodiscard]] double largest_turn(std::span<const double> d) const;
-    /// Tension after a move by alpha d from `base`, as linear theory has it: see newton_wire.h.
-    void predict_tension(std::span<const double> base, std::span<const double> d, double alpha);
+    // Tensions of the mixed equations, see newton_wire.h. `base` is where the present direction starts from.
+    /// `trial` becomes the base, with the tension that was predicted for it.
+    void set_base();
+    /// Tension at base + alpha d, as the linear equations have it.
+    void predict_tension(std::span<const double> d, double alpha);
+    /// The same after a further `correction` from `trial`, where frames are.
+    void correct_tension(std::span<const double> correction);
+    /// Residual of the mixed equations at `trial`, tensions condensed: R with the tension that was not predicted taken along
+    /// the base's tangents. Equal to R where prediction and trial agree, so at the solution.
+    void mixed_residual(std::span<double> out) const;
 
     /// Velocity and acceleration of unknown i at `trial`.
     [[nodiscard]] double velocity(int i) const;
     [[nodiscard]] double acceleration(int i) const;
+    /// Static solves that turn far: frames at `trial` become the reference for the next trials (wire_problem.cpp).
+    [[nodiscard]] bool far_from_reference() const;
+    void move_reference();
+    void keep_reference();     // as it is now, for restore_reference after a failure
+    void restore_reference();
+
     /// Makes `trial` the accepted state in the wire's arrays (velocities zero when static).
     void commit(bool newmark);
     /// The same for symplectic Euler, where v+ = (q - q_0)/h.
@@ -67,7 +85,6 @@ public:
     std::vector<double> inertia;                 // mass [kg] or spin inertia [kg m^2]
     std::vector<double> prescribed_value;
     std::vector<std::uint8_t> prescribed;        // 1: fixed at prescribed_value (and the unused last theta)
-    std::vector<double> tension;                 // [capacity] per edge [N], for the geometric stiffness
 
     Motion motion = Motion::Implicit;
     double h = 0;              // [s]
@@ -77,18 +94,31 @@ public:
 private:
     void write_velocity(int i, const double (&v)[4]);
     void write_acceleration(int i, const double (&a)[4]);
+    [[nodiscard]] double actual_tension(int j) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_damping(const IntegratorSpec& spec);
+    void evaluate_host_residual();
+    [[nodiscard]] bool finish_residual();
     void add_loads();
     void add_springs_to(BandMatrix& target) const;
-    void replace_tension();
+    void replace_tension(HessianMode mode);
+    void restore_positions();
+
+    static constexpr int reference_count = 9;
+    [[nodiscard]] std::array<std::span<double>, reference_count> reference_arrays() const;
 
     const WireConstraints* constraints_ = nullptr;
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
     mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
+    std::vector<double> kept_reference_;         // [reference_count * capacity]
+    // [capacity] per edge: tension at the base and predicted for the trial [N], the base's tangents and elongation [m]
+    std::vector<double> base_tension_, tension_, base_longer_;
+    std::vector<Vec3> base_tangent_;
+    std::vector<double> contact_gradient_;       // [4 capacity] at the last evaluation of contact
+    BandMatrix contact_tangent_;                 // at the last assemble_tangent
     BandMatrix damping_;
 };
 

@@ -178,7 +178,7 @@ private:
             if (i > 0) length += (raw.points[i] - raw.points[i - 1]).norm();
         }
         // what is half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off its root)
-        return length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius);
+        return widest > 0 && (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
     }
 
     /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.

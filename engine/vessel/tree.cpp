@@ -14,43 +14,55 @@
 namespace seldinger {
 namespace {
 
-constexpr int kBins = 16;
+using Lane4 = Eigen::Array4f;  // x, y, z and a lane along for the ride: one vector instruction for a box
+
+constexpr int kMostBins = 16;
 constexpr float kBoxCost = 1.0f, kTriangleCost = 1.5f;  // an exact capsule-triangle test costs a few box tests
 constexpr int kMaxDepth = SEL_TREE_STACK - 1;
 
 struct Item {  // one triangle on its way into a leaf
-    std::array<float, 3> lo;
-    std::uint32_t id;
-    std::array<float, 3> hi;
-    std::uint32_t unused;
-    [[nodiscard]] float twice_centre(int axis) const
-    {
-        return lo[static_cast<std::size_t>(axis)] + hi[static_cast<std::size_t>(axis)];
-    }
+    Lane4 lo, hi;
+    // the id rides in lo's fourth lane with bit 30 set: a normal number, since arithmetic on denormal ones is slow
+    void set_id(std::uint32_t id) { lo[3] = std::bit_cast<float>(id | 0x40000000u); }
+    [[nodiscard]] std::uint32_t id() const { return std::bit_cast<std::uint32_t>(lo[3]) & 0x3fffffffu; }
+    [[nodiscard]] float twice_centre(int axis) const { return lo[axis] + hi[axis]; }
 };
 
 struct Box {
-    float lo[3] = {3e38f, 3e38f, 3e38f}, hi[3] = {-3e38f, -3e38f, -3e38f};
-    void add(const float* l, const float* h)
+    Lane4 lo = Lane4::Constant(3e38f), hi = Lane4::Constant(-3e38f);
+    void add(const Lane4& l, const Lane4& h)
     {
-        for (int d = 0; d < 3; ++d) {
-            lo[d] = std::min(lo[d], l[d]);
-            hi[d] = std::max(hi[d], h[d]);
-        }
+        lo = lo.min(l);
+        hi = hi.max(h);
     }
     void add(const Box& b) { add(b.lo, b.hi); }
     [[nodiscard]] float half_area() const
     {
-        const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-        return x < 0 ? 0.0f : x * y + y * z + z * x;
+        const Lane4 d = hi - lo;
+        return d[0] < 0 ? 0.0f : d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+    }
+    void store(TreeNode& node) const
+    {
+        for (int d = 0; d < 3; ++d) {
+            node.lo[d] = lo[d];
+            node.hi[d] = hi[d];
+        }
     }
 };
 
-Box bounds(const Item* begin, const Item* end)
+struct Bounds {
+    Box box, centres;  // of the triangles; of their doubled centres
+};
+
+Bounds bounds(const Item* begin, const Item* end)
 {
-    Box box;
-    for (const Item* it = begin; it != end; ++it) box.add(it->lo.data(), it->hi.data());
-    return box;
+    Bounds result;
+    for (const Item* it = begin; it != end; ++it) {
+        result.box.add(it->lo, it->hi);
+        const Lane4 centre = it->lo + it->hi;
+        result.centres.add(centre, centre);
+    }
+    return result;
 }
 
 /// Levels that median splits need to bring n triangles down to leaves.
@@ -59,52 +71,48 @@ int median_levels(std::size_t n) { return n <= SEL_TREE_LEAF ? 0 : std::bit_widt
 struct Split {
     int axis = -1;  // -1: no useful plane
     float offset = 0, scale = 0;
-    int bin = 0;    // items in bins < bin go left
+    int bins = 0, bin = 0;  // items in bins < bin go left
     float cost = 3e38f;
     [[nodiscard]] int bin_of(const Item& item) const
     {
-        return std::min(kBins - 1, static_cast<int>((item.twice_centre(axis) - offset) * scale));
+        return std::min(bins - 1, static_cast<int>((item.twice_centre(axis) - offset) * scale));
     }
 };
 
-/// Best of the 15 planes between 16 bins on each axis, over the spread of the centres.
-Split best_split(const Item* begin, const Item* end)
+/// Best plane between bins on each axis, over the spread of the centres.
+Split best_split(const Item* begin, const Item* end, const Box& centres)
 {
-    float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
-    for (const Item* it = begin; it != end; ++it)
-        for (int d = 0; d < 3; ++d) {
-            low[d] = std::min(low[d], it->twice_centre(d));
-            high[d] = std::max(high[d], it->twice_centre(d));
-        }
+    const std::ptrdiff_t items = end - begin;
+    const int bins = items <= 8 ? 4 : items <= 64 ? 8 : kMostBins;  // small ranges: bins cost more than triangles
     Split best;
-    const float widest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    const Lane4 spread = centres.hi - centres.lo;
+    const float widest = std::max({spread[0], spread[1], spread[2]});
     for (int axis = 0; axis < 3; ++axis) {
-        const float spread = high[axis] - low[axis];
         // a narrow axis rarely wins, and for large ranges its pass over memory is what the build time is made of
-        if (!(spread > 0) || spread < 0.3f * widest) continue;
-        Split split{axis, low[axis], kBins / spread, 0, 3e38f};
+        if (!(spread[axis] > 0) || spread[axis] < 0.3f * widest) continue;
+        Split split{axis, centres.lo[axis], static_cast<float>(bins) / spread[axis], bins, 0, 3e38f};
         if (!(split.scale < 3e38f)) continue;
-        std::array<Box, kBins> box;
-        std::array<std::uint32_t, kBins> count{};
+        std::array<Box, kMostBins> box;
+        std::array<std::uint32_t, kMostBins> count{};
         for (const Item* it = begin; it != end; ++it) {
             const auto b = static_cast<std::size_t>(split.bin_of(*it));
-            box[b].add(it->lo.data(), it->hi.data());
+            box[b].add(it->lo, it->hi);
             ++count[b];
         }
-        std::array<float, kBins> right_cost{};
+        std::array<float, kMostBins> right_cost{};
         Box sweep;
         std::uint32_t n = 0;
-        for (std::size_t b = kBins - 1; b > 0; --b) {
+        for (auto b = static_cast<std::size_t>(bins) - 1; b > 0; --b) {
             sweep.add(box[b]);
             right_cost[b] = sweep.half_area() * static_cast<float>(n += count[b]);
         }
         sweep = Box{};
         n = 0;
-        for (std::size_t b = 1; b < kBins; ++b) {
+        for (std::size_t b = 1; b < static_cast<std::size_t>(bins); ++b) {
             sweep.add(box[b - 1]);
             n += count[b - 1];
             const float cost = sweep.half_area() * static_cast<float>(n) + right_cost[b];
-            if (n > 0 && n < static_cast<std::uint32_t>(end - begin) && cost < best.cost) {
+            if (n > 0 && n < static_cast<std::uint32_t>(items) && cost < best.cost) {
                 best = split;
                 best.bin = static_cast<int>(b);
                 best.cost = cost;
@@ -122,18 +130,19 @@ Item* median_split(Item* begin, Item* end, const Box& box)
         if (box.hi[d] - box.lo[d] > box.hi[axis] - box.lo[axis]) axis = d;
     Item* middle = begin + (end - begin + 1) / 2;
     std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
-        return a.twice_centre(axis) != b.twice_centre(axis) ? a.twice_centre(axis) < b.twice_centre(axis) : a.id < b.id;
+        return a.twice_centre(axis) != b.twice_centre(axis) ? a.twice_centre(axis) < b.twice_centre(axis) : a.id() < b.id();
     });
     return middle;
 }
 
 /// Where to divide [begin, end), or null when it is to be a leaf.
-Item* divide(Item* begin, Item* end, const Box& box, int depth)
+Item* divide(Item* begin, Item* end, const Bounds& range, int depth)
 {
+    const Box& box = range.box;
     const auto n = static_cast<std::size_t>(end - begin);
     if (n <= 1) return nullptr;
     if (depth + 1 + median_levels(n) >= kMaxDepth) return n <= SEL_TREE_LEAF ? nullptr : median_split(begin, end, box);
-    const Split split = best_split(begin, end);
+    const Split split = best_split(begin, end, range.centres);
     if (n <= SEL_TREE_LEAF) {
         const float leaf_cost = kTriangleCost * static_cast<float>(n) * box.half_area();
         if (split.axis < 0 || 2 * kBoxCost * box.half_area() + kTriangleCost * split.cost >= leaf_cost) return nullptr;
@@ -158,11 +167,10 @@ struct Builder {
     {
         SEL_ASSERT(range.depth <= kMaxDepth);
         if (later && static_cast<std::size_t>(range.end - range.begin) <= grain) { later->push_back(range); return; }
-        const Box box = bounds(range.begin, range.end);
+        const Bounds extent = bounds(range.begin, range.end);
         TreeNode node{};
-        std::copy(box.lo, box.lo + 3, node.lo);
-        std::copy(box.hi, box.hi + 3, node.hi);
-        Item* middle = divide(range.begin, range.end, box, range.depth);
+        extent.box.store(node);
+        Item* middle = divide(range.begin, range.end, extent, range.depth);
         depth = std::max(depth, range.depth);
         if (!middle) {
             node.left_or_first = static_cast<std::uint32_t>(range.begin - items);
@@ -230,21 +238,18 @@ void write_triangle(WallTree& tree, const WallMesh& mesh, std::size_t k)
 
 std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
 {
-    std::vector<std::array<float, 3>> rounded(mesh.vertices.size());
-    for (std::size_t v = 0; v < rounded.size(); ++v)
-        for (std::size_t d = 0; d < 3; ++d)
-            rounded[v][d] = static_cast<float>(mesh.vertices[v][static_cast<int>(d)] - centre[static_cast<int>(d)]);
+    std::vector<Lane4> rounded(mesh.vertices.size());
+    for (std::size_t v = 0; v < rounded.size(); ++v) {
+        const Vec3 local = mesh.vertices[v] - centre;
+        rounded[v] << static_cast<float>(local.x()), static_cast<float>(local.y()), static_cast<float>(local.z()), 1.0f;
+    }
     std::vector<Item> items(mesh.triangles.size());
     for (std::size_t t = 0; t < items.size(); ++t) {
         const auto& v = mesh.triangles[t];
-        const auto& a = rounded[static_cast<std::size_t>(v[0])];
-        const auto& b = rounded[static_cast<std::size_t>(v[1])];
-        const auto& c = rounded[static_cast<std::size_t>(v[2])];
-        items[t].id = static_cast<std::uint32_t>(t);
-        for (std::size_t d = 0; d < 3; ++d) {
-            items[t].lo[d] = std::min({a[d], b[d], c[d]});
-            items[t].hi[d] = std::max({a[d], b[d], c[d]});
-        }
+        const Lane4 &a = rounded[static_cast<std::size_t>(v[0])], &b = rounded[static_cast<std::size_t>(v[1])], &c = rounded[static_cast<std::size_t>(v[2])];
+        items[t].lo = a.min(b).min(c);
+        items[t].hi = a.max(b).max(c);
+        items[t].set_id(static_cast<std::uint32_t>(t));
     }
     return items;
 }
@@ -266,10 +271,11 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
 {
     WallTree tree;
     if (mesh.triangles.empty()) return tree;
+    SEL_ASSERT(mesh.triangles.size() < (1u << 30));  // what an Item's lane holds
     Eigen::AlignedBox3d box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     tree.centre = box.center();
-    if (threads == 0) threads = mesh.triangles.size() > 50000 ? 2 : 1;
+    if (threads == 0) threads = mesh.triangles.size() > 10000 ? 2 : 1;
 
     std::vector<std::uint8_t> bits;
     std::thread edge_work;
@@ -286,8 +292,8 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     tree.vertices.resize(9 * count);
     tree.normals.resize(3 * count);
     for (std::size_t k = 0; k < count; ++k) {
-        tree.original[k] = items[k].id;
-        tree.edge_bits[k] = bits[items[k].id];
+        tree.original[k] = items[k].id();
+        tree.edge_bits[k] = bits[tree.original[k]];
         write_triangle(tree, mesh, k);
     }
     return tree;
@@ -300,14 +306,14 @@ void refit_wall_tree(WallTree& tree, const WallMesh& moved)
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
         TreeNode& node = tree.nodes[i];
         Box box;
+        auto add = [&](const float* lo, const float* hi) { box.add(Lane4(lo[0], lo[1], lo[2], 0), Lane4(hi[0], hi[1], hi[2], 0)); };
         if (node.count == 0) {
-            for (std::uint32_t c = 0; c < 2; ++c) box.add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
+            for (std::uint32_t c = 0; c < 2; ++c) add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
         } else {
             for (std::size_t p = 3 * std::size_t{node.left_or_first}; p < 3 * std::size_t{node.left_or_first + node.count}; ++p)
-                box.add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
+                add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
         }
-        std::copy(box.lo, box.lo + 3, node.lo);
-        std::copy(box.hi, box.hi + 3, node.hi);
+        box.store(node);
     }
 }
 

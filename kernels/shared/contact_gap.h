@@ -5,11 +5,13 @@
 //   * touch 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the other;
 //     there the depth is a smooth maximum over facets of different normals,
 //         depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = blend r |n_j - n_0|,
-//     whose width vanishes with the angle between them, so that coplanar facets are not blended. Bias at most eps/4.
+//     whose width vanishes with the angle between them. Bias at most eps/4 for each facet that is within eps. Facets in one plane
+//     are never blended: near their common edge both see the same plane, and n_j would be tilted by nothing but the edge's offset.
 //   * touch 1: the nearest point whose normal faces touch 0 (n_0 . n_1 < 0): the opposite wall of a narrow lumen.
-//   * a facet seen from behind (the far side of a thin septum) never pushes, unless it is the nearest of all: then the axis is
-//     beyond the wall, the depth is r + distance and the normal points back.
-//   * rims (features on the boundary of an opening) do not push: the wire leaves there.
+//   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
+//     through an opening), unless it is the nearest of all and the sample touched the wall from inside in the last step: then
+//     the axis has passed the wall, the depth is r + distance and the normal points back.
+//   * a rim (the free edge at an opening) has no sides: it pushes like a bar, so that contact fades as the wire slides off it.
 #ifndef SEL_SHARED_CONTACT_GAP_H
 #define SEL_SHARED_CONTACT_GAP_H
 #include "shared/triangle.h"
@@ -31,6 +33,8 @@ typedef struct Touch {
     #define SEL_TIE 1e-9
 #endif
 
+#define SEL_COPLANAR 1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
+
 // rim bits of a triangle: bit k: edge k (v_k, v_{k+1}) lies on an opening; bit 3 + k: vertex k does
 SEL_FN int on_rim(uint bits, int feature)
 {
@@ -38,8 +42,9 @@ SEL_FN int on_rim(uint bits, int feature)
 }
 
 // p, origin: see load_triangle. candidates: [count] triangle indices.
-SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, SEL_GLOBAL const uint* candidates, uint count,
-                           SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// front_only: walls seen from behind are not there.
+SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int front_only, SEL_GLOBAL const uint* candidates,
+                           uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
@@ -57,11 +62,14 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, SEL_GLO
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 > best2 * (1 + SEL_TIE) || on_rim(rims[t], feature)) continue;
+        if (d2 > best2 * (1 + SEL_TIE)) continue;
+        const int rim = on_rim(rims[t], feature);
         const vec3 facet = triangle_normal(tri);
         const real d = sqrt(d2);
         // on a shared edge or vertex the side is told by the facet that looks most along v [Baerentzen05]
-        const real align = d > (real)1e-3 * radius ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
+        real align = d > (real)1e-3 * radius ? dot3(v, facet) / d : dot3(v, facet) >= 0 ? (real)1 : (real)-1;
+        if (rim) align = fabs(align);
+        if (front_only && align < 0) continue;
         if (d2 >= best2 * (1 - SEL_TIE) && fabs(align) <= fabs(best_align)) continue;
         best2 = d2;
         best_align = align;
@@ -85,7 +93,7 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     second.found = 0;
     for (int k = 0; k < 6; ++k) second.bend[k] = 0;
     if (!first->found || first->outside || first->depth < -reach) return second;
-    const vec3 n0 = first->normal;
+    const vec3 n0 = first->normal, facet0 = triangle_normal(load_triangle(vertices, first->triangle, origin));
     const real depth0 = first->depth;
     real second_depth = -reach;
     for (uint k = 0; k < count; ++k) {
@@ -95,9 +103,9 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 > (radius + reach) * (radius + reach) || on_rim(rims[t], feature)) continue;
+        if (d2 > (radius + reach) * (radius + reach) || !(d2 > 0)) continue;
         const vec3 facet = triangle_normal(tri);
-        if (dot3(v, facet) <= 0) continue;
+        if (dot3(v, facet) <= 0 && !on_rim(rims[t], feature)) continue;
         const real d = sqrt(d2);
         const vec3 n = (1 / d) * v;
         const real depth = radius - d;
@@ -112,6 +120,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
             }
             continue;
         }
+        const vec3 turn = facet - facet0;
+        if (dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR) continue;
         const vec3 dn = n - n0;
         const real eps = blend * radius * sqrt(dot3(dn, dn));
         const real rest = eps - (depth0 - depth);

@@ -206,6 +206,10 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     if (touch.depth <= 0) return;
     real slope;
     const real per_metre = normal_law(touch.depth, rate, approach, par.inv_dt, m, &slope);
+    if (fresh && rate > m.speed_floor) {  // v- is this step's own rate: the factor 1 + beta does not change with depth
+        (void)elastic_normal(touch.depth, m, &slope);
+        slope *= 1 + m.damping;
+    }
     const real fn = m.weight * per_metre;
     if (fn <= 0) return;
     now->flags |= SEL_TOUCH_ACTIVE;

@@ -20,8 +20,9 @@ SEL_FN AxisPoint axis_point(uint node, real bary, SEL_GLOBAL const float* hi, SE
     const uint a = 3 * node;
     point.origin = make_vec3((real)hi[a], (real)hi[a + 1], (real)hi[a + 2]);
     const vec3 from = make_vec3(lo[a], lo[a + 1], lo[a + 2]);
-    const vec3 to = make_vec3((real)(hi[a + 3] - hi[a]) + lo[a + 3], (real)(hi[a + 4] - hi[a + 1]) + lo[a + 4],
-                              (real)(hi[a + 5] - hi[a + 2]) + lo[a + 5]);
+    // as reals: a difference of floats would be rounded to 6e-8 of the edge, 0.3 nm that jump each time a node passes a float
+    const vec3 to = make_vec3(((real)hi[a + 3] - (real)hi[a]) + lo[a + 3], ((real)hi[a + 4] - (real)hi[a + 1]) + lo[a + 4],
+                              ((real)hi[a + 5] - (real)hi[a + 2]) + lo[a + 5]);
     point.edge = to - from;
     point.offset = from + bary * point.edge;
     return point;
@@ -66,6 +67,12 @@ SEL_FN uint find_near(vec3 p, real range, SEL_GLOBAL const TreeNode* nodes, SEL_
     return count;
 }
 
+// Did this record speak of the wall that has this normal?
+SEL_FN int same_side(TouchState touch, vec3 normal)
+{
+    return touch.normal[0] * normal.x + touch.normal[1] * normal.y + touch.normal[2] * normal.z > 0;
+}
+
 // Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* candidates,
                                    uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims,
@@ -102,16 +109,18 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         now[k].roll = now[k].normal_force = now[k].moment = 0;
         now[k].flags = 0;
     }
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, candidates, count, vertices, rims);
+    const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
+    const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 0, candidates, count, vertices, rims);
+    if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
+        first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 1, candidates, count, vertices, rims);
     Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
     // both sides are blended alike: which of them is nearer may change without a jump
     if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
-        const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
         const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];
         const real to_b = first.normal.x * b.normal[0] + first.normal.y * b.normal[1] + first.normal.z * b.normal[2];
-        const int b_lives = b.stamp + 1 == place.stamp, a_lives = a.stamp + 1 == place.stamp;
         const int swap = b_lives && (!a_lives || to_b > to_a);
         const vec3 centre = at.origin + at.offset;
         add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);

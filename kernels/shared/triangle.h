@@ -25,8 +25,36 @@ SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 ori
     return tri;
 }
 
-// Closest point on the triangle to p by Voronoi regions [Ericson05, sec. 5.1.5]. Exact for slivers: edges are tested
-// through their own parameters. A triangle of no area answers with its longest edges' closest point.
+// (sin of the angle at vertex a)^2 below which a triangle is its three edges: the signs that tell face from edge are rounding there
+#ifdef SEL_FLOAT32
+    #define SEL_FLAT 1e-5f
+#else
+    #define SEL_FLAT 1e-12
+#endif
+
+// Nearest point of the three edges, for triangles that have no face to speak of.
+SEL_FN vec3 closest_on_edges(vec3 p, Triangle tri, int* feature)
+{
+    vec3 best = tri.a;
+    real best2 = dot3(p - tri.a, p - tri.a);
+    *feature = SEL_FEATURE_VERTEX;
+    for (int k = 0; k < 3; ++k) {
+        const vec3 from = k == 0 ? tri.a : k == 1 ? tri.b : tri.c;
+        const vec3 edge = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - from;
+        const real along = dot3(p - from, edge), length2 = dot3(edge, edge);
+        const int end = along <= 0 ? 0 : along >= length2 ? 1 : -1;
+        const vec3 q = end == 0 ? from : from + (end == 1 ? (real)1 : along / length2) * edge;
+        const real d2 = dot3(p - q, p - q);
+        if (d2 >= best2) continue;
+        best = q;
+        best2 = d2;
+        *feature = end < 0 ? SEL_FEATURE_EDGE + k : SEL_FEATURE_VERTEX + (k + end) % 3;
+    }
+    return best;
+}
+
+// Closest point on the triangle to p by Voronoi regions [Ericson05, sec. 5.1.5]. Slivers are safe: edges are tested through their
+// own parameters, and a triangle without area answers with its edges' closest point.
 SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
 {
     const vec3 ab = tri.b - tri.a, ac = tri.c - tri.a, ap = p - tri.a;
@@ -54,9 +82,9 @@ SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
         *feature = SEL_FEATURE_EDGE + 1;
         return tri.b + (e1 / (e1 + e2)) * (tri.c - tri.b);
     }
-    const real sum = va + vb + vc;
+    const real sum = va + vb + vc;  // = |ab x ac|^2
+    if (!(sum > SEL_FLAT * dot3(ab, ab) * dot3(ac, ac))) return closest_on_edges(p, tri, feature);
     *feature = SEL_FEATURE_FACE;
-    if (!(sum > 0)) return tri.a;  // no area at all: a point
     const real inv = 1 / sum;
     return tri.a + (vb * inv) * ab + (vc * inv) * ac;
 }

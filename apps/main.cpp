@@ -1,0 +1,78 @@
+// seldinger: the command. Reads the command line, runs one subcommand, turns every error into one line and an exit code.
+
+#include "commands.h"
+#include "engine.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <new>
+
+namespace seldinger::apps {
+namespace {
+
+/// One line, whatever an exception's text holds.
+int complain(std::string message, ExitCode code)
+{
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    while (!message.empty() && message.back() == ' ') message.pop_back();
+    fmt::print(stderr, "seldinger: {}\n", message);
+    return static_cast<int>(code);
+}
+
+int run_command_line(int argc, char** argv)
+{
+    CLI::App app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
+    app.set_version_flag("--version", std::string("seldinger ") + version());
+    app.require_subcommand(1);
+    Command chosen;
+    add_run(app, chosen);
+    add_check(app, chosen);
+    add_vessel(app, chosen);
+    add_render(app, chosen);
+    add_devices(app, chosen);
+    add_not_yet(app, chosen);
+    const std::string first = argc > 1 ? argv[1] : "";
+    const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
+    if (!first.empty() && first[0] != '-' && known.empty())
+        return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        return complain(std::string(error.what()) + "; see `seldinger --help`", ExitCode::BadScene);
+    }
+    return static_cast<int>(chosen());
+}
+
+}  // namespace
+
+void print(std::string_view text)
+{
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw Error(ExitCode::BadFile, "stdout: cannot be written; is the disk full?");
+}
+
+}  // namespace seldinger::apps
+
+int main(int argc, char** argv)
+{
+    using namespace seldinger;
+    // a limit on file sizes and a closed pipe are errors of a write, not the end of the process
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        return apps::run_command_line(argc, argv);
+    } catch (const Error& error) {
+        return apps::complain(error.what(), error.code());
+    } catch (const std::bad_alloc&) {
+        return apps::complain("out of memory; take a coarser mesh or fewer nodes", ExitCode::BadFile);
+    } catch (const std::exception& error) {
+        return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ExitCode::Stopped);
+    } catch (...) {
+        return apps::complain("unknown error; please report the command that led here", ExitCode::Stopped);
+    }
+}

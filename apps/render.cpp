@@ -1,0 +1,70 @@
+// seldinger render DIR [--size 1280x720] [--frames A:B]
+
+#include "commands.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+
+#ifdef SEL_WITH_VIEW
+    #include "view/render.h"
+#endif
+
+namespace seldinger::apps {
+namespace {
+
+/// "AxB" or "A:B". @throws Error BadScene
+std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form)
+{
+    int a = 0, b = 0;
+    const char* end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, a);
+    if (first.ec == std::errc() && first.ptr != end && *first.ptr == between) {
+        const auto second = std::from_chars(first.ptr + 1, end, b);
+        if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
+    }
+    throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" given, {} expected", option, text, form));
+}
+
+struct Options {
+    std::filesystem::path dir;
+    std::string size = "1280x720", frames;
+};
+
+ExitCode render(const Options& options)
+{
+    const auto [width, height] = two_numbers(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
+    std::pair<int, int> range{-1, -1};
+    if (!options.frames.empty()) range = two_numbers(options.frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
+#ifdef SEL_WITH_VIEW
+    RenderOptions what;
+    what.width = width;
+    what.height = height;
+    what.first = range.first;
+    what.last = range.second;
+    std::string text;
+    for (const auto& path : render_run(options.dir, what)) text += path.string() + "\n";
+    print(text);
+    return ExitCode::Done;
+#else
+    (void)width, (void)height;
+    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+#endif
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
+    command->add_option("DIR", options->dir, "folder of a run")->required();
+    command->add_option("--size", options->size, "picture in pixels (default 1280x720)")->type_name("WxH");
+    command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")->type_name("A:B");
+    command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,52 @@
+// seldinger run SCENE.toml [-o DIR] [--set ...] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--json]
+
+#include "commands.h"
+#include "run_loop.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdlib>
+#include <memory>
+
+namespace seldinger::apps {
+
+void add_run(CLI::App& app, Command& chosen)
+{
+    struct Options {
+        std::filesystem::path scene;
+        RunOptions run;
+        bool resume = false, overwrite = false, json = false;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* run = app.add_subcommand("run", "run a scene and record it");
+    run->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
+    run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
+        ->type_name("table.key=value")
+        ->allow_extra_args(false);
+    auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
+    run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
+    run->add_option("--time-limit", options->run.time_limit, "stop after so many seconds, state saved, exit 75")
+        ->type_name("S")
+        ->check([](const std::string& text) { return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected"; });
+    run->add_option("--device", options->run.device, "OpenCL device, as `seldinger devices` lists them")
+        ->type_name("N")
+        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+    run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
+    run->add_flag("--json", options->json, "print the summary as one JSON object");
+    run->callback([options, &chosen] {
+        chosen = [options] {
+            RunOptions& what = options->run;
+            if (options->resume) what.use = FolderUse::Resume;
+            if (options->overwrite) what.use = FolderUse::Overwrite;
+            if (what.dir.empty()) what.dir = options->scene.stem().string() + "-run";
+            const RunOutcome outcome = run_scene(read_scene(options->scene, what.overrides), what);
+            if (options->json) print(outcome.summary);
+            else if (!what.quiet) print(summary_for_people(outcome.summary, what.dir));
+            if (!outcome.message.empty()) throw Error(outcome.code, outcome.message);
+            return outcome.code;
+        };
+    });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,148 @@
+#include "run_loop.h"
+
+#include "core/file_io.h"
+#include "progress.h"
+#include "stop_signal.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <optional>
+
+namespace seldinger::apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
+// A moving wire can stand still for a step where it turns round; that it does so for this many in a row is rest.
+constexpr long steps_at_rest = 10;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
+double end_of_prescribed_motion(const Scene& scene)
+{
+    double end = 0;
+    const auto include = [&](const auto& rows) {
+        if (!rows.empty()) end = std::max(end, rows.back()[0]);
+    };
+    if (scene.feed.on) end = scene.feed.keys.back().t;
+    for (const HoldSpec& hold : scene.holds) include(hold.move), include(hold.turn);
+    for (const LinkSpec& link : scene.links) include(link.move);
+    for (const LoadSpec& load : scene.loads) end = std::max(end, load.ramp);
+    return end;
+}
+
+/// Which setting helps, by what went wrong.
+std::string advice(const StepReport& report, bool settling)
+{
+    if (report.flags & StepNonFinite)
+        return "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller";
+    if (settling) return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
+    return "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower";
+}
+
+class Run {
+public:
+    Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel, const std::optional<Checkpoint>& saved)
+        : scene_(scene), options_(options), vessel_(std::move(vessel)), world_(std::move(setup)),
+          recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved) : Recorder(scene, vessel_, world_, options.dir)),
+          earlier_wall_(recorder_.tally().wall), fresh_(!saved || saved->tally.steps == 0)
+    {
+    }
+
+    RunOutcome go(Clock::time_point called)
+    {
+        loop_start_ = last_checkpoint_ = Clock::now();
+        Progress progress(scene_, options_.quiet);
+        if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
+        if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
+        const long steps = scene_.steps();
+        const double moving_until = end_of_prescribed_motion(scene_);
+        for (bool first = true; recorder_.tally().steps < steps; first = false) {
+            if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
+            if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit) return stop(RunStatus::TimeLimit);
+            if (!take_step()) return stop(RunStatus::Stopped);
+            if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until) break;
+            save_now_and_then();
+            progress.show(recorder_, wall());
+        }
+        return stop(RunStatus::Done);
+    }
+
+private:
+    bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
+    double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
+
+    bool settle_first()
+    {
+        const StepReport report = settle(world_);
+        if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true));
+        else recorder_.settled(world_, report);
+        return !report.failed();
+    }
+
+    bool take_step()
+    {
+        const auto start = Clock::now();
+        const StepReport report = step(world_, scene_.dt);
+        if (report.failed())
+            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(), advice(report, false));
+        else recorder_.stepped(world_, report, seconds_since(start));
+        return !report.failed();
+    }
+
+    void save_now_and_then()
+    {
+        if (seconds_since(last_checkpoint_) < checkpoint_seconds) return;
+        recorder_.checkpoint(world_, RunStatus::Running, wall());
+        last_checkpoint_ = Clock::now();
+    }
+
+    RunOutcome stop(RunStatus status)
+    {
+        RunOutcome outcome;
+        outcome.summary = recorder_.finish(world_, status, wall());
+        const std::string dir = options_.dir.string();
+        const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume", recorder_.tally().steps,
+                                              scene_.steps(), dir);
+        switch (status) {
+            case RunStatus::Stopped:
+                outcome = {ExitCode::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};
+                break;
+            case RunStatus::TimeLimit: outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved}; break;
+            case RunStatus::Interrupted: outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved}; break;
+            default: break;
+        }
+        return outcome;
+    }
+
+    const Scene& scene_;
+    const RunOptions& options_;
+    RepairReport vessel_;
+    World world_;
+    Recorder recorder_;
+    double earlier_wall_;
+    bool fresh_;
+    Clock::time_point loop_start_, last_checkpoint_;
+    std::string failure_;
+};
+
+}  // namespace
+
+RunOutcome run_scene(const Scene& scene, const RunOptions& options)
+{
+    const auto called = Clock::now();
+    const StopSignal listening;
+    check_run_folder(options.dir, options.use, scene);
+    std::optional<Checkpoint> saved;
+    const auto file = options.dir / "checkpoint.bin";
+    if (options.use == FolderUse::Resume && std::filesystem::exists(file)) saved = read_checkpoint(file);
+    if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
+    RepairReport vessel;
+    WorldSetup setup = make_setup(scene, options.device, &vessel);
+    return Run(scene, options, std::move(setup), std::move(vessel), saved).go(called);
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,32 @@
+#pragma once
+// From a scene to a finished folder: the loop that steps, records, saves and stops.
+
+#include "core/error.h"
+#include "scene/recorder.h"
+#include "scene/scene.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace seldinger::apps {
+
+struct RunOptions {
+    std::filesystem::path dir;
+    std::vector<std::string> overrides;  // of --set
+    FolderUse use = FolderUse::Refuse;
+    double time_limit = 0;               // [s] from the call on, loading included; 0: none
+    int device = -1;
+    bool quiet = false;
+};
+
+struct RunOutcome {
+    ExitCode code = ExitCode::Done;
+    std::string summary;   // JSON
+    std::string message;   // one line for stderr; empty when the run is done
+};
+
+/// Always takes at least one step, so that a short limit and --resume in turn come to an end. @throws Error
+[[nodiscard]] RunOutcome run_scene(const Scene& scene, const RunOptions& options);
+
+}  // namespace seldinger::apps

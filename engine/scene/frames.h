@@ -1,0 +1,24 @@
+#pragma once
+// One moment of a run as VTK files: the wire, its contacts, and the wall.
+
+#include "engine.h"
+#include "scene/vtp_write.h"
+
+#include <string>
+
+namespace seldinger {
+
+/// "wire_000120.vtp"
+[[nodiscard]] std::string frame_name(const char* stem, std::int64_t step);
+
+/// One polyline, tip first. Point data: radius [m], material_s [m], curvature [1/m] (|kb| per Voronoi length, 0 at the ends),
+/// contact_force [N], velocity [m/s].
+[[nodiscard]] std::string wire_vtp(const World& world);
+
+/// Points on the wall. Point data: normal_n [N], normal (unit, into the lumen), gap [m], friction [N], stuck (0/1).
+[[nodiscard]] std::string contacts_vtp(std::span<const ContactRow> rows);
+
+/// The wall in metres, triangles facing the lumen.
+[[nodiscard]] std::string wall_vtp(const WallMesh& mesh);
+
+}  // namespace seldinger

@@ -1,0 +1,276 @@
+#include "scene/recorder.h"
+
+#include "core/error.h"
+#include "scene/frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+namespace seldinger {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",   "wire.csv",  "contacts.csv",
+                                     "wire.pvd",       "contacts.pvd", "vessel.vtp", "scene.toml", "picture.png"};
+constexpr const char* own_series[] = {"wire_", "contacts_", "frame_"};
+
+constexpr std::string_view trace_header =
+    "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_nm,"
+    "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
+    "gravitational_j,flags\n";
+
+/// Adds the time until its end to a sum.
+class Stopwatch {
+public:
+    explicit Stopwatch(double& sum) : sum_(sum) {}
+    ~Stopwatch() { sum_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+    double& sum_;
+    Clock::time_point start_ = Clock::now();
+};
+
+/// wire_000120.vtp, frame_000003.png, and what a killed run left of a file half written (name.PID.tmp).
+bool is_own(const std::string& name)
+{
+    const auto digits_after = [&](std::string_view prefix) {
+        return name.starts_with(prefix) && name.size() > prefix.size() && name[prefix.size()] >= '0' && name[prefix.size()] <= '9';
+    };
+    if (std::any_of(std::begin(own_series), std::end(own_series), digits_after)) return true;
+    return std::any_of(std::begin(own_files), std::end(own_files),
+                       [&](std::string_view own) { return name == own || (name.starts_with(own) && name.ends_with(".tmp")); });
+}
+
+void remove_old_run(const fs::path& dir)
+{
+    std::error_code error;
+    std::vector<fs::path> old;
+    for (const auto& entry : fs::directory_iterator(dir, error))
+        if (is_own(entry.path().filename().string())) old.push_back(entry.path());
+    for (const fs::path& path : old)
+        if (!fs::remove(path, error) && error)
+            throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(),
+                                                       error.message()));
+}
+
+bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
+
+}  // namespace
+
+bool holds_a_run(const fs::path& dir)
+{
+    std::error_code ignored;
+    return std::any_of(std::begin(own_files), std::end(own_files), [&](const char* name) { return fs::exists(dir / name, ignored); });
+}
+
+void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
+{
+    if (!holds_a_run(dir)) return;
+    std::error_code ignored;
+    const fs::path resolved = dir / "scene.toml";
+    if (fs::equivalent(resolved, scene.source, ignored) && !fs::exists(dir / "checkpoint.bin", ignored))
+        throw Error(ExitCode::BadScene, fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o",
+                                                    dir.string()));
+    if (use == FolderUse::Refuse)
+        throw Error(ExitCode::BadScene, fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                                                    "or another folder with -o", dir.string()));
+    if (use == FolderUse::Resume && fs::exists(dir / "checkpoint.bin", ignored) && read_file(resolved) != write_scene(scene, dir))
+        throw Error(ExitCode::BadScene, fmt::format("{}: differs from the scene that is to be resumed; give the same scene and --set, "
+                                                    "or --overwrite", resolved.string()));
+}
+
+Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& world, fs::path dir)
+    : scene_(scene), vessel_(vessel), dir_(std::move(dir)), vessel_hash_(hash_of(world.setup().mesh))
+{
+    const Stopwatch watch(tally_.record);
+    const std::string resolved = write_scene(scene, dir_);  // first: it may be what is overwritten
+    make_folder(dir_);
+    remove_old_run(dir_);
+    write_file(dir_ / "scene.toml", resolved);
+    trace_ = AppendFile(dir_ / "trace.csv", 0);
+    trace_.append(trace_header);
+    const WallMesh& mesh = world.setup().mesh;
+    if (!mesh.triangles.empty()) write_file(dir_ / "vessel.vtp", wall_vtp(mesh));
+    readings_ = world.readings(0);
+    if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
+        if (scene_.wire_every > 0) write_wire_frame(world);
+        if (scene_.contacts_every > 0) write_contact_frame(world);
+        write_collections();
+    }
+    checkpoint(world, RunStatus::Running, 0);
+}
+
+Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world, fs::path dir, const Checkpoint& saved)
+    : scene_(scene), vessel_(vessel), dir_(std::move(dir)), vessel_hash_(hash_of(world.setup().mesh)), tally_(saved.tally),
+      wire_frames_(saved.wire_frames), contact_frames_(saved.contact_frames)
+{
+    if (vessel_hash_ != saved.vessel_hash)
+        throw Error(ExitCode::BadFile, fmt::format("{}: has changed since the run began; run again with --overwrite",
+                                                   scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
+    if (world.device_name() != saved.device)
+        warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(), saved.device));
+    world.restore_state(saved.state);
+    trace_ = AppendFile(dir_ / "trace.csv", saved.trace_bytes);
+    readings_ = world.readings(0);
+    tally_.resumes++;
+}
+
+void Recorder::take_in(const World& world, const StepReport& report)
+{
+    readings_ = world.readings(0);
+    const WireReadings& r = readings_;
+    tally_.contacts_max = std::max<std::int64_t>(tally_.contacts_max, r.contacts);
+    tally_.newton_max = std::max<std::int64_t>(tally_.newton_max, report.newton_iterations);
+    tally_.halved_steps += (report.flags & StepHalved) != 0;
+    tally_.outside_steps += (report.flags & StepWallPenetration) != 0;
+    tally_.overflow_steps += (report.flags & StepContactOverflow) != 0;
+    tally_.friction_max = std::max(tally_.friction_max, r.friction);
+    tally_.overlap_max = std::max(tally_.overlap_max, r.overlap);
+    tally_.outside_max = std::max(tally_.outside_max, r.outside);
+    const StageTimes& t = report.times;
+    StageTimes& sum = tally_.stages;
+    sum.detect += t.detect, sum.evaluate += t.evaluate, sum.reduce += t.reduce;
+    sum.solve += t.solve, sum.wall += t.wall, sum.adapt += t.adapt;
+    tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
+    tally_.row_flags |= report.flags;
+}
+
+void Recorder::settled(const World& world, const StepReport& report)
+{
+    const Stopwatch watch(tally_.record);
+    take_in(world, report);
+    write_row(world);
+    if (scene_.wire_every > 0) write_wire_frame(world);
+    if (scene_.contacts_every > 0) write_contact_frame(world);
+    write_collections();
+}
+
+void Recorder::stepped(const World& world, const StepReport& report, double seconds)
+{
+    const Stopwatch watch(tally_.record);
+    tally_.steps++;
+    tally_.row_steps++;
+    tally_.row_time += seconds;
+    take_in(world, report);
+    tally_.rest_steps = world.at_rest() ? tally_.rest_steps + 1 : 0;
+    if (due(tally_.steps, scene_.record_every)) write_row(world);
+    if (due(tally_.steps, scene_.wire_every)) write_wire_frame(world);
+    if (due(tally_.steps, scene_.contacts_every)) write_contact_frame(world);
+}
+
+std::string Recorder::csv(double value)
+{
+    if (std::isfinite(value)) return fmt::format("{}", value);  // the shortest text that reads back to the same bits
+    tally_.non_finite++;
+    return {};
+}
+
+void Recorder::write_row(const World& world)
+{
+    const WireReadings& r = readings_;
+    const double step_ms = tally_.row_steps > 0 ? 1e3 * tally_.row_time / static_cast<double>(tally_.row_steps) : 0;
+    std::string row = fmt::format("{},{},{},{},{},{}", tally_.steps, csv(world.time()), csv(r.inserted), csv(r.turned), r.nodes, r.contacts);
+    for (const double v : {r.normal, r.friction, r.sliding, r.sticking, r.rolling, r.hand_force, r.hand_torque, r.overlap})
+        row += "," + csv(v);
+    row += fmt::format(",{},{:.4g}", tally_.row_newton, step_ms);
+    for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic, r.elastic,
+                           r.gravitational})
+        row += "," + csv(v);
+    trace_.append(row + fmt::format(",{}\n", tally_.row_flags));
+    tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
+    tally_.row_time = 0;
+}
+
+void Recorder::write_wire_frame(const World& world)
+{
+    write_file(dir_ / frame_name("wire", tally_.steps), wire_vtp(world));
+    wire_frames_.push_back({tally_.steps, world.time()});
+}
+
+void Recorder::write_contact_frame(const World& world)
+{
+    if (world.setup().mesh.triangles.empty()) return;
+    write_file(dir_ / frame_name("contacts", tally_.steps), contacts_vtp(world.contacts()));
+    contact_frames_.push_back({tally_.steps, world.time()});
+}
+
+// Written with each checkpoint and at the end, not with each frame: the list of a long series would cost more than the series.
+void Recorder::write_collections()
+{
+    const std::pair<const char*, const std::vector<FrameMark>*> series[] = {{"wire", &wire_frames_}, {"contacts", &contact_frames_}};
+    for (const auto& [stem, frames] : series) {
+        if (frames->empty()) continue;
+        std::vector<PvdEntry> entries;
+        for (const FrameMark& frame : *frames) entries.push_back({frame.time, frame_name(stem, frame.step)});
+        write_file(dir_ / fmt::format("{}.pvd", stem), pvd_text(entries));
+    }
+}
+
+void Recorder::write_wire_table(const World& world)
+{
+    const RodView rod = world.rod(0);
+    const std::vector<Vec3> force = world.nodal_contact_force(0);
+    std::string table = "s_m,x_m,y_m,z_m,vx,vy,vz,spin_rad,fx_n,fy_n,fz_n\n";
+    for (int i = 0; i < rod.n; ++i) {
+        const double spin = rod.theta[std::min(i, rod.n - 2)];
+        const Vec3 &f = force[static_cast<std::size_t>(i)], x = rod.pos(i), v = rod.vel(i);
+        const double row[] = {rod.material_s[i], x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), spin, f.x(), f.y(), f.z()};
+        for (const double& value : row) table += csv(value) + (&value == std::end(row) - 1 ? "\n" : ",");
+    }
+    write_file(dir_ / "wire.csv", table);
+}
+
+void Recorder::write_contact_table(const World& world)
+{
+    std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m\n";
+    for (const ContactRow& c : world.contacts()) {
+        table += fmt::format("{},{}", c.edge, c.triangle);
+        for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap, c.normal_force,
+                               c.friction.norm()})
+            table += "," + csv(v);
+        table += fmt::format(",{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length));
+    }
+    write_file(dir_ / "contacts.csv", table);
+}
+
+void Recorder::checkpoint(const World& world, RunStatus status, double wall)
+{
+    const Stopwatch watch(tally_.record);
+    tally_.wall = wall;
+    write_collections();
+    trace_.sync();
+    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), vessel_hash_, status, tally_, trace_.size(), wire_frames_,
+                                               contact_frames_, world.save_state()});
+}
+
+std::string Recorder::finish(const World& world, RunStatus status, double wall)
+{
+    // what an interrupted run shows is not what it goes on from: the checkpoint comes before the extra row and frame
+    const bool goes_on = status == RunStatus::TimeLimit || status == RunStatus::Interrupted;
+    if (goes_on) checkpoint(world, status, wall);
+    const auto start = Clock::now();
+    {
+        const Stopwatch watch(tally_.record);
+        const bool ended = !goes_on && tally_.steps > 0;
+        if (ended && !due(tally_.steps, scene_.record_every)) write_row(world);
+        if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(world);
+        if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(world);
+        write_collections();
+        write_wire_table(world);
+        write_contact_table(world);
+    }
+    tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
+    const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_});
+    write_file(dir_ / "summary.json", summary);
+    if (status == RunStatus::Done) checkpoint(world, status, tally_.wall);
+    return summary;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,69 @@
+#pragma once
+// Everything that `seldinger run` writes into its folder (docs/command-line.md): the tables, the ParaView series, the summary and
+// the checkpoint. It reads the world between steps and never changes it.
+//
+// Frames are named after their step (wire_000120.vtp), so that a resumed run writes the same files again. Rows of trace.csv hold
+// the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before.
+
+#include "core/file_io.h"
+#include "scene/checkpoint.h"
+
+#include <filesystem>
+#include <string>
+
+namespace seldinger {
+
+/// What to do about a folder that holds a run already.
+enum class FolderUse { Refuse, Overwrite, Resume };
+
+/// Whether any of a run's own files is there.
+[[nodiscard]] bool holds_a_run(const std::filesystem::path& dir);
+
+/// Before anything is loaded. @throws Error BadScene when `dir` holds a run and `use` is Refuse, when the run that is to be
+/// resumed began with another scene, or when the scene file itself would be overwritten
+void check_run_folder(const std::filesystem::path& dir, FolderUse use, const Scene& scene);
+
+class Recorder {
+public:
+    /// Starts a new run in `dir`, whose old run, if any, is removed. @throws Error BadFile
+    Recorder(const Scene& scene, const RepairReport& vessel, const World& world, std::filesystem::path dir);
+
+    /// Goes on where `checkpoint` left off: restores the world and cuts what was written later. @throws Error BadFile
+    Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir, const Checkpoint& checkpoint);
+
+    /// After settle(): takes its readings in, and writes row 0.
+    void settled(const World& world, const StepReport& report);
+    /// After an accepted step. @param seconds  that the step took
+    void stepped(const World& world, const StepReport& report, double seconds);
+
+    /// Saves where the run stands. @param wall  of the loop so far [s]
+    void checkpoint(const World& world, RunStatus status, double wall);
+    /// Writes final tables, summary and, unless the simulation stopped by itself, the checkpoint. @return the summary
+    std::string finish(const World& world, RunStatus status, double wall);
+
+    [[nodiscard]] const RunTally& tally() const { return tally_; }
+    [[nodiscard]] const WireReadings& readings() const { return readings_; }
+    void warn(const std::string& sentence) { warnings_.push_back(sentence); }
+
+private:
+    void take_in(const World& world, const StepReport& report);
+    void write_row(const World& world);
+    void write_wire_frame(const World& world);
+    void write_contact_frame(const World& world);
+    void write_collections();
+    void write_wire_table(const World& world);
+    void write_contact_table(const World& world);
+    [[nodiscard]] std::string csv(double value);
+
+    const Scene& scene_;
+    const RepairReport& vessel_;
+    std::filesystem::path dir_;
+    std::uint64_t vessel_hash_ = 0;
+    AppendFile trace_;
+    RunTally tally_;
+    WireReadings readings_;          // of the last accepted step
+    std::vector<FrameMark> wire_frames_, contact_frames_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,117 @@
+// From a scene to what a World is made of: loads the vessel, places the feed, checks that wire and vessel fit each other.
+#include "scene/scene.h"
+
+#include "core/error.h"
+#include "scene/mesh_file.h"
+#include "scene/scene_names.h"
+#include "scene/vessel_load.h"
+#include "vessel/inlets.h"
+#include "vessel/inside.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+namespace seldinger {
+namespace {
+
+// A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
+// is worth pushing against and the widest ventricle lie well inside.
+constexpr double narrowest = 0.05, widest = 1000;
+
+[[noreturn]] void fail(const Scene& scene, const char* key, const std::string& message, ExitCode code = ExitCode::BadScene)
+{
+    throw Error(code, fmt::format("{}: {}: {}", scene.source.string(), key, message));
+}
+
+/// Median lumen radius of the centreline; without one, the widest opening; 0 when neither is there.
+double typical_radius(const LoadedVessel& vessel)
+{
+    std::vector<double> radius = vessel.centreline.radius;
+    if (!radius.empty()) {
+        std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2), radius.end());
+        return radius[radius.size() / 2];
+    }
+    double largest = 0;
+    for (const BoundaryLoop& loop : vessel.report.loops) largest = std::max(largest, loop.radius);
+    return largest;
+}
+
+/// The unit in which the file's lumen would be nearest, by ratio, to the ten wire radii of a usual vessel.
+std::string_view fitting_unit(double lumen_radius, const std::string& units, double wire_radius)
+{
+    const double in_file = lumen_radius / metres_per_unit(units);
+    const auto misfit = [&](std::string_view unit) {
+        return std::abs(std::log(in_file * metres_per_unit(std::string(unit)) / (10 * wire_radius)));
+    };
+    return *std::min_element(std::begin(unit_words), std::end(unit_words), [&](auto a, auto b) { return misfit(a) < misfit(b); });
+}
+
+void check_size(const Scene& scene, const LoadedVessel& vessel)
+{
+    const double lumen = typical_radius(vessel), wire = scene.wire.shaft.radius;
+    if (lumen == 0 || (lumen >= narrowest * wire && lumen <= widest * wire)) return;
+    const std::string sizes = fmt::format("the lumen's radius is {:.3g} mm, the wire's {:.3g} mm", 1e3 * lumen, 1e3 * wire);
+    if (scene.vessel.shape != VesselShape::Mesh)
+        fail(scene, "vessel.radius_m", sizes + "; expected the same order of size, check both (metres)");
+    const std::string_view unit = fitting_unit(lumen, scene.vessel.units, wire);
+    fail(scene, "vessel.units", fmt::format("\"{}\" looks wrong: {}; {}", scene.vessel.units, sizes,
+                                            unit == scene.vessel.units ? "check wire.radius_m too (metres)"
+                                                                       : fmt::format("units = \"{}\" would fit", unit)));
+}
+
+void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
+{
+    if (!feed.inlet_auto) return;
+    if (scene.vessel.shape == VesselShape::Plane)
+        fail(scene, "feed.inlet", "a plane has no inlet: its border is no opening; give point and direction");
+    try {
+        const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
+        feed.point = inlet.point;
+        feed.direction = inlet.direction;
+    } catch (const Error& error) {
+        fail(scene, "feed.inlet", error.what(), error.code());
+    }
+}
+
+void check_feed_point(const Scene& scene, const LoadedVessel& vessel, const FeedSpec& feed)
+{
+    const LumenPlace place = LumenQuery(vessel.mesh, vessel.report.loops).locate(feed.point);
+    if (place.inside()) return;
+    const Vec3& p = feed.point;
+    const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim", place.opening,
+                                                               1e3 * (place.nearest - p).norm())
+                                                 : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
+    fail(scene, feed.inlet_auto ? "feed.inlet" : "feed.point",
+         fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)", p.x(), p.y(),
+                     p.z(), where));
+}
+
+}  // namespace
+
+WorldSetup make_setup(const Scene& scene, int device_index, RepairReport* report)
+{
+    LoadedVessel vessel = load_vessel(scene.vessel);
+    WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links};
+    const bool has_lumen = scene.vessel.shape != VesselShape::None && scene.vessel.shape != VesselShape::Plane;
+    if (has_lumen) check_size(scene, vessel);
+    if (wire.feed.on) {
+        place_feed(scene, vessel, wire.feed);
+        if (has_lumen) check_feed_point(scene, vessel, wire.feed);
+    }
+    WorldSetup setup;
+    setup.gravity = scene.gravity;
+    setup.dt = scene.dt;
+    setup.start_settled = scene.start_settled;
+    setup.wires.push_back(std::move(wire));
+    setup.integrator = scene.integrator;
+    setup.vessel = scene.vessel;
+    setup.mesh = std::move(vessel.mesh);
+    setup.centreline = std::move(vessel.centreline);
+    setup.device_index = device_index;
+    if (report) *report = std::move(vessel.report);
+    return setup;
+}
+
+}  // namespace seldinger

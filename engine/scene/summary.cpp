@@ -1,0 +1,152 @@
+#include "scene/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace seldinger {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Null where the number is not finite; its key is remembered.
+class Numbers {
+public:
+    explicit Numbers(Json& out) : out_(out) {}
+    void set(const char* key, double value)
+    {
+        if (std::isfinite(value)) out_[key] = value;
+        else out_[key] = nullptr, lost_.emplace_back(key);
+    }
+    [[nodiscard]] const std::vector<std::string>& lost() const { return lost_; }
+
+private:
+    Json& out_;
+    std::vector<std::string> lost_;
+};
+
+/// One name may have several entries: they are joined.
+Json model_of(const World& world, const Scene& scene)
+{
+    Json model = Json::object();
+    auto add = [&](const std::string& name, const std::string& value) {
+        if (model.contains(name)) model[name] = model[name].get<std::string>() + "; " + value;
+        else model[name] = value;
+    };
+    for (const auto& [name, value] : world.model()) add(name, value);
+    for (const auto& [name, value] : scene.notes) add(name, value);
+    return model;
+}
+
+Json stages_of(const RunTally& tally)
+{
+    const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(tally.steps, 1));
+    const StageTimes& s = tally.stages;
+    return {{"detect", s.detect * to_ms}, {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms}, {"solve", s.solve * to_ms},
+            {"wall", s.wall * to_ms},     {"adapt", s.adapt * to_ms},       {"record", tally.record * to_ms}};
+}
+
+Json vessel_of(const RepairReport& report)
+{
+    return {{"triangles_read", report.triangles_read}, {"triangles", report.triangles}, {"vertices", report.vertices},
+            {"openings", report.loops.size()}, {"notes", report.notes}};
+}
+
+void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, const WireReadings& r)
+{
+    out["contacts_max"] = tally.contacts_max;
+    number.set("friction_max_n", tally.friction_max);
+    number.set("hand_force_n", r.hand_force);
+    number.set("hand_torque_nm", r.hand_torque);
+    out["base_force_n"] = {r.base_force.x(), r.base_force.y(), r.base_force.z()};  // the JSON writer makes null of NaN
+    number.set("remesh_energy_j", r.remesh_energy);
+    number.set("overlap_max_m", tally.overlap_max);
+    number.set("outside_max_m", tally.outside_max);
+    out["newton_max"] = tally.newton_max;
+    number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
+    number.set("kinetic_j", r.kinetic);
+    number.set("elastic_j", r.elastic);
+    number.set("gravitational_j", r.gravitational);
+}
+
+std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes& notes, const std::vector<std::string>& lost)
+{
+    std::vector<std::string> list = notes.warnings;
+    const auto share = [&](std::int64_t count) { return fmt::format("{} of {} steps", count, tally.steps); };
+    if (tally.halved_steps > 0) list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
+    if (tally.outside_steps > 0)
+        list.push_back(share(tally.outside_steps) + fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most",
+                                                                1e3 * tally.outside_max));
+    if (tally.non_finite > 0) list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
+    for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
+    return list;
+}
+
+}  // namespace
+
+const char* status_word(RunStatus status)
+{
+    switch (status) {
+        case RunStatus::Running: return "running";
+        case RunStatus::Done: return "done";
+        case RunStatus::TimeLimit: return "time-limit";
+        case RunStatus::Interrupted: return "interrupted";
+        case RunStatus::Stopped: return "stopped";
+    }
+    return "unknown";
+}
+
+std::string summary_json(const World& world, const RunTally& tally, const SummaryNotes& notes)
+{
+    Json out;
+    Numbers number(out);
+    const WireReadings& r = notes.readings;
+    out["name"] = notes.scene->name;
+    out["status"] = status_word(notes.status);
+    out["steps"] = tally.steps;
+    number.set("simulated_s", world.time());
+    number.set("wall_s", tally.wall);
+    const double wall = std::max(tally.wall, 1e-9);  // a run of no steps takes no time
+    number.set("steps_per_s", static_cast<double>(tally.steps) / wall);
+    number.set("realtime_factor", world.time() / wall);
+    number.set("inserted_m", r.inserted);
+    number.set("turned_rad", r.turned);
+    out["nodes"] = r.nodes;
+    set_forces_and_energies(number, out, tally, r);
+    out["halved_steps"] = tally.halved_steps;
+    out["at_rest"] = world.at_rest();
+    out["stage_ms"] = stages_of(tally);
+    out["state_hash"] = world.state_hash();
+    out["model"] = model_of(world, *notes.scene);
+    if (notes.vessel && notes.vessel->triangles > 0) out["vessel"] = vessel_of(*notes.vessel);
+    out["device"] = world.device_name();
+    out["version"] = version();
+    out["resumes"] = tally.resumes;
+    out["warnings"] = all_warnings(tally, notes, number.lost());
+    // names may hold bytes that are not UTF-8: replaced, never a crash
+    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string summary_for_people(const std::string& json, const std::filesystem::path& dir)
+{
+    const Json s = Json::parse(json);
+    const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
+    std::string text = fmt::format("{}: {}\n", s.at("name").get<std::string>(), s.at("status").get<std::string>());
+    text += fmt::format("  {} steps, {:.4g} s simulated in {:.3g} s ({:.3g} x real time, {:.0f} steps/s)\n", s.at("steps").get<long>(),
+                        number("simulated_s"), number("wall_s"), number("realtime_factor"), number("steps_per_s"));
+    text += fmt::format("  inserted {:.4g} cm, {} nodes, at most {} contacts\n", 1e2 * number("inserted_m"), s.at("nodes").get<int>(),
+                        s.at("contacts_max").get<long>());
+    text += fmt::format("  hand force {:.4g} N, torque {:.4g} N m; friction at most {:.4g} N\n", number("hand_force_n"),
+                        number("hand_torque_nm"), number("friction_max_n"));
+    text += fmt::format("  overlap at most {:.3g} um, outside {:.3g} um; Newton at most {} iterations\n", 1e6 * number("overlap_max_m"),
+                        1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
+    text += fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
+    for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
+    std::string files;
+    for (const char* name : {"summary.json", "trace.csv", "wire.csv", "contacts.csv", "wire.pvd", "vessel.vtp", "scene.toml"})
+        if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
+    return text + fmt::format("  {}: {}\n", dir.string(), files);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,174 @@
+#pragma once
+// Runs the real `seldinger` command in a folder of its own, and small scenes for it.
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+namespace seldinger::test {
+
+namespace fs = std::filesystem;
+
+/// An empty folder that goes when the test ends.
+struct ScratchFolder {
+    fs::path path;
+    ScratchFolder()
+    {
+        std::string form = (fs::temp_directory_path() / "seldinger_apps_XXXXXX").string();
+        REQUIRE(mkdtemp(form.data()) != nullptr);
+        path = form;
+    }
+    ~ScratchFolder()
+    {
+        std::error_code ignored;
+        fs::remove_all(path, ignored);
+    }
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+    fs::path write(const std::string& name, const std::string& text) const
+    {
+        std::ofstream(path / name, std::ios::binary) << text;
+        return path / name;
+    }
+};
+
+inline std::string slurp(const fs::path& path)
+{
+    std::ifstream stream(path, std::ios::binary);
+    std::stringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+struct AppResult {
+    int code = -1;
+    std::string out, err;
+    [[nodiscard]] long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
+};
+
+/// Runs `prefix seldinger arguments` by the shell, in `folder`.
+inline AppResult run_app(const ScratchFolder& folder, const std::string& arguments, const std::string& prefix = "")
+{
+    const fs::path out = folder.path / ".out", err = folder.path / ".err";
+    const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, SEL_APP, arguments,
+                                            out.string(), err.string());
+    const int status = std::system(command.c_str());
+    AppResult result;
+    result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    result.out = slurp(out);
+    result.err = slurp(err);
+    return result;
+}
+
+/// Starts `seldinger run scene -o dir`, sends `signal` once trace.csv has `rows` rows, and waits.
+/// @return the exit code, or minus the signal that ended it
+inline int run_and_signal(const fs::path& scene, const fs::path& dir, long rows, int signal, bool resume = false)
+{
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        const std::string scene_text = scene.string(), dir_text = dir.string();
+        execl(SEL_APP, SEL_APP, "run", scene_text.c_str(), "-o", dir_text.c_str(), "--quiet", resume ? "--resume" : nullptr, nullptr);
+        _exit(127);
+    }
+    int status = 0;
+    for (;;) {
+        if (waitpid(child, &status, WNOHANG) == child) break;  // ended before it could be signalled: the caller sees code 0
+        const std::string trace = slurp(dir / "trace.csv");
+        if (std::count(trace.begin(), trace.end(), '\n') > rows) {
+            kill(child, signal);
+            waitpid(child, &status, 0);
+            break;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+inline nlohmann::json summary_of(const fs::path& dir) { return nlohmann::json::parse(slurp(dir / "summary.json")); }
+
+/// Rows of a CSV as text cells, header first.
+inline std::vector<std::vector<std::string>> csv_rows(const fs::path& path)
+{
+    std::vector<std::vector<std::string>> rows;
+    std::stringstream lines(slurp(path));
+    for (std::string line; std::getline(lines, line);) {
+        std::vector<std::string> cells;
+        std::stringstream stream(line);
+        for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+        if (!line.empty() && line.back() == ',') cells.emplace_back();
+        rows.push_back(cells);
+    }
+    return rows;
+}
+
+/// A wire held at its base, falling free: no vessel, so no OpenCL. 21 nodes, dt 1 ms.
+inline std::string free_scene(double duration = 0.05, int record_every = 10)
+{
+    return fmt::format(R"([scene]
+name = "falling"
+duration_s = {}
+dt_s = 0.001
+record_every = {}
+[wire]
+length_m = 0.1
+radius_m = 0.0002
+density = 6450.0
+bend_nm2 = 5.0e-5
+twist_nm2 = 4.0e-5
+stretch_n = 7000.0
+nodes = 21
+[[hold]]
+at = "base"
+position = true
+direction = true
+spin = true
+)", duration, record_every);
+}
+
+/// A wire fed into a tube of 5 mm radius and 0.1 m length, slanting to the floor: it touches after some 5 mm and slides along it.
+/// 4 mm are inside at the start.
+inline std::string tube_scene(double duration = 0.3)
+{
+    return fmt::format(R"([scene]
+name = "tube"
+duration_s = {}
+dt_s = 0.001
+record_every = 5
+[wire]
+length_m = 0.1
+radius_m = 0.0004445
+density = 7900.0
+bend_nm2 = 1.0e-5
+twist_nm2 = 8.0e-6
+stretch_n = 1.0e4
+nodes = 41
+[vessel]
+shape = "tube"
+radius_m = 0.005
+length_m = 0.1
+axis = [1.0, 0.0, 0.0]
+triangles = 2000
+[contact]
+detection = "capsule"
+[feed]
+point = [0.0, 0.0, -0.0035]
+direction = [1.0, 0.0, -0.2]
+keys = [ {{t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}}, {{t_s = 1.0, advance_m = 0.084, turn_rad = 1.0}} ]
+)", duration);
+}
+
+}  // namespace seldinger::test

@@ -1,0 +1,452 @@
+// The bodies of the twin tests, compiled once in double (test_twin.cpp) and once in float (test_twin_float32.cpp, where `seldinger` is
+// another namespace). Every kernel runs against a plain loop over the same shared functions; the arithmetic is the same operation
+// by operation (contraction off on both sides, divisions and roots correctly rounded), so the bits are the same.
+#include "shared/layer.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <random>
+#include <string>
+
+namespace {
+
+using namespace seldinger;
+using sel_device::Lane;
+using sel_twin::first_difference;
+using sel_twin::Guarded;
+
+#ifdef SEL_FLOAT32
+constexpr bool float32 = true;
+#else
+constexpr bool float32 = false;
+#endif
+constexpr std::size_t counts_to_try[] = {0, 1, 63, 64, 65, 257};  // below, at and beyond a work-group of 64
+
+struct Draw {
+    std::mt19937 rng{11};
+    double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
+    uint below(uint n) { return std::uniform_int_distribution<uint>(0, n - 1)(rng); }
+};
+
+// Three wires of 7, 40 and 2 nodes along the tube's wall: touching, pressing through, and apart.
+struct Scene {
+    Draw draw;
+    std::vector<float> hi, hi_t0;
+    std::vector<real> lo, lo_t0, theta, theta_t0;
+    std::vector<uint> edges;               // index of the tip-side node of every edge
+    std::vector<SampleModel> models;
+    std::vector<SamplePlace> places;
+    std::vector<TouchState> touches_t0;
+    std::vector<TreeNode> nodes;
+    ContactParams par{};
+    const sel_twin::TwinWall& wall = sel_twin::twin_wall();
+
+    explicit Scene(std::size_t samples)
+    {
+        nodes.resize(wall.nodes.size() / sizeof(TreeNode));
+        std::memcpy(nodes.data(), wall.nodes.data(), wall.nodes.size());
+        for (uint n : {7u, 40u, 2u}) add_wire(n);
+        hi.insert(hi.end(), {0, 0, 0});  // one past the end, as DeviceNodes has it
+        for (int k = 0; k < 3; ++k) lo.push_back(0);
+        theta.push_back(0);
+        hi_t0 = hi;
+        lo_t0 = lo;
+        theta_t0 = theta;
+        for (real& x : lo_t0) x += static_cast<real>(draw(-3e-6, 3e-6));
+        for (real& x : theta_t0) x += static_cast<real>(draw(-0.01, 0.01));
+        for (std::size_t k = 0; k < samples; ++k) add_sample(k);
+        par.slots = 64;
+        par.friction = SEL_FRICTION_STICK_SLIP;
+        par.inv_dt = 1000;
+        par.blend = static_cast<real>(0.002);
+        par.smooth_speed = static_cast<real>(1e-3);
+        par.reach = static_cast<real>(0.1 * 0.4445e-3);
+    }
+
+    void add_wire(uint n)
+    {
+        const double angle = draw(0, 6.28), from = draw(-0.012, 0), twist = draw(-1, 1);
+        for (uint i = 0; i < n; ++i) {
+            if (i + 1 < n) edges.push_back(static_cast<uint>(theta.size()));
+            const double x = from + 0.012 * i / n, rho = wall.radius - 0.4445e-3 * draw(0.3, 1.15), a = angle + twist * i / n;
+            for (double p : {x, rho * std::cos(a), rho * std::sin(a)}) {
+                hi.push_back(static_cast<float>(p));
+                lo.push_back(static_cast<real>(p - hi.back()));
+            }
+            theta.push_back(static_cast<real>(draw(-1, 1)));
+        }
+    }
+
+    SampleModel model(std::size_t k)
+    {
+        SampleModel m{};
+        m.weight = m.length = static_cast<real>(k % 17 == 16 ? 0.0 : 4e-4);
+        m.radius = static_cast<real>(k % 2 ? 0.4445e-3 : 0.35e-3);
+        m.exponent = static_cast<real>(std::array{1.0, 1.5, 2.0}[k % 3]);
+        m.stiffness = static_cast<real>(1.5e8 * std::pow(1e-6, 1.5 - m.exponent));
+        m.friction_stiffness = static_cast<real>(1e5);
+        m.mu_static = static_cast<real>(0.25);
+        m.mu_sliding = static_cast<real>(0.2);
+        m.speed_floor = static_cast<real>(1e-4);
+        m.depth_limit = k % 5 ? m.radius / 2 : 0;
+        m.damping = static_cast<real>(k % 4 ? 1.43 : 0.0);
+        m.roll_arm = static_cast<real>(k % 3 ? 0.04 : 0.0);
+        m.roll_depth = 2 * m.radius;
+        m.roll_force = static_cast<real>(k % 2 ? 1e-9 : 0.0);
+        return m;
+    }
+
+    void add_sample(std::size_t k)
+    {
+        models.push_back(model(k));
+        SamplePlace p{};
+        p.edge = edges[k * edges.size() / 300 % edges.size()];
+        p.edge_t0 = k % 23 == 22 ? SEL_NO_EDGE : p.edge;
+        p.bary = static_cast<real>(k % 7 == 0 ? 0 : k % 7 == 1 ? 1 : draw(0, 1));
+        p.bary_t0 = p.bary;
+        p.stamp = 9;
+        places.push_back(p);
+        for (int side = 0; side < 2; ++side) {
+            TouchState t{};
+            const double n[3] = {draw(-1, 1), draw(-1, 1), draw(-1, 1)}, size = std::hypot(n[0], n[1], n[2]);
+            for (int i = 0; i < 3; ++i) {
+                t.normal[i] = static_cast<real>(n[i] / size);
+                t.slip[i] = static_cast<real>(draw(-1e-6, 1e-6));
+            }
+            t.gap = static_cast<real>(draw(-2e-4, 1e-5));
+            t.rate = static_cast<real>(draw(-0.01, 0.05));
+            t.approach = static_cast<real>(draw(1e-4, 0.05));
+            t.roll = static_cast<real>(draw(-1e-3, 1e-3));
+            t.flags = draw.below(4);
+            t.stamp = draw.below(3) ? 8 : 3;  // of the last step, or stale
+            touches_t0.push_back(t);
+        }
+    }
+};
+
+std::vector<uint> up_to(std::size_t n)
+{
+    std::vector<uint> list(n);
+    for (std::size_t k = 0; k < n; ++k) list[k] = static_cast<uint>(n - 1 - k);  // any order is allowed
+    return list;
+}
+
+// host loops ------------------------------------------------------------------------------------------------------------------
+
+struct Found {
+    std::vector<uint> candidates, counts;
+};
+
+Found host_find(const Scene& s, const std::vector<uint>& list, real skin, uint slots)
+{
+    Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
+    for (uint sample : list) {
+        const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
+        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + skin, s.nodes.data(), s.wall.vertices.data(),
+                                       slots, out.candidates.data() + sample * slots);
+    }
+    return out;
+}
+
+struct Evaluated {
+    std::vector<SampleForce> forces;
+    std::vector<real> barys;
+    std::vector<TouchState> touches;
+};
+
+Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vector<uint>& list, const Found& found)
+{
+    Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0};
+    for (std::size_t k = 0; k < list.size(); ++k) {
+        const uint at = list[k];
+        out.forces[k] = evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
+                                        s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(),
+                                        s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data());
+        out.barys[k] = s.places[at].bary;
+    }
+    return out;
+}
+
+Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Lane lane)
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_evaluate");
+    par.item_count = static_cast<uint>(list.size());
+    Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates), counts(context, lane, found.counts),
+        rims(context, lane, s.wall.rims);
+    Guarded<SampleModel> models(context, lane, s.models);
+    Guarded<SamplePlace> places(context, lane, s.places);
+    Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
+    Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0), theta_t0(context, lane, s.theta_t0);
+    Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, s.touches_t0);
+    Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(list.size()));
+    Guarded<real> barys(context, lane, std::vector<real>(list.size()));
+    kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                  vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(), lo_t0.buffer(),
+                  theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer());
+    (void)candidates.read();
+    return {forces.read(), barys.read(), t1.read()};
+}
+
+// layer: every edge of the scene, repeated until `count` -------------------------------------------------------------------------
+std::vector<LayerEdge> layer_edges(Scene& s, std::size_t count)
+{
+    std::vector<LayerEdge> list(count);
+    for (std::size_t k = 0; k < count; ++k) {
+        list[k] = LayerEdge{};
+        list[k].node = s.edges[k % s.edges.size()];
+        list[k].stamp = 9;
+        list[k].model = s.model(k);
+        list[k].reach = list[k].model.radius / 2;
+        list[k].width = list[k].model.radius * static_cast<real>(s.draw(0.25, 2));
+        list[k].height = list[k].model.radius + list[k].reach;
+    }
+    return list;
+}
+
+Found host_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots)
+{
+    Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size())};
+    for (std::size_t k = 0; k < edges.size(); ++k)
+        out.counts[k] = find_pairs(edges[k], s.hi.data(), s.lo.data(), s.nodes.data(), s.wall.vertices.data(), slots,
+                                   out.candidates.data() + k * slots);
+    return out;
+}
+
+Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots, Lane lane)
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/layer.cl", "layer_find");
+    ContactParams par = s.par;
+    par.item_count = static_cast<uint>(edges.size());
+    par.slots = slots;
+    Guarded<LayerEdge> list(context, lane, edges);
+    Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
+    Guarded<real> lo(context, lane, s.lo);
+    Guarded<TreeNode> nodes(context, lane, s.nodes);
+    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)), counts(context, lane, std::vector<uint>(edges.size()));
+    kernel.launch(lane, edges.size(), par, list.buffer(), hi.buffer(), lo.buffer(), nodes.buffer(), vertices.buffer(),
+                  candidates.buffer(), counts.buffer());
+    return {candidates.read(), counts.read()};
+}
+
+// the cases --------------------------------------------------------------------------------------------------------------------
+
+void find_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_find");
+    std::size_t found = 0;
+    uint most = 0;
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try)
+            for (const uint slots : {1u, 5u, 64u}) {  // the first two overflow: what does not fit is counted, not written
+                Scene s(n);
+                const std::vector<uint> list = up_to(n);
+                const real skin = static_cast<real>(2e-4);
+                s.par.item_count = static_cast<uint>(n);
+                s.par.slots = slots;
+                const Found host = host_find(s, list, skin, slots);
+                Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
+                    counts(context, lane, std::vector<uint>(n));
+                Guarded<SampleModel> models(context, lane, s.models);
+                Guarded<SamplePlace> places(context, lane, s.places);
+                Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
+                Guarded<real> lo(context, lane, s.lo);
+                Guarded<TreeNode> nodes(context, lane, s.nodes);
+                kernel.launch(lane, n, s.par, skin, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
+                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer());
+                CAPTURE(n);
+                CAPTURE(slots);
+                CHECK(first_difference(counts.read(), host.counts) == -1);
+                CHECK(first_difference(candidates.read(), host.candidates) == -1);
+                for (uint c : host.counts) {
+                    found += c;
+                    most = std::max(most, c);
+                }
+            }
+    REQUIRE(found > 1000);
+    REQUIRE(most > 5);
+}
+
+void evaluate_case()
+{
+    std::size_t touched = 0, sliding = 0, both = 0, outside = 0;
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try)
+            for (const uint friction : {SEL_FRICTION_STICK_SLIP, SEL_FRICTION_SMOOTH, SEL_FRICTION_SIGN, SEL_FRICTION_NONE}) {
+                Scene s(n);
+                s.par.friction = friction;
+                s.par.inv_dt = static_cast<real>(n == 65 ? 0 : 1000);
+                s.par.all_stuck = n == 64;
+                const std::vector<uint> list = up_to(n);
+                const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
+                REQUIRE((n == 0 || *std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots));
+                const Evaluated host = host_evaluate(s, s.par, list, found), device = device_evaluate(s, s.par, list, found, lane);
+                CAPTURE(n);
+                CAPTURE(friction);
+                CHECK(first_difference(device.forces, host.forces) == -1);
+                CHECK(first_difference(device.barys, host.barys) == -1);
+                CHECK(first_difference(device.touches, host.touches) == -1);
+                for (const SampleForce& f : host.forces) {
+                    touched += f.contacts > 0;
+                    sliding += (f.flags & SEL_SAMPLE_SLIDING) != 0;
+                    both += f.contacts > 1;
+                    outside += (f.flags & SEL_SAMPLE_OUTSIDE) != 0;
+                }
+            }
+    REQUIRE(touched > 500);
+    REQUIRE(sliding > 100);
+}
+
+void evaluate_pow_case()
+{
+    Scene s(257);
+    for (SampleModel& m : s.models) m.exponent = static_cast<real>(1.3);
+    const std::vector<uint> list = up_to(257);
+    const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
+    const Evaluated host = host_evaluate(s, s.par, list, found), device = device_evaluate(s, s.par, list, found, Lane::Light);
+    // OpenCL allows pow 16 ulp; the laws multiply it by factors that carry it on, and by 1 / (1 - 0.9) at most
+    const double bound = float32 ? 200 * 6e-8 : 200 * 1.1e-16;
+    double largest = 0;
+    for (const SampleForce& f : host.forces)
+        for (real x : f.force) largest = std::max(largest, std::abs(double(x)));
+    REQUIRE(largest > 0);
+    for (std::size_t k = 0; k < host.forces.size(); ++k)
+        for (int i = 0; i < 4; ++i) CHECK(std::abs(double(host.forces[k].force[i]) - device.forces[k].force[i]) <= bound * largest);
+}
+
+void reduce_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_reduce");
+    Draw draw;
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try) {
+            std::vector<uint> first = {0};
+            for (std::size_t e = 0; e < n; ++e) first.push_back(first.back() + (e % 5 == 3 ? 0 : draw.below(9)));  // some have none
+            std::vector<SampleForce> forces(first.back());
+            std::vector<real> barys(first.back());
+            for (std::size_t k = 0; k < forces.size(); ++k) {
+                real* x = forces[k].force;
+                for (std::size_t i = 0; i < offsetof(SampleForce, flags) / sizeof(real); ++i) x[i] = static_cast<real>(draw(-1, 1));
+                forces[k].flags = draw.below(8);
+                forces[k].contacts = draw.below(3);
+                barys[k] = static_cast<real>(draw(0, 1));
+            }
+            std::vector<EdgeForce> host(n);
+            for (std::size_t e = 0; e < n; ++e) host[e] = reduce_edge(forces.data(), barys.data(), first[e], first[e + 1]);
+            Guarded<uint> firsts(context, lane, first);
+            Guarded<SampleForce> in(context, lane, forces);
+            Guarded<real> places(context, lane, barys);
+            Guarded<EdgeForce> out(context, lane, std::vector<EdgeForce>(n));
+            kernel.launch(lane, n, static_cast<uint>(n), firsts.buffer(), in.buffer(), places.buffer(), out.buffer());
+            CAPTURE(n);
+            CHECK(first_difference(out.read(), host) == -1);
+        }
+}
+
+void layer_find_case()
+{
+    std::size_t found = 0;
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try)
+            for (const uint slots : {1u, 64u}) {
+                Scene s(0);
+                const std::vector<LayerEdge> edges = layer_edges(s, n);
+                const Found host = host_layer_find(s, edges, slots), device = device_layer_find(s, edges, slots, lane);
+                CAPTURE(n);
+                CAPTURE(slots);
+                CHECK(first_difference(device.counts, host.counts) == -1);
+                CHECK(first_difference(device.candidates, host.candidates) == -1);
+                for (uint c : host.counts) found += c;
+            }
+    REQUIRE(found > 500);
+}
+
+void layer_evaluate_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/layer.cl", "layer_evaluate");
+    std::size_t touched = 0;
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try) {
+            Scene s(257);  // for its touch records
+            const std::vector<LayerEdge> edges = layer_edges(s, 60);
+            std::vector<LayerPair> pairs;
+            const Found found = host_layer_find(s, edges, 64);
+            for (std::size_t k = 0; k < n; ++k) {  // pairs that were found, and some that were not
+                const uint e = static_cast<uint>(k % edges.size()), count = found.counts[e];
+                const uint t = count > 0 && k % 4 ? found.candidates[64 * e + s.draw.below(count)] : s.draw.below(static_cast<uint>(s.wall.triangles));
+                pairs.push_back({e, t, k % 3 ? s.draw.below(500) : SEL_NO_EDGE, 0});
+            }
+            Evaluated host{std::vector<SampleForce>(n), std::vector<real>(n), std::vector<TouchState>(n)};
+            for (std::size_t k = 0; k < n; ++k)
+                host.forces[k] = evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
+                                               s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
+                                               s.theta_t0.data(), s.touches_t0.data(), host.touches.data(), &host.barys[k]);
+            ContactParams par = s.par;
+            par.item_count = static_cast<uint>(n);
+            Guarded<LayerPair> list(context, lane, pairs);
+            Guarded<LayerEdge> on(context, lane, edges);
+            Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
+            Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0),
+                theta_t0(context, lane, s.theta_t0), barys(context, lane, std::vector<real>(n));
+            Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, std::vector<TouchState>(n));
+            Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(n));
+            kernel.launch(lane, n, par, list.buffer(), on.buffer(), vertices.buffer(), hi.buffer(), lo.buffer(), theta.buffer(),
+                          hi_t0.buffer(), lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer());
+            CAPTURE(n);
+            CHECK(first_difference(forces.read(), host.forces) == -1);
+            CHECK(first_difference(barys.read(), host.barys) == -1);
+            CHECK(first_difference(t1.read(), host.touches) == -1);
+            for (const SampleForce& f : host.forces) touched += f.contacts;
+        }
+    REQUIRE(touched > 20);
+}
+
+// every member that follows a change of type, and the last of each record
+#define SEL_LAYOUT(X)                                                                                                              \
+    X(SampleModel, length) X(SampleModel, roll_force) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp)          \
+    X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad)                    \
+    X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts)                 \
+    X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)    \
+    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, reach) X(TreeNode, left_or_first) X(TreeNode, count)    \
+    X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
+
+void layout_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    std::string text = sel_device::assemble_source("contact/layer.cl");
+    text += "\n#define SEL_PROBE(type, member) { type x; out[2 * k] = sizeof(type);"
+            " out[2 * k++ + 1] = (uint)((__private char*)&x.member - (__private char*)&x); }\n"
+            "__kernel void probe(__global uint* out) { uint k = 0;\n";
+    std::vector<uint> host;
+#define SEL_ROW(type, member)                                   \
+    text += "SEL_PROBE(" #type ", " #member ")\n";              \
+    host.push_back(static_cast<uint>(sizeof(type)));            \
+    host.push_back(static_cast<uint>(offsetof(type, member)));
+    SEL_LAYOUT(SEL_ROW)
+    text += "}\n";
+    const char* source = text.c_str();
+    cl_int status = CL_SUCCESS;
+    cl_program program = clCreateProgramWithSource(context.handle(), 1, &source, nullptr, &status);
+    sel_device::check(status, "probe");
+    sel_device::check(clBuildProgram(program, 0, nullptr, float32 ? "-cl-std=CL1.2 -DSEL_FLOAT32" : "-cl-std=CL1.2", nullptr, nullptr), "probe");
+    cl_kernel kernel = clCreateKernel(program, "probe", &status);
+    sel_device::check(status, "probe");
+    Guarded<uint> out(context, Lane::Light, std::vector<uint>(host.size(), 12345));
+    cl_mem memory = out.buffer().handle();
+    sel_device::check(clSetKernelArg(kernel, 0, sizeof memory, &memory), "probe");
+    context.enqueue(Lane::Light, kernel, 1, 1);
+    const std::vector<uint> device = out.read();
+    for (std::size_t k = 0; k < host.size(); ++k) {
+        CAPTURE(k);
+        CHECK(device[k] == host[k]);
+    }
+    CHECK(sizeof(real) == (float32 ? 4 : 8));
+    clReleaseKernel(kernel);
+    clReleaseProgram(program);
+}
+
+}  // namespace

@@ -1,0 +1,66 @@
+#pragma once
+// Small walls for contact tests, as the kernels take them: a triangle soup in float, rim bits, and one sample's state.
+
+#include "shared/contact_sample.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace seldinger::test {
+
+inline vec3 v3(double x, double y, double z) { return make_vec3(x, y, z); }
+inline double norm(vec3 a) { return std::sqrt(dot3(a, a)); }
+
+/// Triangles in leaf order with their rim bits; every triangle is a candidate.
+struct Soup {
+    std::vector<float> vertices;       // [T][9] [m]
+    std::vector<std::uint32_t> rims;   // [T]
+    std::vector<std::uint32_t> all;    // [T] 0, 1, ...
+
+    void add(vec3 a, vec3 b, vec3 c, std::uint32_t rim = 0)
+    {
+        for (const vec3& p : {a, b, c})
+            for (double x : {p.x, p.y, p.z}) vertices.push_back(static_cast<float>(x));
+        all.push_back(static_cast<std::uint32_t>(rims.size()));
+        rims.push_back(rim);
+    }
+    /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into cells x cells squares of two triangles.
+    void add_patch(vec3 corner, vec3 u, vec3 v, int cells = 1)
+    {
+        const double step = 1.0 / cells;
+        for (int i = 0; i < cells; ++i)
+            for (int j = 0; j < cells; ++j) {
+                const vec3 a = corner + i * step * u + j * step * v, b = a + step * u, c = a + step * v, d = b + step * v;
+                add(a, b, d);
+                add(a, d, c);
+            }
+    }
+};
+
+struct Touches {
+    Touch first, second;
+};
+
+/// Both touches of an axis point, as evaluate_sample finds them.
+inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach, double blend, const std::vector<std::uint32_t>& order)
+{
+    const vec3 origin = v3(0, 0, 0);
+    const auto count = static_cast<std::uint32_t>(order.size());
+    Touches t;
+    t.first = nearest_touch(p, origin, radius, reach, 0, order.data(), count, soup.vertices.data(), soup.rims.data());
+    t.second = blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
+    if (t.second.found)
+        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
+    return t;
+}
+inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double blend = 0.002)
+{
+    return touches_at(soup, p, radius, reach, blend, soup.all);
+}
+
+}  // namespace seldinger::test

@@ -1,0 +1,73 @@
+// The folders' order (style guide, "who may include whom"), kept true by reading every #include line.
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// folder -> folders it may include; "step" stands for the files of engine/ itself
+const std::map<std::string, std::set<std::string>> below = {
+    {"core", {"shared"}},
+    {"device", {"core", "shared"}},
+    {"rod", {"device", "core", "shared"}},
+    {"vessel", {"device", "core", "shared"}},
+    {"contact", {"rod", "vessel", "device", "core", "shared"}},
+    {"solve", {"contact", "rod", "vessel", "device", "core", "shared"}},
+    {"step", {"solve", "contact", "rod", "vessel", "device", "core", "shared"}},
+    {"scene", {"step", "solve", "contact", "rod", "vessel", "core"}},
+    {"view", {"step", "solve", "contact", "rod", "vessel", "core"}},
+    {"study", {"scene", "step", "solve", "contact", "rod", "vessel", "device", "core"}},
+    {"shared", {}},
+};
+
+// headers that hold nothing but data or an interface, and so may be read from below
+const std::set<std::string> open_to_all = {
+    "engine.h",             // WorldSetup, ContactRow, DeviceInfo
+    "rod/wire_spec.h",      // Vec3
+    "solve/newton.h",       // ContactTerm, which contact implements
+    "solve/band_matrix.h",  // storage of the Jacobian that rod and contact add to
+    "vessel/centreline.h",  // polyline on which a wire may be placed
+};
+
+std::string folder_of(const fs::path& relative) { return relative.has_parent_path() ? relative.begin()->string() : "step"; }
+
+}  // namespace
+
+TEST_SUITE("core/includes") {
+
+TEST_CASE("property: folders include downwards only")
+{
+    const fs::path root = fs::path(SEL_SOURCE_DIR) / "engine";
+    const std::regex include(R"re(^\s*#\s*include\s+"([^"]+)")re");
+    int seen = 0;
+    for (const fs::path base : {root, fs::path(SEL_SOURCE_DIR) / "kernels"})
+        for (const auto& entry : fs::recursive_directory_iterator(base)) {
+            const std::string extension = entry.path().extension();
+            if (extension != ".h" && extension != ".cpp" && extension != ".cl") continue;
+            const fs::path relative = fs::relative(entry.path(), base);
+            // kernels/<folder>/*.cl and kernels/shared read kernels/shared alone
+            const std::string folder = base == root ? folder_of(relative) : "shared";
+            REQUIRE_MESSAGE(below.count(folder) == 1, "a new folder needs its place in the table: " << folder);
+            std::ifstream in(entry.path());
+            std::smatch match;
+            for (std::string line; std::getline(in, line);) {
+                if (!std::regex_search(line, match, include)) continue;
+                ++seen;
+                const std::string target = match[1];
+                const std::string to = folder_of(target);
+                const bool allowed = to == folder || below.at(folder).count(to) || (base == root && open_to_all.count(target));
+                CHECK_MESSAGE(allowed, relative.string() << " includes " << target);
+            }
+        }
+    REQUIRE(seen > 200);
+}
+
+}

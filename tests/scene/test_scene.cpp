@@ -1,0 +1,507 @@
+// Scene files: the contract's defaults, every documented key, overrides, and the way back to text.
+#include "core/error.h"
+#include "scene/scene.h"
+#include "support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+
+using namespace seldinger;
+
+namespace {
+
+const std::string minimal = R"([scene]
+duration_s = 2.0
+dt_s = 0.001
+[wire]
+length_m = 0.3
+radius_m = 0.0004
+density = 7900
+bend_nm2 = 1e-4
+twist_nm2 = 8e-5
+stretch_n = 1e4
+)";
+
+// every table and every key that can stand in one scene; generated shapes and placements have cases of their own
+const std::string full = R"([scene]
+name = "a \"full\" scene, with µ"
+gravity = [0.1, -0.2, -9.80665]
+duration_s = 3.3333333333333335
+dt_s = 0.0005
+until = "rest"
+record_every = 7
+seed = 42
+start = "settled"
+[wire]
+length_m = 0.1
+radius_m = 0.000178
+density = 6450.0
+youngs_pa = 60.0e9
+poisson = 0.33
+nodes = 55
+min_edge_m = 0.0011
+max_edge_m = 0.0099
+mu_static = 0.3
+mu_sliding = 0.25
+place = { shape = "arc", base = [0.1, 0.2, 0.3], direction = [1.0, 0.3, 0.0], normal = [0.0, 0.0, 2.0], bend_radius_m = 0.7 }
+rest = "placed"
+velocity_m_s = [0.01, 0.02, 0.03]
+spin_rad_s = 1.5
+[[wire.section]]
+from_tip_m = [0.0, 0.03]
+bend_nm2 = 1.0e-6
+rest_curvature_1_m = [20.0, -3.0]
+mu_sliding = 0.05
+[[wire.section]]
+from_tip_m = [0.03, 0.05]
+radius_m = 0.00015
+poisson = 0.2
+[integrator]
+scheme = "linearised"
+beta = 0.3
+gamma = 0.6
+tolerance = 1e-8
+damping_mass_1_s = 0.7
+damping_stiffness_s = 1e-5
+[vessel]
+shape = "arc"
+radius_m = 0.002
+bend_radius_m = 0.04
+angle_deg = 77.7
+lead_in_m = 0.03
+lead_out_m = 0.09
+origin = [1.0, 2.0, 3.0]
+axis = [0.0, 1.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+triangles = 1234
+wall = "rigid"
+youngs_pa = 2e6
+poisson = 0.4
+thickness_m = 0.0015
+[contact]
+detection = "layer"
+normal = "lankarani-nikravesh"
+friction = "smooth"
+stiffness = 1e7
+exponent = 1.2
+restitution = 0.7
+mu_static = 0.2
+mu_sliding = 0.15
+rolling = true
+rolling_alpha = 0.1
+rolling_sigma_b_pa = 10.0
+rolling_sigma_s_pa = 20.0
+rolling_hardness_pa = 3e6
+layer_height_m = 0.001
+pair_distance_m = 0.0005
+samples_per_edge = 4
+[[hold]]
+at = "base"
+position = true
+direction = true
+spin = true
+move = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.01, 0.0, 0.0]]
+turn = [[0.0, 0.0], [1.0, 3.1]]
+velocity_m_s = [0.0, 0.0, 0.001]
+[[load]]
+at = "tip"
+force_n = [0.0, 0.0, -0.005519095775070086]
+moment_nm = [1e-9, 0.0, 0.0]
+ramp_s = 0.5
+[[link]]
+at = 0.02
+anchor = [0.1, 0.1, 0.1]
+stiffness_n_m = 12.5
+move = [[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.1, 0.0]]
+[output]
+wire_every = 11
+contacts_every = 0
+)";
+
+void check_same(const WireSection& a, const WireSection& b)
+{
+    CHECK(a.radius == b.radius);
+    CHECK(a.density == b.density);
+    CHECK(a.bend_stiffness == b.bend_stiffness);
+    CHECK(a.twist_stiffness == b.twist_stiffness);
+    CHECK(a.stretch_stiffness == b.stretch_stiffness);
+    CHECK(a.youngs == b.youngs);
+    CHECK(a.poisson == b.poisson);
+    CHECK(a.mu_static == b.mu_static);
+    CHECK(a.mu_sliding == b.mu_sliding);
+    CHECK(a.rest_curvature == b.rest_curvature);
+}
+
+void check_same_wire(const WireSpec& a, const WireSpec& b)
+{
+    CHECK(a.length == b.length);
+    CHECK(a.nodes == b.nodes);
+    CHECK(a.min_edge == b.min_edge);
+    CHECK(a.max_edge == b.max_edge);
+    check_same(a.shaft, b.shaft);
+    REQUIRE(a.sections.size() == b.sections.size());
+    for (std::size_t i = 0; i < a.sections.size(); ++i) {
+        CHECK(a.sections[i].begin == b.sections[i].begin);
+        CHECK(a.sections[i].end == b.sections[i].end);
+        check_same(a.sections[i].section, b.sections[i].section);
+    }
+    CHECK(a.place.shape == b.place.shape);
+    CHECK(a.place.base == b.place.base);
+    CHECK(a.place.direction == b.place.direction);
+    CHECK(a.place.normal == b.place.normal);
+    CHECK(a.place.bend_radius == b.place.bend_radius);
+    CHECK(a.place.twist == b.place.twist);
+    CHECK(a.place.from == b.place.from);
+    CHECK(a.place.points == b.place.points);
+    CHECK(a.place.rest_is_placed == b.place.rest_is_placed);
+    CHECK(a.place.velocity == b.place.velocity);
+    CHECK(a.place.spin_rate == b.place.spin_rate);
+}
+
+void check_same_rest(const Scene& a, const Scene& b)
+{
+    CHECK(a.integrator.scheme == b.integrator.scheme);
+    CHECK(a.integrator.newmark == b.integrator.newmark);
+    CHECK(a.integrator.beta == b.integrator.beta);
+    CHECK(a.integrator.gamma == b.integrator.gamma);
+    CHECK(a.integrator.tolerance == b.integrator.tolerance);
+    CHECK(a.integrator.damping_mass == b.integrator.damping_mass);
+    CHECK(a.integrator.damping_stiffness == b.integrator.damping_stiffness);
+    const VesselSpec &v = a.vessel, &w = b.vessel;
+    CHECK(v.shape == w.shape);
+    CHECK(v.mesh == w.mesh);
+    CHECK(v.units == w.units);
+    CHECK(v.radius == w.radius);
+    CHECK(v.length == w.length);
+    CHECK(v.bend_radius == w.bend_radius);
+    CHECK(v.angle == w.angle);
+    CHECK(v.lead_in == w.lead_in);
+    CHECK(v.lead_out == w.lead_out);
+    CHECK(v.origin == w.origin);
+    CHECK(v.axis == w.axis);
+    CHECK(v.normal == w.normal);
+    CHECK(v.size == w.size);
+    CHECK(v.triangles == w.triangles);
+    CHECK(v.youngs == w.youngs);
+    CHECK(v.poisson == w.poisson);
+    CHECK(v.thickness == w.thickness);
+    CHECK(v.centreline == w.centreline);
+    const ContactSpec &c = a.contact, &d = b.contact;
+    CHECK(c.detection == d.detection);
+    CHECK(c.normal == d.normal);
+    CHECK(c.friction == d.friction);
+    CHECK(c.stiffness_from_wall == d.stiffness_from_wall);
+    CHECK(c.stiffness == d.stiffness);
+    CHECK(c.exponent == d.exponent);
+    CHECK(c.restitution == d.restitution);
+    CHECK(c.mu_static == d.mu_static);
+    CHECK(c.mu_sliding == d.mu_sliding);
+    CHECK(c.rolling == d.rolling);
+    CHECK(c.rolling_alpha == d.rolling_alpha);
+    CHECK(c.rolling_sigma_b == d.rolling_sigma_b);
+    CHECK(c.rolling_sigma_s == d.rolling_sigma_s);
+    CHECK(c.rolling_hardness == d.rolling_hardness);
+    CHECK(c.layer_height == d.layer_height);
+    CHECK(c.pair_distance == d.pair_distance);
+    CHECK(c.samples_per_edge == d.samples_per_edge);
+}
+
+void check_same_drives(const Scene& a, const Scene& b)
+{
+    CHECK(a.feed.on == b.feed.on);
+    CHECK(a.feed.inlet_auto == b.feed.inlet_auto);
+    CHECK(a.feed.point == b.feed.point);
+    CHECK(a.feed.direction == b.feed.direction);
+    REQUIRE(a.feed.keys.size() == b.feed.keys.size());
+    for (std::size_t i = 0; i < a.feed.keys.size(); ++i) {
+        CHECK(a.feed.keys[i].t == b.feed.keys[i].t);
+        CHECK(a.feed.keys[i].advance == b.feed.keys[i].advance);
+        CHECK(a.feed.keys[i].turn == b.feed.keys[i].turn);
+    }
+    REQUIRE(a.holds.size() == b.holds.size());
+    for (std::size_t i = 0; i < a.holds.size(); ++i) {
+        CHECK(a.holds[i].at.kind == b.holds[i].at.kind);
+        CHECK(a.holds[i].at.from_tip == b.holds[i].at.from_tip);
+        CHECK(a.holds[i].position == b.holds[i].position);
+        CHECK(a.holds[i].direction == b.holds[i].direction);
+        CHECK(a.holds[i].spin == b.holds[i].spin);
+        CHECK(a.holds[i].move == b.holds[i].move);
+        CHECK(a.holds[i].turn == b.holds[i].turn);
+        CHECK(a.holds[i].velocity == b.holds[i].velocity);
+    }
+    REQUIRE(a.loads.size() == b.loads.size());
+    for (std::size_t i = 0; i < a.loads.size(); ++i) {
+        CHECK(a.loads[i].at.kind == b.loads[i].at.kind);
+        CHECK(a.loads[i].force == b.loads[i].force);
+        CHECK(a.loads[i].moment == b.loads[i].moment);
+        CHECK(a.loads[i].ramp == b.loads[i].ramp);
+    }
+    REQUIRE(a.links.size() == b.links.size());
+    for (std::size_t i = 0; i < a.links.size(); ++i) {
+        CHECK(a.links[i].at.from_tip == b.links[i].at.from_tip);
+        CHECK(a.links[i].anchor == b.links[i].anchor);
+        CHECK(a.links[i].stiffness == b.links[i].stiffness);
+        CHECK(a.links[i].move == b.links[i].move);
+    }
+}
+
+void check_same(const Scene& a, const Scene& b)
+{
+    CHECK(a.name == b.name);
+    CHECK(a.gravity == b.gravity);
+    CHECK(a.duration == b.duration);
+    CHECK(a.dt == b.dt);
+    CHECK(a.until == b.until);
+    CHECK(a.record_every == b.record_every);
+    CHECK(a.seed == b.seed);
+    CHECK(a.start_settled == b.start_settled);
+    CHECK(a.wire_every == b.wire_every);
+    CHECK(a.contacts_every == b.contacts_every);
+    check_same_wire(a.wire, b.wire);
+    check_same_rest(a, b);
+    check_same_drives(a, b);
+}
+
+/// Writes the scene for another folder, reads it from there, and compares everything.
+void check_round_trip(const Scene& scene)
+{
+    const TemporaryFolder folder;
+    const std::string text = write_scene(scene, folder.path());
+    const Scene again = read_scene_text(text, folder.path() / "scene.toml");
+    check_same(scene, again);
+    CHECK(write_scene(again, folder.path()) == text);
+}
+
+Scene read(const std::string& text, std::vector<std::string> overrides = {})
+{
+    return read_scene_text(text, "test.toml", overrides);
+}
+
+std::filesystem::path shared_folder()
+{
+    const char* given = std::getenv("SELDINGER_SHARED");
+    return given ? std::filesystem::path(given) : std::filesystem::path(SEL_SOURCE_DIR) / "../shared";
+}
+
+}  // namespace
+
+TEST_SUITE("scene/scene")
+{
+    TEST_CASE("property: what a scene leaves out has the contract's default")
+    {
+        const Scene s = read(minimal);
+        CHECK(s.name == "test");
+        CHECK(s.gravity == Vec3(0, 0, -9.81));
+        CHECK(s.steps() == 2000);
+        CHECK(s.until == Until::Time);
+        CHECK(s.record_every == 10);
+        CHECK_FALSE(s.start_settled);
+        CHECK(s.wire.nodes == 101);
+        CHECK(s.wire.place.shape == PlaceShape::Straight);
+        CHECK_FALSE(s.wire.place.rest_is_placed);
+        CHECK(s.wire.shaft.mu_static == 0.12);
+        CHECK(s.wire.shaft.mu_sliding == 0.10);
+        CHECK(s.integrator.scheme == Scheme::Newton);
+        CHECK_FALSE(s.integrator.newmark);
+        CHECK(s.integrator.damping_mass == 0);
+        CHECK(s.vessel.shape == VesselShape::None);
+        CHECK(s.contact.detection == Detection::Swept);
+        CHECK(s.contact.normal == NormalLaw::HuntCrossley);
+        CHECK(s.contact.friction == FrictionLaw::StickSlip);
+        CHECK(s.contact.stiffness_from_wall);
+        CHECK(s.contact.restitution == 0.5);
+        CHECK_FALSE(s.contact.rolling);
+        CHECK(s.wire_every == 20);  // 2000 steps, about 100 frames
+        CHECK_FALSE(s.feed.on);
+    }
+
+    TEST_CASE("property: every documented key arrives where it belongs")
+    {
+        const Scene s = read(full);
+        CHECK(s.name == "a \"full\" scene, with µ");
+        CHECK(s.steps() == 6667);
+        CHECK(s.until == Until::Rest);
+        CHECK(s.seed == 42);
+        CHECK(s.start_settled);
+        CHECK(s.wire.place.bend_radius == 0.7);
+        CHECK(s.wire.place.rest_is_placed);
+        CHECK(s.wire.place.velocity == Vec3(0.01, 0.02, 0.03));
+        CHECK(s.integrator.scheme == Scheme::Linearised);
+        CHECK(s.integrator.newmark);
+        CHECK(s.vessel.shape == VesselShape::Arc);
+        CHECK(s.vessel.angle == 77.7 * std::numbers::pi / 180);
+        CHECK(s.contact.detection == Detection::Layer);
+        CHECK(s.contact.stiffness == 1e7);
+        CHECK(s.contact.samples_per_edge == 4);
+        CHECK(s.contact.mu_static == 0.2);
+        CHECK(s.wire.shaft.mu_static == 0.3);  // [wire] wins over [contact]
+        REQUIRE(s.holds.size() == 1);
+        CHECK(s.holds[0].turn[1][1] == 3.1);
+        REQUIRE(s.links.size() == 1);
+        CHECK(s.links[0].at.kind == WirePoint::Kind::Distance);
+        CHECK(s.contacts_every == 0);
+    }
+
+    // a solid round wire, by hand: r = 178 um, E = 60 GPa (reference/13_materials gives 4.70943e-05 for this wire's EI)
+    TEST_CASE("analytic: a material gives the stiffness of a round solid wire")
+    {
+        WireSection s;
+        s.radius = 0.000178;
+        s.youngs = 60e9;
+        s.poisson = 0.3;
+        set_stiffness_from_material(s);
+        CHECK(s.bend_stiffness == doctest::Approx(4.7307e-5).epsilon(1e-4));
+        CHECK(s.twist_stiffness == doctest::Approx(s.bend_stiffness / 1.3).epsilon(1e-12));  // C/B = 1/(1 + nu)
+        CHECK(s.stretch_stiffness == doctest::Approx(4 * s.bend_stiffness / (178e-6 * 178e-6)).epsilon(1e-12));  // EA = 4 B / r^2
+    }
+
+    TEST_CASE("property: a section inherits what it does not give, and its own stiffness wins over its material")
+    {
+        const Scene s = read(full);
+        REQUIRE(s.wire.sections.size() == 2);
+        const WireSection &shaft = s.wire.shaft, &tip = s.wire.sections[0].section, &thin = s.wire.sections[1].section;
+        CHECK(tip.bend_stiffness == 1e-6);
+        CHECK(tip.twist_stiffness == shaft.twist_stiffness);
+        CHECK(tip.youngs == shaft.youngs);
+        CHECK(tip.mu_static == 0.3);
+        CHECK(tip.mu_sliding == 0.05);
+        CHECK(tip.rest_curvature == Eigen::Vector2d(20, -3));
+        // same material, thinner and of another Poisson's ratio: B ~ r^4, C/B = 1/(1 + nu)
+        CHECK(thin.bend_stiffness == doctest::Approx(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
+        CHECK(thin.twist_stiffness == doctest::Approx(thin.bend_stiffness / 1.2).epsilon(1e-12));
+    }
+
+    TEST_CASE("property: a scene written out reads back to the same bits")
+    {
+        check_round_trip(read(minimal));
+        check_round_trip(read(full));
+    }
+
+    TEST_CASE("property: every placement and every generated vessel survives the round trip")
+    {
+        const std::string vessels[] = {
+            "shape = \"tube\"\nradius_m = 0.01\nlength_m = 0.333333333333333314829616256247\naxis = [0, 0, 1]\n",
+            "shape = \"plane\"\nsize_m = 1\nnormal = [0.1, 0, 1]\n", "shape = \"aortic-arch\"\n",
+            "shape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.1\nangle_deg = 180\n"};
+        const std::string places[] = {"{ shape = \"ring\", twist_rad = 9.42 }", "{ shape = \"straight\", direction = [0, 0, 3] }",
+                                      "{ shape = \"centreline\", from_m = 0.1 }",
+                                      "{ shape = \"points\", points = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.2, 0]] }",
+                                      "{ shape = \"arc\", bend_radius_m = 0.05 }"};
+        for (const auto& vessel : vessels)
+            for (const auto& place : places) {
+                CAPTURE(vessel);
+                CAPTURE(place);
+                check_round_trip(read(minimal + "place = " + place + "\n[vessel]\n" + vessel));
+            }
+    }
+
+    TEST_CASE("property: any angle in degrees comes back to the same radians")
+    {
+        for (int i = 1; i <= 3600; ++i) {
+            const Scene s = read(minimal, {"vessel.shape=arc", "vessel.radius_m=0.01", "vessel.bend_radius_m=0.1",
+                                           "vessel.angle_deg=" + std::to_string(i * 0.1)});
+            const Scene again = read_scene_text(write_scene(s, "."), "again.toml");
+            REQUIRE(s.vessel.angle == again.vessel.angle);
+        }
+    }
+
+    TEST_CASE("property: a fed wire round-trips with its keys, and a turn left out stays as it was")
+    {
+        const Scene s =
+            read(minimal +
+                 "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0.1]\nkeys = [{t_s = 0, advance_m = 0.01, turn_rad = 1}, "
+                 "{t_s = 1.1, advance_m = 0.2}, {t_s = 2, advance_m = 0.3, turn_rad = 2}]\n");
+        REQUIRE(s.feed.keys.size() == 3);
+        CHECK(s.feed.keys[1].turn == 1);
+        check_round_trip(s);
+        check_round_trip(read(minimal + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 1\n[feed]\ninlet = "
+                                        "\"auto\"\nkeys = [{t_s = 0, advance_m = 0}]\n"));
+    }
+
+    TEST_CASE("property: mesh paths are re-based to where the scene is written")
+    {
+        const TemporaryFolder folder;
+        std::filesystem::create_directories(folder.path() / "meshes");
+        std::filesystem::create_directories(folder.path() / "scenes");
+        std::filesystem::create_directories(folder.path() / "runs/one");
+        std::ofstream(folder.path() / "meshes/a b.stl") << "solid\nendsolid\n";
+        std::ofstream(folder.path() / "scenes/s.toml") << minimal << "[vessel]\nmesh = \"../meshes/a b.stl\"\nunits = \"cm\"\n";
+        const Scene s = read_scene(folder.path() / "scenes/s.toml");
+        const std::string text = write_scene(s, folder.path() / "runs/one");
+        CHECK(text.find("mesh = \"../../meshes/a b.stl\"") != std::string::npos);
+        const Scene again = read_scene_text(text, folder.path() / "runs/one/scene.toml");
+        CHECK(again.vessel.mesh == s.vessel.mesh);
+        CHECK(again.vessel.units == "cm");
+    }
+
+    TEST_CASE("property: --set changes numbers, words, lists and tables, and makes what is absent")
+    {
+        const Scene s = read(minimal, {"wire.nodes=33", "contact.detection = layer", "scene.gravity=[0, 0, 1]",
+                                       "vessel.shape=tube", "vessel.radius_m=0.01", "vessel.length_m=0.2", "hold.0.position=true",
+                                       "hold.0.at=tip", "wire.section.0.from_tip_m=[0, 0.1]", "wire.section.0.bend_nm2=1e-6",
+                                       "scene.name=two words", "wire.place.shape=ring", "wire.nodes=34"});
+        CHECK(s.wire.nodes == 34);
+        CHECK(s.contact.detection == Detection::Layer);
+        CHECK(s.gravity == Vec3(0, 0, 1));
+        CHECK(s.vessel.shape == VesselShape::Tube);
+        REQUIRE(s.holds.size() == 1);
+        CHECK(s.holds[0].at.kind == WirePoint::Kind::Tip);
+        REQUIRE(s.wire.sections.size() == 1);
+        CHECK(s.wire.sections[0].section.bend_stiffness == 1e-6);
+        CHECK(s.name == "two words");
+        CHECK(s.wire.place.shape == PlaceShape::Ring);
+        const Scene turned = read(full, {"hold.0.spin=false", "hold.0.turn=[[0, 0]]", "hold.0.spin=true", "link.0.anchor.1=0.7"});
+        CHECK(turned.holds[0].turn.size() == 1);
+        CHECK(turned.links[0].anchor == Vec3(0.1, 0.7, 0.1));
+    }
+
+    TEST_CASE("property: sliding friction above the static one raises it, and says so")
+    {
+        const Scene s = read(minimal, {"contact.mu_sliding=0.3"});
+        CHECK(s.contact.mu_static == 0.3);
+        CHECK(s.wire.shaft.mu_static == 0.3);
+        REQUIRE(s.notes.size() == 1);
+        CHECK(s.notes[0].first == "contact.mu_static");
+        check_round_trip(s);
+    }
+
+    TEST_CASE("property: every scene that ships with the project reads, and round-trips")
+    {
+        const TemporaryFolder folder;
+        std::ofstream(folder.path() / "any.stl") << "solid\nendsolid\n";  // patients' meshes are not part of the project
+        const std::vector<std::string> any_mesh = {"vessel.mesh=" + (folder.path() / "any.stl").string()};
+        int read_count = 0;
+        const auto scenes = std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes";
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
+            if (entry.path().extension() != ".toml") continue;
+            CAPTURE(entry.path().string());
+            const bool patient = entry.path().parent_path().filename() == "patients";
+            check_round_trip(patient ? read_scene(entry.path(), any_mesh) : read_scene(entry.path()));
+            ++read_count;
+        }
+        CHECK(read_count >= 3);
+    }
+
+    TEST_CASE("property: the contract's own example scenes read, and round-trip")
+    {
+        const auto scenes = shared_folder() / "scenes";
+        if (!std::filesystem::is_directory(scenes)) {
+            MESSAGE("skipped: no shared reference scenes at " << scenes.string());
+            return;
+        }
+        int read_count = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(scenes)) {
+            if (entry.path().extension() != ".toml") continue;
+            CAPTURE(entry.path().string());
+            check_round_trip(read_scene(entry.path()));
+            ++read_count;
+        }
+        CHECK(read_count >= 6);
+    }
+}

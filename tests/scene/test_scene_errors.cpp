@@ -1,0 +1,274 @@
+// Every way to get a scene wrong: one line that says where, names the key, and carries the right exit code.
+#include "core/error.h"
+#include "scene/scene.h"
+#include "scene/toml_table.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+
+using namespace seldinger;
+
+namespace {
+
+const std::string good = R"([scene]
+duration_s = 2.0
+dt_s = 0.001
+[wire]
+length_m = 0.3
+radius_m = 0.0004
+density = 7900
+bend_nm2 = 1e-4
+twist_nm2 = 8e-5
+stretch_n = 1e4
+)";
+
+const std::string fed =
+    good + "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\nkeys = [{t_s = 0, advance_m = 0}, {t_s = 1, advance_m = 0.1}]\n";
+const std::string held = good + "[[hold]]\nat = \"base\"\nposition = true\n";
+
+struct Mistake {
+    std::string text;               // whole scene
+    std::vector<std::string> sets;  // --set
+    std::string says;               // part of the message
+    ExitCode code = ExitCode::BadScene;
+};
+
+void check_mistake(const Mistake& mistake)
+{
+    CAPTURE(mistake.text);
+    CAPTURE(mistake.says);
+    try {
+        (void)read_scene_text(mistake.text, "bad.toml", mistake.sets);
+        FAIL_CHECK("was accepted");
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        INFO(message);
+        CHECK(error.code() == mistake.code);
+        CHECK(message.find('\n') == std::string::npos);
+        CHECK(message.find(mistake.says) != std::string::npos);
+    }
+}
+
+}  // namespace
+
+TEST_SUITE("scene/scene_errors")
+{
+    TEST_CASE("property: the scenes that the mistakes start from are good")
+    {
+        for (const auto& text : {good, fed, held}) CHECK_NOTHROW((void)read_scene_text(text, "good.toml"));
+    }
+
+    TEST_CASE("property: an unknown key is named with its place and the nearest known key")
+    {
+        check_mistake({"[scene]\nduration_s = 1\ndt_s = 1e-3\n[wire]\nlenght_m = 1\n",
+                       {},
+                       "bad.toml:5:1: wire.lenght_m: unknown key; the nearest known one is wire.length_m"});
+        check_mistake({good + "[contacts]\n", {}, "contacts: unknown key; the nearest known one is contact"});
+        check_mistake({good + "[contact]\nmu_statik = 0.1\n",
+                       {},
+                       "bad.toml:12:1: contact.mu_statik: unknown key; the nearest known one is contact.mu_static"});
+        check_mistake(
+            {good,
+             {"contact.detektion=layer"},
+             "--set contact.detektion=layer: contact.detektion: unknown key; the nearest known one is contact.detection"});
+        check_mistake({good,
+                       {"conntact.detection=layer"},
+                       "--set conntact.detection=layer: conntact: unknown key; the nearest known one is contact"});
+        check_mistake({held + "bending = true\n", {}, "hold.0.bending: unknown key"});
+        check_mistake({good + "place = { bas = [0, 0, 0] }\n",
+                       {},
+                       "wire.place.bas: unknown key; the nearest known one is wire.place.base"});
+        check_mistake({fed,
+                       {"feed.keys.1.advanced_m=0.2"},
+                       "feed.keys.advanced_m: unknown key; the nearest known one is feed.keys.advance_m"});
+    }
+
+    TEST_CASE("property: syntax errors carry file, line and column")
+    {
+        check_mistake({"[scene]\nduration_s = = 1\n", {}, "bad.toml:2:14: is not TOML"});
+        check_mistake({"[scene\n", {}, "bad.toml:1"});
+        check_mistake({good + "density = 1\n", {}, "bad.toml:11"});
+        check_mistake({good + "[wire]\n", {}, "bad.toml:11"});
+        check_mistake({"\xff\xfe", {}, "bad.toml:1"});
+        check_mistake({"", {}, "wire: is missing"});
+        check_mistake({"[wire]\n", {}, "scene: is missing"});
+        check_mistake({"[[wire]]\nlength_m = 1\n", {}, "wire: expected one table [wire]"});
+        check_mistake({"wire = 3\n", {}, "wire: expected one table [wire]"});
+        check_mistake({good + "[hold]\nat = \"base\"\n", {}, "hold: expected tables [[hold]]"});
+    }
+
+    TEST_CASE("property: what is needed is asked for by name")
+    {
+        for (const auto key : {"length_m", "radius_m", "density", "bend_nm2", "twist_nm2", "stretch_n", "duration_s", "dt_s"}) {
+            std::string text = good;
+            const auto at = text.find(key);
+            REQUIRE(at != std::string::npos);
+            text.erase(at, text.find('\n', at) + 1 - at);
+            check_mistake({text, {}, std::string(key) + ": is missing"});
+        }
+        check_mistake({good + "place = { shape = \"arc\" }\n", {}, "wire.place.bend_radius_m: is missing"});
+        check_mistake({good + "place = { shape = \"points\" }\n", {}, "wire.place.points: is missing"});
+        check_mistake({good + "[vessel]\nunits = \"mm\"\n", {}, "vessel.mesh: is missing"});
+        check_mistake({good + "[vessel]\nshape = \"tube\"\nlength_m = 1\n", {}, "vessel.radius_m: is missing"});
+        check_mistake(
+            {good + "[vessel]\nshape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 1\n", {}, "vessel.angle_deg: is missing"});
+        check_mistake({good + "[feed]\npoint = [0, 0, 0]\n", {}, "feed.direction: is missing"});
+        check_mistake({good + "[feed]\npoint = [0, 0, 0]\ndirection = [1, 0, 0]\n", {}, "feed.keys: is missing"});
+        check_mistake({good + "[[load]]\nforce_n = [0, 0, 1]\n", {}, "load.0.at: is missing"});
+        check_mistake({good + "[[load]]\nat = \"tip\"\n", {}, "load.0.force_n: is missing"});
+        check_mistake({good + "[[link]]\nat = \"tip\"\nanchor = [0, 0, 0]\n", {}, "link.0.stiffness_n_m: is missing"});
+        check_mistake({good + "[[wire.section]]\nbend_nm2 = 1\n", {}, "wire.section.0.from_tip_m: is missing"});
+        check_mistake({fed, {"feed.keys=[{t_s=0}]"}, "feed.keys.advance_m: is missing"});
+    }
+
+    TEST_CASE("property: zero, negative, NaN, infinite and mistyped quantities are refused")
+    {
+        for (const auto key :
+             {"wire.length_m", "wire.radius_m", "wire.density", "wire.bend_nm2", "wire.twist_nm2", "wire.stretch_n",
+              "scene.duration_s", "scene.dt_s", "contact.stiffness", "contact.restitution", "integrator.tolerance",
+              "contact.rolling_hardness_pa", "contact.layer_height_m", "contact.pair_distance_m", "integrator.beta"})
+            for (const auto value : {"0", "-1", "nan", "inf", "-inf", "true", "[1]"})
+                check_mistake({good, {std::string(key) + "=" + value}, std::string(key) + ": "});
+        for (const auto key : {"contact.mu_static", "contact.mu_sliding", "wire.mu_static", "integrator.damping_mass_1_s",
+                               "contact.rolling_alpha"})
+            for (const auto value : {"-0.1", "nan", "inf", "yes"})
+                check_mistake({good, {std::string(key) + "=" + value}, std::string(key) + ": expected"});
+        for (const auto key : {"wire.nodes", "scene.record_every", "contact.samples_per_edge"})
+            for (const auto value : {"0", "-3", "1.5", "many", "99999999999"})
+                check_mistake({good, {std::string(key) + "=" + value}, std::string(key) + ": expected"});
+        for (const auto value : {"[1, 2]", "3", "[0, 0, nan]", "[0, 0, \"a\"]", "down"})
+            check_mistake({good, {std::string("scene.gravity=") + value}, "scene.gravity: expected"});
+        check_mistake({good, {"scene.seed=-1"}, "scene.seed: expected"});
+        check_mistake({good, {"contact.rolling=1"}, "contact.rolling: expected true or false"});
+        check_mistake({good, {"scene.name=3"}, "scene.name: expected a text"});
+        check_mistake({fed, {"feed.direction=[0, 0, 0]"}, "feed.direction: expected a direction"});
+        check_mistake({good, {"integrator.gamma=0.4"}, "integrator.gamma: expected"});
+        check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
+    }
+
+    TEST_CASE("property: a word that is none of the choices is answered with the choices")
+    {
+        check_mistake(
+            {good, {"contact.detection=rays"}, "expected one of \"swept\", \"capsule\", \"layer\", \"nodes\", got 'rays'"});
+        for (const auto key : {"scene.until", "scene.start", "wire.rest", "integrator.scheme", "contact.normal",
+                               "contact.friction", "vessel.shape"})
+            check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});
+        check_mistake({good, {"contact.stiffness=soft"}, "contact.stiffness: expected \"from-wall\" or a number"});
+        check_mistake({good, {"wire.nodes=some"}, "wire.nodes: expected a whole number"});
+        check_mistake({good, {"wire.place.shape=knot"}, "wire.place.shape: expected one of"});
+        check_mistake({held, {"hold.0.at=middle"}, "hold.0.at: expected \"base\", \"tip\" or metres"});
+    }
+
+    TEST_CASE("property: keys that contradict each other are refused")
+    {
+        check_mistake({good + "youngs_pa = 1e9\n", {}, "bend_nm2: contradicts youngs_pa"});
+        check_mistake({good + "poisson = 0.3\n", {}, "wire.poisson: needs youngs_pa"});
+        check_mistake({good + "[vessel]\nmesh = \"bad.toml\"\nshape = \"tube\"\n", {}, "vessel.shape: contradicts mesh"});
+        check_mistake({good + "[vessel]\nshape = \"plane\"\nsize_m = 1\nradius_m = 1\n",
+                       {},
+                       "vessel.radius_m: is not used by shape = \"plane\""});
+        check_mistake({good + "[vessel]\nshape = \"tube\"\nradius_m = 0.1\nlength_m = 1\nunits = \"mm\"\n",
+                       {},
+                       "vessel.units: is not used by"});
+        check_mistake({good + "[vessel]\nshape = \"arc\"\nradius_m = 0.1\nbend_radius_m = 0.1\nangle_deg = 90\n",
+                       {},
+                       "vessel.bend_radius_m: expected more than radius_m"});
+        check_mistake({good + "[vessel]\nshape = \"tube\"\nradius_m = 0.1\nlength_m = 1\naxis = [0, 0, 1]\nnormal = [0, 0, -2]\n",
+                       {},
+                       "vessel.normal: is parallel to axis"});
+        check_mistake({good, {"contact.exponent=2"}, "contact.exponent: stiffness = \"from-wall\" fixes it at 1.5"});
+        check_mistake({good + "place = { shape = \"straight\", twist_rad = 1 }\n",
+                       {},
+                       "wire.place.twist_rad: is not used by shape = \"straight\""});
+        check_mistake({good + "place = { direction = [0, 0, 1], normal = [0, 0, -2] }\n",
+                       {},
+                       "wire.place.normal: is parallel to direction"});
+        check_mistake({good + "place = { shape = \"points\", points = [[0, 0, 0], [0.1, 0, 0]] }\n",
+                       {},
+                       "wire.place.points: the points are 0.1 m long, the wire 0.3 m"});
+        check_mistake({good + "place = { shape = \"points\", points = [[0, 0, 0], [0, 0, 0]] }\n",
+                       {},
+                       "wire.place.points: expected no point twice"});
+        check_mistake({fed, {"wire.place.shape=straight"}, "wire.place: a fed wire starts at rest at the inlet"});
+        check_mistake({fed, {"wire.rest=placed"}, "wire.rest: a fed wire is not placed"});
+        check_mistake({fed + "[[hold]]\nat = \"base\"\nposition = true\n", {}, "hold.0.at: the base is held by [feed]"});
+        check_mistake({fed, {"feed.inlet=auto"}, "feed.point: contradicts inlet"});
+        check_mistake(
+            {good + "[feed]\ninlet = \"auto\"\nkeys = [{t_s = 0, advance_m = 0}]\n", {}, "feed.inlet: needs a [vessel]"});
+        check_mistake({good + "[[hold]]\nat = \"base\"\n", {}, "hold.0.position: this hold holds nothing"});
+        check_mistake({held, {"hold.0.turn=[[0, 0]]"}, "hold.0.turn: needs spin = true"});
+        check_mistake(
+            {good + "[[hold]]\nat = \"tip\"\nspin = true\nmove = [[0, 0, 0, 0]]\n", {}, "hold.0.move: needs position = true"});
+        check_mistake({good, {"wire.min_edge_m=0.02", "wire.nodes=adaptive"}, "wire.min_edge_m: expected less than max_edge_m"});
+        check_mistake({good, {"wire.radius_m=0.2"}, "wire.radius_m: expected a wire longer than it is thick"});
+    }
+
+    TEST_CASE("property: times that do not increase and lengths beyond the wire are refused")
+    {
+        check_mistake(
+            {fed, {"feed.keys=[{t_s=0, advance_m=0}, {t_s=0, advance_m=0.1}]"}, "feed.keys.t_s: expected times that increase"});
+        check_mistake({fed, {"feed.keys=[{t_s=-1, advance_m=0}]"}, "feed.keys.t_s: expected"});
+        check_mistake({fed, {"feed.keys=[]"}, "feed.keys: expected"});
+        check_mistake({fed,
+                       {"feed.keys.1.advance_m=0.31"},
+                       "--set feed.keys.1.advance_m=0.31: feed.keys.advance_m: 0.31 m is more than the whole wire, 0.3 m"});
+        check_mistake({fed, {"feed.keys.1.advance_m=-0.1"}, "feed.keys.advance_m: expected"});
+        check_mistake(
+            {held, {"hold.0.move=[[0, 0, 0, 0], [0, 1, 0, 0]]"}, "hold.0.move: expected times from 0 on that increase"});
+        check_mistake({held, {"hold.0.move=[[0, 0, 0]]"}, "hold.0.move: expected a row [t_s, dx, dy, dz]"});
+        check_mistake({held, {"hold.0.at=0.4"}, "hold.0.at: expected at most the wire's length"});
+        check_mistake({good, {"wire.section.0.from_tip_m=[0.1, 0.4]"}, "wire.section.0.from_tip_m: expected 0 <= from < to"});
+        check_mistake({good, {"wire.section.0.from_tip_m=[0.1, 0.1]"}, "wire.section.0.from_tip_m: expected 0 <= from < to"});
+        check_mistake({good, {"scene.dt_s=5"}, "scene.duration_s: expected at least one step"});
+        check_mistake({good, {"scene.dt_s=1e-12"}, "scene.dt_s: makes 2e+12 steps"});
+    }
+
+    TEST_CASE("property: what is not built says so")
+    {
+        check_mistake({good, {"vessel.wall=elastic"}, "vessel.wall: \"elastic\" is not available yet"});
+        for (const std::string law : {"augmented", "constraint", "impulse", "barrier"})
+            check_mistake({good, {"contact.normal=" + law}, "contact.normal: \"" + law + "\" is not available yet"});
+    }
+
+    TEST_CASE("property: a --set that cannot be understood is named whole")
+    {
+        check_mistake({good, {"wire"}, "--set wire: expected table.key=value"});
+        check_mistake({good, {"nodes=3"}, "--set nodes=3: expected table.key=value"});
+        check_mistake({good, {"wire..nodes=3"}, "--set wire..nodes=3: expected table.key=value"});
+        check_mistake({good, {"wire.nodes="}, "--set wire.nodes=: expected a TOML value"});
+        check_mistake({good, {"scene.gravity=[0, 0"}, "--set scene.gravity=[0, 0: expected a TOML value"});
+        check_mistake({good, {"wire.length_m.x=1"}, "--set wire.length_m.x=1: wire.length_m"});
+        check_mistake({good, {"hold.1.position=true"}, "--set hold.1.position=true: there are only 0 of hold"});
+        check_mistake({good, {"wire.nodes=3\nscene.dt_s=1"}, "expected a value on one line"});
+    }
+
+    TEST_CASE("property: missing files are files' mistakes")
+    {
+        check_mistake(
+            {good + "[vessel]\nmesh = \"nowhere/a.stl\"\n", {}, "bad.toml:12:8: vessel.mesh: no file at", ExitCode::BadFile});
+        check_mistake({good,
+                       {"vessel.shape=tube", "vessel.radius_m=1", "vessel.length_m=1", "vessel.centreline=none.vtp"},
+                       "vessel.centreline: no file at",
+                       ExitCode::BadFile});
+        for (const auto file : {"no-such-scene.toml", "/"}) {
+            try {
+                (void)read_scene(file);
+                FAIL_CHECK("was accepted");
+            } catch (const Error& error) {
+                CHECK(error.code() == ExitCode::BadFile);
+            }
+        }
+    }
+
+    TEST_CASE("analytic: edit distance counts inserts, deletions, replacements and swaps")
+    {
+        CHECK(edit_distance("", "") == 0);
+        CHECK(edit_distance("abc", "abc") == 0);
+        CHECK(edit_distance("", "abc") == 3);
+        CHECK(edit_distance("lenght", "length") == 1);
+        CHECK(edit_distance("kitten", "sitting") == 3);  // [Levenshtein66]
+        constexpr std::array<std::string_view, 3> words = {"mu_static", "mu_sliding", "normal"};
+        CHECK(nearest_word("mu_slide", words) == "mu_sliding");
+    }
+}

@@ -1,0 +1,122 @@
+// make_setup: does the wire fit the vessel, and where does it enter?
+
+#include "core/error.h"
+#include "scene/mesh_file.h"
+#include "scene/scene.h"
+#include "vessel/inside.h"
+#include "vessel/shapes.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+using namespace seldinger;
+
+namespace {
+
+struct TubeFile {
+    std::filesystem::path path;
+    /// A tube of 5 mm radius and 60 mm length, written in `units`.
+    explicit TubeFile(const std::string& units)
+    {
+        VesselSpec spec;
+        spec.shape = VesselShape::Tube;
+        spec.radius = 0.005;
+        spec.length = 0.06;
+        spec.triangles = 1500;
+        path = std::filesystem::temp_directory_path() / fmt::format("seldinger_tube_{}_{}.stl", units, getpid());
+        write_mesh(path, make_tube(spec).mesh, units);
+    }
+    ~TubeFile() { std::filesystem::remove(path); }
+};
+
+std::string scene_text(const std::string& vessel, const std::string& feed)
+{
+    return fmt::format(R"([scene]
+duration_s = 0.1
+dt_s = 0.001
+[wire]
+length_m = 0.1
+radius_m = 0.0005
+density = 7900.0
+bend_nm2 = 1.0e-5
+twist_nm2 = 8.0e-6
+stretch_n = 1.0e4
+nodes = 21
+[vessel]
+{}
+[feed]
+{}
+keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.02}} ]
+)", vessel, feed);
+}
+
+std::string message_of(const std::string& text)
+{
+    try {
+        (void)make_setup(read_scene_text(text, "/tmp/case.toml"));
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::BadScene);
+        return error.what();
+    }
+    return {};
+}
+
+const char* const arc = "shape = \"arc\"\nradius_m = 0.005\nbend_radius_m = 0.04\nangle_deg = 90.0\nlead_in_m = 0.02";
+
+}  // namespace
+
+TEST_SUITE("scene/scene_setup") {
+
+TEST_CASE("property: a mesh in the wrong unit is refused with the one that fits") {
+    for (const std::string right : {"m", "mm", "um"})
+        for (const std::string said : {"m", "mm", "um"}) {
+            CAPTURE(right);
+            CAPTURE(said);
+            const TubeFile file(right);
+            const std::string message =
+                message_of(scene_text(fmt::format("mesh = \"{}\"\nunits = \"{}\"", file.path.string(), said), "inlet = \"auto\""));
+            if (said == right) {
+                CHECK(message == "");
+                continue;
+            }
+            CHECK(message.find("vessel.units") != std::string::npos);
+            CHECK(message.find(fmt::format("units = \"{}\" would fit", right)) != std::string::npos);
+        }
+}
+
+TEST_CASE("property: a generated vessel of impossible size names its radius") {
+    CHECK(message_of(scene_text("shape = \"tube\"\nradius_m = 5.0\nlength_m = 60.0", "inlet = \"auto\"")).find("vessel.radius_m") != std::string::npos);
+}
+
+TEST_CASE("analytic: the distance of a feed point outside the lumen is named") {
+    // 2.5 mm beyond a wall of 5 mm; the facets of 20,000 triangles lie inside it by under 10 um
+    const std::string message = message_of(scene_text(arc, "point = [0.01, 0.0, 0.0075]\ndirection = [1.0, 0.0, 0.0]"));
+    CAPTURE(message);
+    CHECK(message.find("feed.point") != std::string::npos);
+    CHECK(message.find("2.5 mm outside the lumen") != std::string::npos);
+    const std::string before = message_of(scene_text(arc, "point = [-0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
+    CHECK(before.find("beyond opening") != std::string::npos);
+}
+
+TEST_CASE("property: a point inside, on an opening, or beside a plane is accepted") {
+    for (const char* point : {"[0.01, 0.0, 0.0]", "[0.0, 0.0, 0.0]", "[0.0, 0.002, -0.003]"})
+        CHECK(message_of(scene_text(arc, fmt::format("point = {}\ndirection = [1.0, 0.0, 0.0]", point))) == "");
+    CHECK(message_of(scene_text("shape = \"plane\"\nsize_m = 1.0", "point = [0.0, 0.0, -0.3]\ndirection = [1.0, 0.0, 0.0]")) == "");
+}
+
+TEST_CASE("property: inlet = auto lies in the lumen and points into it") {
+    const WorldSetup setup = make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"));
+    const FeedSpec& feed = setup.wires[0].feed;
+    CHECK(feed.direction.norm() == doctest::Approx(1));
+    RepairReport report;
+    (void)make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"), -1, &report);
+    REQUIRE(report.loops.size() == 2);
+    const LumenQuery lumen(setup.mesh, report.loops);
+    CHECK(lumen.inside(feed.point));
+    CHECK(lumen.signed_distance(feed.point + 0.005 * feed.direction) > 0.0045);
+    CHECK_FALSE(lumen.inside(feed.point - 0.005 * feed.direction));
+}
+
+}

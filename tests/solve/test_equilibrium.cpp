@@ -1,0 +1,139 @@
+// Static equilibria with closed forms: elastica, heavy cantilever, torsion, column.
+#include "solve/wire_fixture.h"
+
+using namespace seldinger;
+using namespace seldinger::testing;
+
+namespace {
+
+struct Elastica {
+    double alpha, dx, dy;  // alpha = P L^2/B; tip's shortening and deflection over L
+};
+
+// Bisshopp & Drucker, Quart. Appl. Math. 3 (1945) 272: elliptic integrals, inextensible
+constexpr Elastica elastica[] = {
+    {0.5, 0.015918962470837496, 0.1621435756583696}, {1, 0.0564332, 0.3017208},   {2, 0.1606417, 0.4934575},
+    {5, 0.3876284, 0.7137915},                       {10, 0.5549956, 0.8106090},
+};
+
+/// Tip of a clamped wire of 0.1 m under a dead load across it, relative to its length: (shortening, deflection).
+std::pair<double, double> elastica_tip(int edges, double alpha, SolveReport* report = nullptr)
+{
+    Rig rig(nitinol(0.1), edges + 1);
+    const double force = alpha * rig.wire.shaft.bend_stiffness / 0.01;
+    rig.hold({clamp_base()}, {tip_load({0, 0, -force})});
+    rig.integrate_with({});
+    REQUIRE(rig.settle());
+    if (report) *report = rig.reports[0];
+    return {1 - rig.tip().x() / 0.1, -rig.tip().z() / 0.1};
+}
+
+// Heavy cantilever: Gamma = rho A g L^3/B, sag over span H/W (collocation, 1e-11)
+struct Heavy {
+    double gamma, sag;
+};
+constexpr Heavy heavy[] = {{0.1, 0.0124996}, {1, 0.12456176644123432}, {10, 1.0668023204338655}, {100, 5.8881046}, {1000, 21.3354405}};
+
+}  // namespace
+
+TEST_SUITE("solve/equilibrium") {
+
+// 100 edges: the half-edge clamp leaves 7e-6 to 1e-4 of L; stretching at EA/P > 1e5 less than that
+TEST_CASE("analytic: elastica under a dead tip load, from straight in one solve") {
+    for (const Elastica& c : elastica) {
+        CAPTURE(c.alpha);
+        SolveReport report;
+        const auto [dx, dy] = elastica_tip(100, c.alpha, &report);
+        CHECK(dx == doctest::Approx(c.dx).epsilon(0.001));
+        CHECK(dy == doctest::Approx(c.dy).epsilon(0.001));
+        CHECK(report.residual <= report.tolerance);
+        MESSAGE("alpha " << c.alpha << ": " << report.iterations << " iterations, " << report.evaluations << " evaluations");
+    }
+}
+
+TEST_CASE("analytic: the error of the elastica falls with the square of the edge length") {
+    const double coarse = elastica_tip(20, 2).second - 0.4934575, fine = elastica_tip(40, 2).second - 0.4934575;
+    CHECK(std::log2(std::abs(coarse / fine)) == doctest::Approx(2).epsilon(0.1));
+}
+
+TEST_CASE("analytic: heavy cantilever up to Gamma = 1000") {
+    for (const Heavy& c : heavy) {
+        CAPTURE(c.gamma);
+        WireSpec spec = nitinol(1);
+        const double weight = spec.shaft.density * pi * std::pow(spec.shaft.radius, 2) * 9.81;  // [N/m]
+        spec.length = std::cbrt(c.gamma * spec.shaft.bend_stiffness / weight);
+        Rig rig(spec, 101);
+        rig.hold({clamp_base()});
+        rig.integrate_with({}, {0, 0, -9.81});
+        REQUIRE(rig.settle());
+        const double sag = -rig.tip().z() / rig.tip().x();
+        // second order: 1e-4 at Gamma = 1, 6e-3 where the wire turns down within three edges of the clamp
+        CHECK(sag == doctest::Approx(c.sag).epsilon(c.gamma > 100 ? 0.02 : 0.002));
+        // the hold carries the weight
+        double mass = 0;
+        for (int i = 0; i < rig.rod().n; ++i) mass += rig.rod().mass[i];
+        CHECK(rig.solver->reaction(0, 4 * 100 + 2) == doctest::Approx(9.81 * mass).epsilon(1e-5));
+        MESSAGE("Gamma " << c.gamma << ": " << rig.reports[0].iterations << " iterations, sag error " << sag / c.sag - 1);
+    }
+}
+
+TEST_CASE("analytic: torque of a straight wire turned at its base with the tip's spin held is C Phi / L") {
+    for (const double angle : {0.5, pi / 2, 2 * pi}) {
+        CAPTURE(angle);
+        WireSpec spec = nitinol(0.3);
+        Rig rig(spec, 31);
+        HoldSpec base = clamp_base(), tip = clamp_base();
+        tip.at.kind = WirePoint::Kind::Tip;
+        base.turn = {{0, 0}, {1, angle}};
+        rig.hold({base, tip});
+        rig.integrate_with({});
+        REQUIRE(rig.settle());
+        const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
+        CHECK(torque == doctest::Approx(spec.shaft.twist_stiffness * angle / 0.3).epsilon(1e-9));
+    }
+}
+
+// free tip: P_cr = pi^2 B / (4 L^2); 50 edges: second-order error below 1e-3
+TEST_CASE("analytic: a pushed column stays straight below Euler's load and buckles above") {
+    const WireSpec spec = nitinol(0.2);
+    const double critical = pi * pi * spec.shaft.bend_stiffness / (4 * 0.04);
+    double deflection[2];
+    for (int k : {0, 1}) {
+        Rig rig(spec, 51);
+        rig.hold({clamp_base()}, {tip_load({-(k == 0 ? 0.97 : 1.03) * critical, 0, 1e-4 * critical})});
+        rig.integrate_with({});
+        REQUIRE(rig.settle());
+        deflection[k] = rig.tip().z() / 0.2;
+    }
+    // below: the small side load, amplified by 1/(1 - 0.97); above: w/L = 0.32 (Timoshenko & Gere, table 2-4, at 1.035)
+    CHECK(deflection[0] < 0.005);
+    CHECK(deflection[1] > 0.25);
+}
+
+TEST_CASE("property: a free wire with nothing to hold it rests where it is; with a load it says that it cannot") {
+    Rig rig(nitinol(0.1), 21, 1, arc_towards_z(0.05));
+    rig.integrate_with({});
+    CHECK(rig.settle());  // straightens, momentum-free
+    double lowest = 1e9, highest = -1e9;
+    for (int j = 1; j < 20; ++j) {
+        lowest = std::min(lowest, rig.solver->frames(0).kb[j].norm());
+        highest = std::max(highest, rig.solver->frames(0).kb[j].norm());
+    }
+    CHECK(highest < 1e-6);
+    const Vec3 before = rig.tip();
+    rig.hold({}, {tip_load({0, 0, 1})});
+    CHECK_FALSE(rig.settle());
+    CHECK(rig.tip() == before);
+}
+
+// a heavy wire held at the base pointing up falls over to one side and hangs: past two folds of energy
+TEST_CASE("property: prolapse: a wire that stands upright and is too long finds the shape that hangs down") {
+    WireSpec spec = nitinol(1.0);
+    Rig rig(spec, 101, 1, {[](double s, double) { return Vec3(1e-4 * s, 0, s); }, 0});
+    rig.hold({clamp_base()});
+    rig.integrate_with({}, {0, 0, -9.81});
+    REQUIRE(rig.settle());
+    CHECK(rig.tip().z() < 0);
+    MESSAGE("prolapse: " << rig.reports[0].iterations << " iterations");
+}
+}

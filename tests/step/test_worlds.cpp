@@ -1,0 +1,128 @@
+// engine/world.cpp: wires of one world do not know of each other, and a state that was saved goes on as if nothing had been.
+
+#include "support/world_fixture.h"
+
+#include "core/error.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+// three wires of different lengths, sections and feeds; the vessel is empty
+WorldSetup three_wires(Detection detection)
+{
+    WorldSetup setup;
+    add_bend(setup, 0.003, 0.03);
+    for (int w = 0; w < 3; ++w) {
+        WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
+        spec.shaft.bend_stiffness *= 1 + w;
+        WireSetup wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w)
+                               : placed_wire(spec, {0.0005, 0, -0.003 + spec.shaft.radius});
+        if (w == 2) wire.wire.place.velocity = {0.05, 0.02, 0};
+        wire.contact.detection = detection;
+        wire.contact.rolling = w == 1;
+        setup.wires.push_back(wire);
+    }
+    return setup;
+}
+
+std::vector<double> state_of(World& world, int wire)
+{
+    std::vector<double> all;
+    for (const std::span<double>& array : world.impl().rods.arrays(wire)) all.insert(all.end(), array.begin(), array.end());
+    return all;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b)
+{
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+void run(World& world, int steps)
+{
+    for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+}
+
+}  // namespace
+
+TEST_SUITE("step/worlds") {
+
+TEST_CASE("property: three wires of one world give the bits that each gives alone")
+{
+    for (const Detection detection : {Detection::Swept, Detection::Layer, Detection::Nodes}) {
+        CAPTURE(static_cast<int>(detection));
+        World together(three_wires(detection));
+        run(together, 250);
+        int contacts = 0;
+        for (int w = 0; w < 3; ++w) {
+            CAPTURE(w);
+            WorldSetup setup = three_wires(detection);
+            setup.wires = {setup.wires[w]};
+            World alone(std::move(setup));
+            run(alone, 250);
+            CHECK(same_bits(state_of(alone, 0), state_of(together, w)));
+            std::vector<ContactRow> rows;
+            for (const ContactRow& row : together.contacts())
+                if (row.wire == w) rows.push_back(row);
+            const std::vector<ContactRow>& own = alone.contacts();
+            REQUIRE(rows.size() == own.size());
+            contacts += static_cast<int>(rows.size());
+            for (std::size_t k = 0; k < rows.size(); ++k) {
+                CHECK(rows[k].edge == own[k].edge);
+                CHECK(rows[k].triangle == own[k].triangle);
+                CHECK(rows[k].normal_force == own[k].normal_force);
+                CHECK(rows[k].friction == own[k].friction);
+                CHECK(rows[k].point == own[k].point);
+            }
+            CHECK(alone.readings(0).hand_force == together.readings(w).hand_force);
+        }
+        if (detection == Detection::Swept) REQUIRE(contacts > 20);
+    }
+}
+
+TEST_CASE("property: a state restored at any step ends with the same hash, in the same world and in a new one")
+{
+    for (const Detection detection : {Detection::Swept, Detection::Layer}) {
+        for (const int at : {1, 73, 187}) {
+            CAPTURE(static_cast<int>(detection));
+            CAPTURE(at);
+            World world(three_wires(detection));
+            run(world, at);
+            const std::vector<std::uint8_t> saved = world.save_state();
+            const std::string then = world.state_hash();
+            run(world, 60);
+            const std::string hash = world.state_hash();
+            CHECK(hash != then);
+            world.restore_state(saved);
+            CHECK(world.state_hash() == then);
+            CHECK(world.step_count() == at);
+            run(world, 60);
+            CHECK(world.state_hash() == hash);
+            World other(three_wires(detection));
+            other.restore_state(saved);
+            run(other, 60);
+            CHECK(other.state_hash() == hash);
+        }
+    }
+}
+
+TEST_CASE("property: a state of another scene, or cut short, is refused")
+{
+    World world(three_wires(Detection::Swept));
+    run(world, 5);
+    std::vector<std::uint8_t> bytes = world.save_state();
+    bytes.pop_back();
+    CHECK_THROWS_AS(World(three_wires(Detection::Swept)).restore_state(bytes), Error);
+    bytes.resize(bytes.size() + 2);
+    CHECK_THROWS_AS(World(three_wires(Detection::Swept)).restore_state(bytes), Error);
+    WorldSetup setup = three_wires(Detection::Swept);
+    setup.wires.pop_back();
+    CHECK_THROWS_AS(World(std::move(setup)).restore_state(world.save_state()), Error);
+}
+
+}

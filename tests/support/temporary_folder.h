@@ -1,0 +1,32 @@
+#pragma once
+// A new empty folder for one test, removed with all that is in it when the test ends.
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+
+namespace seldinger {
+
+class TemporaryFolder {
+public:
+    TemporaryFolder()
+    {
+        static std::atomic<int> count = 0;
+        path_ = std::filesystem::temp_directory_path() / ("seldinger-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryFolder()
+    {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+}  // namespace seldinger
