@@ -25,7 +25,8 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
 /// Static equilibrium with contact (scheme "static", start "settled").
 void find_equilibrium(World::Impl& state, StepReport& report);
 
-void adapt_nodes(World::Impl& state, StepReport& report);
+/// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
+void adapt_nodes(World::Impl& state, double dt);
 void check_state(World::Impl& state, StepReport& report);
 
 }  // namespace seldinger
