@@ -41,7 +41,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     options_ = options;
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
-    non_finite_ = unsymmetric_ = shortened_ = false;
+    non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
     iterations_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
