@@ -13,8 +13,8 @@ StepReport step(World& world, double dt)
     clear_timers(state);
 
     begin_step(state);                                    // what a failed attempt returns to
-    (void)advance(state, dt, everyone(state), report);          // feed -> frames -> detect -> solve; halved where it will not converge
-    adapt_nodes(state, report);                           // split and merge
+    (void)advance(state, dt, everyone(state), report);    // feed -> frames -> detect -> solve; halved where it will not converge
+    adapt_nodes(state, dt);                               // split and merge
     check_state(state, report);                           // non-finite values, worst gap
 
     state.steps++;

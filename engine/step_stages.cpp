@@ -60,6 +60,7 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
 
     const auto start = Clock::now();
     const StageTimes before = state.contact ? state.contact->times : StageTimes{};
+    state.solver->set_best_effort(depth == most_halvings);
     state.solver->step(h, state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     if (state.contact) {
@@ -73,6 +74,7 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
+        if (solved.best_effort) report.flags |= StepBestEffort;
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;
@@ -141,12 +143,82 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         if (done[w]) state.read_results(w);
 }
 
-void adapt_nodes(World::Impl& state, StepReport&)
+namespace {
+
+// Constraints of the accepted state on the present node set.
+void constrain_now(World::Impl& state, int w)
+{
+    const RodView rod = state.rods.view(w);
+    state.holds[w].fill(state.wire_time[w], rod, state.constraints[w]);
+    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+}
+
+// A wire that is not fed pays its debt of rest length over this time [s]: slow against its axial waves, fast against what a hand does.
+constexpr double debt_time = 0.05;
+
+// Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
+constexpr int merge_period = 16;  // steps
+
+void drain_debt(World::Impl& state, int w, double dt)
+{
+    const WireSpec& spec = state.setup.wires[w].wire;
+    double& debt = state.feeds[w].debt;
+    if (debt == 0) return;
+    const double paid = std::abs(debt) < 1e-15 * spec.length ? debt : debt * std::min(1.0, dt / debt_time);
+    shorten_evenly(state.rods.view(w), spec, paid, spec.place.rest_is_placed);
+    debt -= paid;
+}
+
+// A fed wire's base edge is kept within [h/2, 3h/2]. What feeding has grown is
+// split at once; what it has shortened is merged where the longer edge will stay, or at the last where it is too short for any wire.
+bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
+{
+    const WireSpec& spec = state.setup.wires[w].wire;
+    const RodView rod = state.rods.view(w);
+    NodePlanner& planner = state.adapters[w].planner;
+    BaseEdge limits = BaseEdge::uniform(planner.base_edge(rod, spec, demands.hub_tangent));
+    limits.inner = planner.base_split(rod, spec);
+    if (!demands.may_merge || !planner.base_may_merge(rod, spec)) limits.shortest = spec.min_edge;
+    const HubChange change = adapt_hub(state.feeds[w], spec, state.rods, w, limits);
+    state.remesh_energy[w] += change.energy;
+    return change.changed;
+}
+
+void adapt_wire(World::Impl& state, int w, double dt)
+{
+    const WireSpec& spec = state.setup.wires[w].wire;
+    const bool fed = state.feeds[w].on;
+    NodeAdapter& adapter = state.adapters[w];
+    if (!fed) drain_debt(state, w, dt);
+    NodeDemands demands;
+    demands.kept = adapter.kept;
+    demands.fed = fed;
+    demands.may_merge = state.steps % merge_period == 0;
+    for (const RodClamp& clamp : state.constraints[w].clamps)
+        if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
+    if (fed && adapt_base(state, w, demands)) return;
+    const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
+    if (changes.empty()) return;
+    constrain_now(state, w);
+    const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
+    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
+    constrain_now(state, w);
+    state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
+}
+
+}  // namespace
+
+void adapt_nodes(World::Impl& state, double dt)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (state.feeds[w].on && state.feeds[w].inside)
-            state.remesh_energy[w] += adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        FeedState& feed = state.feeds[w];
+        if (feed.on && !feed.inside) continue;
+        if (state.adapters[w].on)
+            adapt_wire(state, w, dt);
+        else if (feed.on)
+            state.remesh_energy[w] += adapt_hub(feed, state.setup.wires[w].wire, state.rods, w, BaseEdge::uniform(feed.edge)).energy;
+    }
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
 

@@ -18,14 +18,15 @@ void collect_timers(World::Impl& state, StepReport& report);
 void begin_step(World::Impl& state);
 
 /// Advances the wires of the mask by h. A wire that does not converge is put back and advanced by two half steps instead, down to
-/// h / 512; a wire that fails even then stays at the start of that sub-step, and the report says so. What one wire does has no say in
-/// what the others do. @return wires that failed for good
+/// h / 512; a wire that misses the tolerance even then takes the best state found (the report says so), and one that finds none stays
+/// at the start of that sub-step. What one wire does has no say in what the others do. @return wires that failed for good
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth = 0);
 
 /// Static equilibrium with contact (scheme "static", start "settled").
 void find_equilibrium(World::Impl& state, StepReport& report);
 
-void adapt_nodes(World::Impl& state, StepReport& report);
+/// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
+void adapt_nodes(World::Impl& state, double dt);
 void check_state(World::Impl& state, StepReport& report);
 
 }  // namespace seldinger

@@ -17,9 +17,30 @@ namespace seldinger {
 
 namespace {
 
+// `nodes` puts its samples on the nodes of a uniform wire
+bool nodes_adapt(const WireSetup& setup) { return setup.wire.nodes == 0 && setup.contact.detection != Detection::Nodes; }
+
+NodeAdapter make_adapter(const WireSetup& setup, std::span<const double> held, int capacity)
+{
+    NodeAdapter adapter;
+    adapter.on = nodes_adapt(setup);
+    if (!adapter.on) return adapter;
+    adapter.planner = NodePlanner(setup.wire, capacity);
+    adapter.kept.assign(held.begin(), held.end());
+    // a point load is exact where it meets a node; once there is one, it stays
+    for (const LoadSpec& load : setup.loads)
+        if (load.at.kind == WirePoint::Kind::Distance) adapter.kept.push_back(load.at.from_tip);
+    for (const LinkSpec& link : setup.links)
+        if (link.at.kind == WirePoint::Kind::Distance) adapter.kept.push_back(link.at.from_tip);
+    adapter.frames = RodFrames(capacity);
+    return adapter;
+}
+
 int node_capacity(const WireSetup& setup)
 {
     const int nodes = uniform_node_count(setup.wire);
+    // edges of min_edge everywhere, debts of rest length included
+    if (nodes_adapt(setup)) return static_cast<int>(std::ceil(1.01 * setup.wire.length / setup.wire.min_edge)) + 4;
     return setup.feed.on ? nodes + 4 : nodes;  // a fed wire's base edge may be split before the last is merged
 }
 
@@ -61,6 +82,20 @@ void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& f
 
 }  // namespace
 
+namespace {
+
+std::string describe_nodes(const WireSetup& setup)
+{
+    const WireSpec& spec = setup.wire;
+    if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
+    if (!nodes_adapt(setup))
+        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; contact at the nodes needs them uniform)", 1e3 * uniform_edge(spec));
+    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
+                       1e3 * spec.max_edge, 1e6 * spec.edge_error);
+}
+
+}  // namespace
+
 World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(setup))
 {
     const int count = static_cast<int>(setup.wires.size());
@@ -75,6 +110,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
             place_wire(rods, w, wire.wire, setup.centreline);
         }
         holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
+        adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
     }
     solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity);
     if (!setup.mesh.triangles.empty()) {
@@ -276,9 +312,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const Impl& s = *impl_;
     const WireSetup& wire = s.setup.wires[0];
     std::vector<std::pair<std::string, std::string>> list;
-    const WireSpec& spec = wire.wire;
-    list.emplace_back("nodes", spec.nodes > 0 ? fmt::format("uniform, {} over the whole length (asked for)", spec.nodes)
-                                              : fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m)", 1e3 * uniform_edge(spec)));
+    list.emplace_back("nodes", describe_nodes(wire));
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
     const IntegratorSpec& integrator = s.setup.integrator;
     list.emplace_back("scheme", fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],

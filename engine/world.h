@@ -4,7 +4,7 @@
 #include "contact/contact_system.h"
 #include "device/device.h"
 #include "engine.h"
-#include "rod/elastic.h"
+#include "rod/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "solve/newton.h"
@@ -23,6 +23,14 @@ struct WireResult {
     double residual = 0;
 };
 
+/// What a wire's nodes are adapted with.
+struct NodeAdapter {
+    bool on = false;              // nodes = "adaptive" and a detection that does not sit on the nodes
+    NodePlanner planner;
+    std::vector<double> kept;     // material distances whose nodes must stay: holds, loads, links [m]
+    RodFrames frames;             // scratch
+};
+
 struct World::Impl {
     explicit Impl(WorldSetup from);
 
@@ -35,6 +43,7 @@ struct World::Impl {
     std::vector<WireHolds> holds;               // per wire
     std::vector<FeedState> feeds;               // per wire
     std::vector<double> remesh_energy;          // per wire, accumulated [J]
+    std::vector<NodeAdapter> adapters;          // per wire; no state, only what it works with
     std::unique_ptr<ContactMethod> contact;     // none without a vessel
     std::unique_ptr<Solver> solver;
     // scratch of a step

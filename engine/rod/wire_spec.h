@@ -51,6 +51,7 @@ struct WireSpec {
     double length = 0;                 // whole wire [m]
     int nodes = 0;                     // number over the whole length; 0 = adaptive
     double min_edge = 0.001, max_edge = 0.010;  // adaptive only [m]
+    double edge_error = 2e-6;          // adaptive only: by how much one edge may put the tip wrong (rod/adapt.h) [m]
     WireSection shaft;                 // where no section says otherwise
     std::vector<WireSectionRange> sections;     // later ones win
     WirePlacement place;               // ignored for a fed wire

@@ -118,35 +118,31 @@ void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstr
     out.clamps.push_back(clamp);
 }
 
-namespace {
-
 double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrames& frames)
 {
     const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
     return update_frames(rod, now, clamps, frames) ? elastic_energy(rod, clamps, frames) : 0.0;
 }
 
-}  // namespace
-
-double adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index)
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits)
 {
     RodView rod = rods.view(index);
     const int base = rod.n - 2;  // the base edge
     const double length = rod.rest_length[base];
-    const bool split = length > 1.5 * state.edge && rod.n < rods.capacity(index);
-    const bool merge = length < 0.5 * state.edge && rod.n > 2;
-    if (!split && !merge) return 0;
+    const bool split = length > limits.longest && limits.inner > 0 && rod.n < rods.capacity(index);
+    const bool merge = length < limits.shortest && rod.n > 2;
+    if (!split && !merge) return {};
     WireConstraints inlet;
     add_feed_constraints(state, rod, inlet);
     RodFrames frames(rods.capacity(index));  // a split happens once per edge fed, not once per step
     const double before = energy_now(rod, inlet.clamps, frames);
-    const SplitResult result = split ? split_base_edge(rods, index, state.edge / length, wire, inlet.clamps)
+    const SplitResult result = split ? split_base_edge(rods, index, limits.inner / length, wire, inlet.clamps)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
     state.debt += result.rest_length_added;
     rod = rods.view(index);
     inlet = {};
     add_feed_constraints(state, rod, inlet);
-    return energy_now(rod, inlet.clamps, frames) - before;
+    return {true, energy_now(rod, inlet.clamps, frames) - before};
 }
 
 }  // namespace seldinger

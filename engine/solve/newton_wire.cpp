@@ -23,6 +23,7 @@ SolveReport NewtonWire::report() const
 {
     SolveReport report;
     report.converged = converged();
+    report.best_effort = converged() && settling_;
     report.non_finite = non_finite_;
     report.iterations = iterations_;
     report.evaluations = evaluations_;
@@ -86,7 +87,7 @@ void NewtonWire::retreat()
 {
     if (phase_ == Phase::Search) return shorten(0.3 * alpha_);
     if (guess_fraction_ == 0) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     set_guess(++retreats_ < 6 ? 0.5 * guess_fraction_ : 0.0);
@@ -100,10 +101,16 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
     const bool usable = finite && (!contact || contact->admissible(wire));
     if (!usable || !problem.evaluate_residual(contact, wire)) {
         non_finite_ = non_finite_ || !finite;
-        return retreat();
+        if (settling_) phase_ = Phase::Failed;
+        else retreat();
+        return;
     }
     norm_ = problem.residual_norm();
     non_finite_ = false;
+    if (settling_) {
+        phase_ = Phase::Done;
+        return;
+    }
     if (options_.linearised && phase_ == Phase::Search) {
         phase_ = Phase::Done;
         return;
@@ -117,13 +124,28 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (iterations_ >= options_.max_iterations) {
-        phase_ = at_kink(contact, wire) ? Phase::Done : Phase::Failed;
+        if (at_kink(contact, wire)) phase_ = Phase::Done;
+        else give_up();
         return;
     }
     take_base();
     new_direction(contact, wire);
     launch();
     polish(contact);
+}
+
+/// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
+/// that took it, and admissible; one more evaluation makes contact speak of it.
+void NewtonWire::give_up()
+{
+    if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    for (int i = 0; i < problem.size(); ++i)
+        if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
 }
 
 bool NewtonWire::at_prescribed() const
@@ -156,10 +178,13 @@ bool NewtonWire::acceptable()
     return false;
 }
 
-/// The simplified Newton correction at the trial into correction_.
+/// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
+/// R(q) + shift (q - base) = 0: leaving a saddle must not look like a failure because R grows.
 void NewtonWire::correct()
 {
     problem.mixed_residual(part(scratch_));
+    if (shift_ > 0)
+        for (int i = 0; i < problem.size(); ++i) scratch_[i] += shift_ * shift_weight_[i] * (problem.trial[i] - base_[i]);
     correction_at_trial(scratch_, part(correction_), 1 - alpha_);
 }
 
@@ -179,7 +204,7 @@ void NewtonWire::shorten(double alpha)
 {
     if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
     if (alpha < smallest_alpha) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     shortened_ = true;
@@ -274,7 +299,7 @@ void NewtonWire::raise_shift()
 {
     const double larger = std::max(10 * shift_, 10 * smallest_shift_);
     if (larger > 1e15) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     add_shift(larger - shift_);
@@ -308,7 +333,7 @@ void NewtonWire::launch()
 {
     direction_norm_ = problem.norm(part(direction_));
     if (!std::isfinite(direction_norm_) || direction_norm_ == 0) {
-        phase_ = Phase::Failed;
+        give_up();
         non_finite_ = true;
         return;
     }
@@ -332,7 +357,7 @@ void NewtonWire::polish(const ContactTerm* contact)
         if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
         if (usable) correct();
         const double size = problem.norm(part(correction_));
-        if (!usable || !(size < 0.05 * last)) return;
+        if (!usable || !(size < 0.3 * last) || (shift_ > 0 && size < 1e-3 * direction_norm_)) return;
         last = size;
         problem.correct_tension(correction_);
         for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];

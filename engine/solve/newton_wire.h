@@ -25,6 +25,7 @@ namespace seldinger {
 
 struct NewtonOptions {
     int max_iterations = 40;
+    bool best_effort = false;      // instead of failing, end at the last trial that was taken
     bool linearised = false;       // D5: one step from the start of the step, taken as it is if admissible
     // equilibrium only: shift * scale added on the diagonal, adapted (Levenberg-Marquardt)
     bool shifted = false;
@@ -52,6 +53,7 @@ private:
 
     void set_guess(double fraction);
     void retreat();
+    void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
     void correct();
@@ -74,6 +76,7 @@ private:
 
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
+    bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, unsymmetric_ = false, shortened_ = false;
     int safe_steps_ = 0;           // full steps in a row with the safe Hessian
     int iterations_ = 0, evaluations_ = 0, retreats_ = 0;

@@ -1,0 +1,228 @@
+#include "rod/adapt.h"
+
+#include "core/check.h"
+#include "rod/rest_shape.h"
+#include "rod/split.h"
+#include "rod/transport.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+// An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
+// two touches, a few lumen radii.
+constexpr double longest_lever = 0.03;  // [m]
+constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
+// The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on the arch and on an arc
+// of 40 mm, thirds leave less than 1 mN where whole ones left 4 mN of 240 mN, and cost three nodes.
+constexpr double base_share = 1.0 / 3;
+constexpr int most_seeds = 3;           // edges split in one call, not counting neighbours that have to follow
+
+/// Nodes of a wire that must stay, as flags.
+void flag_kept(const RodView& rod, std::span<const double> distances, std::vector<std::uint8_t>& kept)
+{
+    for (const double s : distances) {
+        if (s > rod.material_s[rod.n - 1]) continue;
+        const auto begin = rod.material_s.begin(), end = begin + rod.n;
+        const int above = std::clamp(static_cast<int>(std::lower_bound(begin, end, s) - begin), 1, rod.n - 1);
+        kept[s - rod.material_s[above - 1] < rod.material_s[above] - s ? above - 1 : above] = 1;
+    }
+}
+
+/// Curvature binormal of node i from the accepted tangents, integrated.
+Vec3 binormal(const RodView& rod, int i)
+{
+    const Vec3 te = rod.tangent(i - 1), tf = rod.tangent(i);
+    return (2 / one_plus_cos(te, tf)) * te.cross(tf);
+}
+
+/// Rest curvature of node i in the world, integrated (the same signs as in rod/pair.h).
+Vec3 rest_binormal(const RodView& rod, int i)
+{
+    const Vec3 t = rod.tangent(i - 1), n1 = turned(rod.ref_d1(i - 1), t, rod.theta[i - 1]);
+    return rod.rest_kappa1[i] * t.cross(n1) - rod.rest_kappa2[i] * n1;
+}
+
+}  // namespace
+
+NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
+    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), moment_(capacity, Vec3::Zero()), marked_(capacity)
+{
+    for (const WireSectionRange& range : spec.sections)
+        for (const double s : {range.begin, range.end})
+            if (s > 0 && s < spec.length) boundaries_.push_back(s);
+    changes_.reserve(capacity);
+}
+
+/// Curvature, moment and jump of shear at all nodes.
+void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
+{
+    const int hub = rod.n - 1;
+    curvature_[0] = curvature_[hub] = shear_jump_[0] = shear_jump_[hub] = 0;
+    moment_[0] = moment_[hub] = Vec3::Zero();
+    for (int i = 1; i < hub; ++i) {
+        const Vec3 kb = binormal(rod, i);
+        curvature_[i] = kb.norm() / rod.voronoi_length(i);
+        moment_[i] = (rod.bend_stiffness[i] / rod.voronoi_length(i)) * (kb - rest_binormal(rod, i));
+    }
+    if (!hub_tangent.isZero()) {
+        const Vec3 t = rod.tangent(hub - 1);
+        const Vec3 kappa = (2 / (one_plus_cos(t, hub_tangent) * rod.voronoi_length(hub))) * t.cross(hub_tangent);
+        curvature_[hub] = kappa.norm();
+        moment_[hub] = rod.bend_stiffness[hub] * kappa;
+    }
+    for (int i = 1; i < hub; ++i)
+        shear_jump_[i] = ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] - (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
+    if (hub == 1) return;
+    curvature_[0] = curvature_[1];
+    shear_jump_[0] = shear_jump_[1];          // what is at an end itself, a load or a reaction, is no error;
+    shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
+}
+
+/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, all the jumps of shear inside on its ends.
+double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
+{
+    double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
+    for (int i = from; i <= to; ++i) kappa = std::max(kappa, curvature_[i]), stiffness = std::min(stiffness, rod.bend_stiffness[i]);
+    for (int i = from + 1; i < to; ++i) jump += shear_jump_[i];
+    const double lever = std::min(rod.material_s[to], longest_lever);
+    const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
+    const double square = lever * jump / (12 * stiffness);
+    double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
+    if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
+    if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
+    return std::max(longest, spec.min_edge);
+}
+
+double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+{
+    measure(rod, hub_tangent);
+    return std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 2, rod.n - 1)), 2 * spec.min_edge);
+}
+
+std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+{
+    measure(rod, hub_tangent);
+    for (int j = 0; j < rod.n - 1; ++j) longest_[j] = std::min(spec.max_edge, longest_edge(rod, spec, j, j + 1));
+    return std::span(longest_).first(rod.n - 1);
+}
+
+/// Where to split the edge [begin, end] so that a node comes to a section's boundary inside it; 0 where none is, or too near to an end.
+double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double end) const
+{
+    for (const double s : boundaries_)
+        if (s - begin >= spec.min_edge && end - s >= spec.min_edge) return (s - begin) / (end - begin);
+    return 0;
+}
+
+double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
+{
+    const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
+    double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
+    for (const double s : boundaries_)
+        if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);
+    return inner >= spec.min_edge ? inner : 0;
+}
+
+bool NodePlanner::base_may_merge(const RodView& rod, const WireSpec& spec) const
+{
+    if (rod.n < 3) return false;
+    const double length = rod.rest_length[rod.n - 3] + rod.rest_length[rod.n - 2];
+    if (boundary_fraction(spec, rod.material_s[rod.n - 3], rod.material_s[rod.n - 1]) > 0) return false;
+    return length < 0.9 * 1.5 * base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 3, rod.n - 1));
+}
+
+/// Marks neighbours that would be more than edge_ratio_limit times as long as a half of edge `from`, and so on.
+void NodePlanner::spread_marks(const RodView& rod, const WireSpec& spec, int from)
+{
+    const double slack = 1.05;  // debts and the hub's own splits leave ratios of 2 a little above
+    for (const int step : {-1, 1})
+        for (int j = from; j + step >= 0 && j + step < rod.n - 1; j += step) {
+            const double half = (marked_[j] ? 0.5 : 1) * rod.rest_length[j], next = rod.rest_length[j + step];
+            if (next <= slack * edge_ratio_limit * half || next < 2 * spec.min_edge) break;
+            marked_[j + step] = 1;
+        }
+}
+
+void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
+{
+    std::fill(marked_.begin(), marked_.end(), 0);
+    for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j)  // ratios that a boundary has spoilt, or feeding (a base edge that grows)
+        spread_marks(rod, spec, j);
+    for (int seed = 0; seed < most_seeds; ++seed) {
+        int worst = -1;
+        double most = 1;
+        for (int j = 0; j < rod.n - 1; ++j) {
+            if (marked_[j] || rod.rest_length[j] < 2 * spec.min_edge) continue;
+            const double boundary = boundary_fraction(spec, rod.material_s[j], rod.material_s[j + 1]) > 0 ? 1e3 : 0;
+            const bool judged = !(demands.fed && j == rod.n - 2);  // the base edge is feeding's
+            const double excess = std::max(boundary, judged ? rod.rest_length[j] / longest_[j] : 0.0);
+            if (excess > most) worst = j, most = excess;
+        }
+        if (worst < 0) break;
+        marked_[worst] = 1;
+        spread_marks(rod, spec, worst);
+    }
+    int room = capacity - rod.n;
+    for (int j = rod.n - 2; j >= 0 && room > 0; --j) {
+        if (!marked_[j]) continue;
+        const double fraction = boundary_fraction(spec, rod.material_s[j], rod.material_s[j + 1]);
+        changes_.push_back({true, j, fraction > 0 ? fraction : 0.5});
+        --room;
+    }
+}
+
+void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands)
+{
+    std::fill(marked_.begin(), marked_.end(), 0);
+    flag_kept(rod, demands.kept, marked_);
+    flag_kept(rod, boundaries_, marked_);
+    int best = -1;
+    double least = merge_share * (1 + 1e-9);
+    for (int i = 1; i < rod.n - (demands.fed ? 2 : 1); ++i) {
+        if (marked_[i]) continue;
+        const double length = rod.rest_length[i - 1] + rod.rest_length[i];
+        if (length > spec.max_edge) continue;
+        if (i > 1 && length > edge_ratio_limit * rod.rest_length[i - 2]) continue;
+        if (i + 1 < rod.n - 1 && length > edge_ratio_limit * rod.rest_length[i + 1]) continue;
+        if (boundary_fraction(spec, rod.material_s[i - 1], rod.material_s[i + 1]) > 0) continue;
+        const double share = length / longest_edge(rod, spec, i - 1, i + 1);
+        if (share < least) best = i, least = share;
+    }
+    if (best > 0) changes_.push_back({false, best, 0});
+}
+
+std::span<const NodeChange> NodePlanner::plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
+{
+    changes_.clear();
+    longest_edges(rod, spec, demands.hub_tangent);
+    plan_splits(rod, spec, demands, capacity);
+    if (changes_.empty() && demands.may_merge) plan_merge(rod, spec, demands);
+    return changes_;
+}
+
+double apply_changes(RodArrays& rods, int wire, std::span<const NodeChange> changes, const WireSpec& spec,
+                     std::span<const RodClamp> clamps, bool rest_is_placed)
+{
+    double added = 0;
+    for (const NodeChange& change : changes) {
+        const SplitResult result = change.split ? split_edge(rods, wire, change.at, change.fraction, spec, clamps, rest_is_placed)
+                                                : merge_edges(rods, wire, change.at, spec, clamps, rest_is_placed);
+        added += result.rest_length_added;
+    }
+    return added;
+}
+
+void shorten_evenly(const RodView& rod, const WireSpec& spec, double amount, bool rest_is_placed)
+{
+    const double scale = 1 - amount / rod.material_s[rod.n - 1];
+    SEL_ASSERT(scale > 0);
+    for (int i = 1; i < rod.n; ++i) rod.material_s[i] *= scale;
+    for (int j = 0; j < rod.n - 1; ++j) set_rest_edge(rod, spec, j);
+    for (int i = 0; i < rod.n; ++i) set_rest_node(rod, spec, i, rest_is_placed);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,86 @@
+#pragma once
+// Adaptive nodes: which edges of a wire are too long for what it is doing, which nodes nothing needs, and how to change that.
+//
+// The error of an edge of length h, as the distance by which it moves the tip (kappa: curvature; B: bending stiffness; D: jump of
+// the shear force at its nodes, which is what contact, links and point loads make; l: lever, the distance over which an error of
+// angle acts):
+//
+//     e(h) = h (kappa h)^2/24  +  l (kappa h)^3/12  +  l D h^2/(12 B)                                     [m]
+//
+// first: arc against chord, what a wire that lies along a wall gains in length; second: the discrete curvature 2 tan(phi/2)/h of
+// (D2) against phi/h; third: the moment taken as linear over an edge (M'' h^3/12 of angle, M'' h = D in a node's cell). A second
+// order method with a density of error c(s) h^2 needs the fewest nodes for a given sum of errors when c h^3 is the same for every
+// edge, so each is allowed WireSpec::edge_error. An estimate by M and its differences, not by curvature, does not see a jump of
+// stiffness: there the curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
+//
+// No memory: what is split or merged follows from the present shape alone. A split needs e > 1 edge_error, a merge
+// needs e of the merged edge < (0.65)^3 = 0.27 edge_error; since e changes by 4 to 8 with a factor of 2 in h, a wire that stands
+// still comes to rest in its nodes too.
+
+#include "rod/elastic.h"
+
+namespace seldinger {
+
+/// Two neighbouring edges differ by at most this factor: the forces of (D2, D3) are second order only where lengths vary slowly.
+constexpr double edge_ratio_limit = 2.0;
+
+/// A change of the node set. Lists of changes run from hub to tip, so that none moves the index of a later one.
+struct NodeChange {
+    bool split = true;
+    int at = 0;             // split: the edge; merge: the node that goes
+    double fraction = 0.5;  // split: of the edge's rest length from its tip side
+};
+
+/// What a wire's nodes are judged by besides its shape.
+struct NodeDemands {
+    std::span<const double> kept;  // material distances [m]; the nearest node to each stays
+    Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
+    bool may_merge = true;
+    bool fed = false;              // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
+};
+
+/// Scratch of one wire; allocated once.
+class NodePlanner {
+public:
+    NodePlanner() = default;
+    NodePlanner(const WireSpec& spec, int capacity);
+
+    /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
+    /// @return [n-1]; valid until the next call
+    std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
+    /// h of a fed wire's base edge [m], which is kept within [h/2, 3h/2].
+    [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
+    /// How much of a fed wire's base edge a split should leave tipwards [m], so that a section's boundary in it can get its own node
+    /// later; 0: not yet.
+    [[nodiscard]] double base_split(const RodView& rod, const WireSpec& spec) const;
+    /// Whether the base edge and its neighbour may be one. After base_edge().
+    [[nodiscard]] bool base_may_merge(const RodView& rod, const WireSpec& spec) const;
+    /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
+    /// @return from hub to tip; valid until the next call
+    std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
+
+private:
+    void measure(const RodView& rod, const Vec3& hub_tangent);
+    [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
+    void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
+    void spread_marks(const RodView& rod, const WireSpec& spec, int from);
+    void plan_merge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
+    [[nodiscard]] double boundary_fraction(const WireSpec& spec, double begin, double end) const;
+
+    std::vector<double> boundaries_;             // [m] where sections begin and end
+    std::vector<double> longest_;                // [n-1]
+    std::vector<double> curvature_, shear_jump_;  // [n] [1/m], [N]
+    std::vector<Vec3> moment_;                   // [n] [N m]
+    std::vector<std::uint8_t> marked_;           // [n-1] to be split; [n] kept
+    std::vector<NodeChange> changes_;
+};
+
+/// Carries the changes out: momentum, axial force and twist are kept (rod/split.h).
+/// @return rest length added [m]
+double apply_changes(RodArrays& rods, int wire, std::span<const NodeChange> changes, const WireSpec& spec,
+                     std::span<const RodClamp> clamps, bool rest_is_placed);
+
+/// Takes `amount` [m] of rest length out of the whole wire, evenly, and refreshes its rest shape.
+void shorten_evenly(const RodView& rod, const WireSpec& spec, double amount, bool rest_is_placed);
+
+}  // namespace seldinger
