@@ -56,7 +56,7 @@ def plot(folders, labels, output):
         x, colour = x_of(trace), COLOURS[k % len(COLOURS)]
         prefix = f"{label}: " if len(traces) > 1 else ""
         # each run thinner than the one before: where two agree, both are seen
-        style = {"color": colour, "linewidth": max(2.4 - 1.2 * k, 0.8), "clip_on": False}
+        style = {"color": colour, "linewidth": max(2.4 - 1.2 * k, 0.8) if len(traces) > 1 else 1.4, "clip_on": False}
         friction.plot(x, trace["friction_n"], label=f"{prefix}total", **style)
         friction.plot(x, trace["sliding_n"], color=tint(colour), linewidth=0.9, label=f"{prefix}sliding", zorder=2.5)
         rolling.plot(x, [1e6 * v for v in trace["rolling_nm"]], label=label, **style)

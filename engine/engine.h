@@ -56,9 +56,10 @@ struct ContactRow {
 enum StepFlag : unsigned {
     StepOk = 0,
     StepHalved = 1u << 0,          // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
-    StepNotConverged = 1u << 1,    // even the smallest sub-step did not converge: scene.dt_s, contact.stiffness
+    StepNotConverged = 1u << 1,    // no state could be found even for the smallest sub-step; the state before it was kept
     StepContactOverflow = 1u << 2, // candidate lists grew (handled; a hint that the mesh is very fine)
     StepWallPenetration = 1u << 3, // a point of the axis is beyond the wall: contact.detection = "swept"
+    StepBestEffort = 1u << 5,      // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
     StepNonFinite = 1u << 4,       // a value is not finite; the state before the step was kept
 };
 

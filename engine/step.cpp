@@ -13,7 +13,7 @@ StepReport step(World& world, double dt)
     clear_timers(state);
 
     begin_step(state);                                    // what a failed attempt returns to
-    advance(state, dt, everyone(state), report);          // feed -> frames -> detect -> solve; halved where it will not converge
+    (void)advance(state, dt, everyone(state), report);    // feed -> frames -> detect -> solve; halved where it will not converge
     adapt_nodes(state, dt);                               // split and merge
     check_state(state, report);                           // non-finite values, worst gap
 

@@ -8,7 +8,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr int most_halvings = 6;
+constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
 
 using Clock = std::chrono::steady_clock;
 
@@ -52,7 +52,7 @@ void begin_step(World::Impl& state)
     state.contact_in_solve = 0;
 }
 
-void advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
+WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
     if (state.contact) state.contact->begin_step(state.rods);
     feed_and_constrain(state, h, mask);
@@ -60,6 +60,7 @@ void advance(World::Impl& state, double h, const WireMask& mask, StepReport& rep
 
     const auto start = Clock::now();
     const StageTimes before = state.contact ? state.contact->times : StageTimes{};
+    state.solver->set_best_effort(depth == most_halvings);
     state.solver->step(h, state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     if (state.contact) {
@@ -73,6 +74,7 @@ void advance(World::Impl& state, double h, const WireMask& mask, StepReport& rep
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
+        if (solved.best_effort) report.flags |= StepBestEffort;
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;
@@ -85,17 +87,24 @@ void advance(World::Impl& state, double h, const WireMask& mask, StepReport& rep
         state.wire_time[w] += h;
         state.read_results(w);
     }
-    if (!any_failed) return;
+    if (!any_failed) return failed;
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
-    if (depth == most_halvings) return;
+    if (depth == most_halvings) return failed;
     report.flags |= StepHalved;
     report.sub_steps = std::max(report.sub_steps, 2 << depth);
-    advance(state, h / 2, failed, report, depth + 1);
-    if (report.failed()) return;
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (failed[w]) state.save_wire(w);
-    advance(state, h / 2, failed, report, depth + 1);
+    WireMask lost = advance(state, h / 2, failed, report, depth + 1), rest = failed;
+    bool any_left = false;
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!failed[w]) continue;
+        state.save_wire(w);
+        rest[w] = !lost[w];
+        any_left = any_left || rest[w];
+    }
+    if (!any_left) return lost;
+    const WireMask lost_later = advance(state, h / 2, rest, report, depth + 1);
+    for (int w = 0; w < state.wire_count(); ++w) lost[w] = lost[w] || lost_later[w];
+    return lost;
 }
 
 void find_equilibrium(World::Impl& state, StepReport& report)

@@ -256,7 +256,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
     times.evaluate += since(start);
 }
 
-// Samples of an accepted state are farther than r - 0.95 depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
+// Samples of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
 // one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
 double CapsuleContact::move_limit(int wire) const
 {

@@ -51,6 +51,7 @@ LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, Ro
     edges_.reserve(n);
     sums_.edges.resize(n);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    stamps_.assign(rods.wire_count(), 1);
     edge_list_ = device::Buffer(context, n * sizeof(LayerEdge));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (n + 1) * sizeof(std::uint32_t));
@@ -86,7 +87,7 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
             const WireSection& section = wire.wire.at((rod.material_s[j] + rod.material_s[j + 1]) / 2);
             LayerEdge edge{};
             edge.node = static_cast<uint>(rods_.node_begin(w) + j);
-            edge.stamp = stamp_;
+            edge.stamp = stamps_[w];
             edge.reach = pair_distance(wire.contact, section.radius);
             edge.height = layer_height(wire.contact, section.radius);
             edge.width = layer_width(section.radius, lumen_radius_at((rod.pos(j) + rod.pos(j + 1)) / 2));
@@ -194,13 +195,41 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
 
 double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }
 
-// With several wires of which some go on in half steps, the pairs of the others are the same as they were: nothing is lost.
-void LayerContact::commit(std::span<const std::uint8_t>)
+void LayerContact::commit(std::span<const std::uint8_t> active)
 {
-    std::swap(touches_t0_, touches_);
-    if (touches_.bytes() < touches_t0_.bytes()) touches_ = device::Buffer(context_, touches_t0_.bytes());
-    last_keys_ = keys_;
-    stamp_++;
+    if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
+        std::swap(touches_t0_, touches_);
+        if (touches_.bytes() < touches_t0_.bytes()) touches_ = device::Buffer(context_, touches_t0_.bytes());
+        last_keys_ = keys_;
+    } else {
+        merge_records(active);
+    }
+    for (std::size_t w = 0; w < stamps_.size(); ++w)
+        if (active[w]) stamps_[w]++;
+}
+
+// New records for the wires that took the trial, the last ones for the others (which did not converge, or had no part in this
+// sub-step). Both lists are ordered by wire. Rare, so on the host.
+void LayerContact::merge_records(std::span<const std::uint8_t> active)
+{
+    std::vector<TouchState> now(keys_.size()), before(last_keys_.size()), merged;
+    context_.enter(light);
+    context_.read(light, touches_, now.data(), now.size() * sizeof(TouchState));
+    context_.read(light, touches_t0_, before.data(), before.size() * sizeof(TouchState));
+    std::vector<Key> keys;
+    for (std::size_t w = 0; w < active.size(); ++w) {
+        const std::vector<Key>& from = active[w] ? keys_ : last_keys_;
+        for (std::size_t k = 0; k < from.size(); ++k) {
+            if (from[k].wire != w) continue;
+            keys.push_back(from[k]);
+            merged.push_back((active[w] ? now : before)[k]);
+        }
+    }
+    last_keys_ = std::move(keys);
+    if (touches_t0_.bytes() < merged.size() * sizeof(TouchState))
+        touches_t0_ = device::Buffer(context_, 2 * merged.size() * sizeof(TouchState));
+    context_.write(light, touches_t0_, merged.data(), merged.size() * sizeof(TouchState));
+    context_.finish(light);
 }
 
 std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
@@ -251,7 +280,7 @@ void LayerContact::save(std::vector<std::uint8_t>& bytes)
     put_bytes(bytes, &count, 1);
     put_bytes(bytes, last_keys_.data(), last_keys_.size());
     put_bytes(bytes, touches.data(), touches.size());
-    put_bytes(bytes, &stamp_, 1);
+    put_bytes(bytes, stamps_.data(), stamps_.size());
 }
 
 void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
@@ -264,7 +293,7 @@ void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     std::vector<TouchState> touches(count);
     take_bytes(bytes, end, last_keys_.data(), count);
     take_bytes(bytes, end, touches.data(), count);
-    take_bytes(bytes, end, &stamp_, 1);
+    take_bytes(bytes, end, stamps_.data(), stamps_.size());
     touches_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(TouchState));
     context_.write(light, touches_t0_, touches.data(), count * sizeof(TouchState));
     context_.finish(light);

@@ -45,6 +45,7 @@ private:
     };
     void list_edges(std::span<const std::uint8_t> live);
     void list_pairs();
+    void merge_records(std::span<const std::uint8_t> active);
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
     device::Context& context_;
@@ -53,7 +54,7 @@ private:
     DeviceWall wall_;
     double typical_radius_;
     ContactParams params_{};
-    std::uint32_t stamp_ = 1;
+    std::vector<std::uint32_t> stamps_;       // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;
     std::vector<LayerEdge> edges_;            // of this step
     std::vector<std::uint32_t> edge_wire_;    // [edges]

@@ -103,6 +103,7 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     begin(Motion::Implicit, h, constraints, active);
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
+    options.best_effort = best_effort_;
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
     iterate(h, contact, active);

@@ -48,6 +48,7 @@ struct WireConstraints {
 struct SolveReport {
     bool converged = true;
     bool non_finite = false;
+    bool best_effort = false;   // the tolerance was not met: this is the last trial that was taken (see set_best_effort)
     int iterations = 0;         // Newton iterations
     int evaluations = 0;        // residual evaluations, line search included
     double residual = 0;        // largest force residual left on a free unknown [N]; moments over the mean edge length
@@ -69,7 +70,11 @@ public:
     void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
               std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
-    /// Static equilibrium: Newton with a trust region, falling back to damped pseudo-time continuation. Velocities become 0.
+    /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
+    void set_best_effort(bool on) { best_effort_ = on; }
+
+    /// Stable static equilibrium: Newton with an adaptive shift, falling back to damped pseudo-time continuation; an unstable
+    /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
     void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
@@ -103,6 +108,7 @@ private:
     Vec3 gravity_;
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
+    bool best_effort_ = false;
     std::vector<std::uint8_t> evaluate_;  // [wires] takes part in the present evaluation of contact
 };
 

@@ -10,6 +10,7 @@ namespace {
 constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_polish = 4;
+constexpr int most_kicks = 3;
 
 }  // namespace
 
@@ -23,6 +24,7 @@ SolveReport NewtonWire::report() const
 {
     SolveReport report;
     report.converged = converged();
+    report.best_effort = converged() && settling_;
     report.non_finite = non_finite_;
     report.iterations = iterations_;
     report.evaluations = evaluations_;
@@ -40,7 +42,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
     non_finite_ = unsymmetric_ = shortened_ = false;
-    iterations_ = evaluations_ = retreats_ = safe_steps_ = 0;
+    iterations_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -86,7 +88,7 @@ void NewtonWire::retreat()
 {
     if (phase_ == Phase::Search) return shorten(0.3 * alpha_);
     if (guess_fraction_ == 0) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     set_guess(++retreats_ < 6 ? 0.5 * guess_fraction_ : 0.0);
@@ -100,15 +102,22 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
     const bool usable = finite && (!contact || contact->admissible(wire));
     if (!usable || !problem.evaluate_residual(contact, wire)) {
         non_finite_ = non_finite_ || !finite;
-        return retreat();
+        if (settling_) phase_ = Phase::Failed;
+        else retreat();
+        return;
     }
     norm_ = problem.residual_norm();
     non_finite_ = false;
+    if (settling_) {
+        phase_ = Phase::Done;
+        return;
+    }
     if (options_.linearised && phase_ == Phase::Search) {
         phase_ = Phase::Done;
         return;
     }
     if (norm_ <= problem.tolerance && at_prescribed()) {
+        if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
         phase_ = Phase::Done;
         return;
     }
@@ -117,13 +126,28 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (iterations_ >= options_.max_iterations) {
-        phase_ = at_kink(contact, wire) ? Phase::Done : Phase::Failed;
+        if (at_kink(contact, wire)) phase_ = Phase::Done;
+        else give_up();
         return;
     }
     take_base();
     new_direction(contact, wire);
     launch();
     polish(contact);
+}
+
+/// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
+/// that took it, and admissible; one more evaluation makes contact speak of it.
+void NewtonWire::give_up()
+{
+    if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    for (int i = 0; i < problem.size(); ++i)
+        if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
 }
 
 bool NewtonWire::at_prescribed() const
@@ -156,10 +180,13 @@ bool NewtonWire::acceptable()
     return false;
 }
 
-/// The simplified Newton correction at the trial into correction_.
+/// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
+/// R(q) + shift (q - base) = 0: leaving a saddle must not look like a failure because R grows.
 void NewtonWire::correct()
 {
     problem.mixed_residual(part(scratch_));
+    if (shift_ > 0)
+        for (int i = 0; i < problem.size(); ++i) scratch_[i] += shift_ * shift_weight_[i] * (problem.trial[i] - base_[i]);
     correction_at_trial(scratch_, part(correction_), 1 - alpha_);
 }
 
@@ -179,7 +206,7 @@ void NewtonWire::shorten(double alpha)
 {
     if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
     if (alpha < smallest_alpha) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     shortened_ = true;
@@ -269,12 +296,50 @@ void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
     if (raised > 0) (void)factorise_with(HessianMode::Safe, contact, wire);
 }
 
+/// Whether the equilibrium at the trial is one that can last: the exact matrix is positive definite, but for a shift far below
+/// any real stiffness (a wire that nothing holds is neither).
+bool NewtonWire::stable(const ContactTerm* contact, int wire)
+{
+    unsymmetric_ = false;
+    shift_ = smallest_shift_;
+    return factorise_with(HessianMode::Exact, contact, wire) == 0;
+}
+
+/// Leaves an unstable equilibrium by a hundredth of an edge along its softest mode, found by inverse iteration on the matrix that
+/// stable() has assembled.
+void NewtonWire::kick()
+{
+    ++kicks_;
+    const int size = problem.size();
+    for (int attempt = 0; attempt < 20; ++attempt) {
+        add_shift(3 * shift_);
+        shift_ *= 4;
+        if (problem.matrix.factor_ldlt() == 0) break;
+    }
+    for (int i = 0; i < size; ++i) direction_[i] = std::sin(1.7 * i + 0.3);  // any vector that no mode is normal to
+    for (int round = 0; round < 10; ++round) {
+        for (int i = 0; i < size; ++i) direction_[i] *= problem.prescribed[i] ? 0.0 : shift_weight_[i];
+        problem.matrix.solve_ldlt(part(direction_));
+        const double length = problem.norm(part(direction_));
+        for (int i = 0; i < size; ++i) direction_[i] /= length;
+    }
+    double downhill = 0, largest = 0;
+    for (int i = 0; i < size; ++i) {
+        if (!problem.prescribed[i]) downhill -= problem.residual[i] * direction_[i];
+        largest = std::max(largest, std::abs(direction_[i]) * (i % 4 == 3 ? problem.length_scale : 1.0));
+    }
+    const double step = (downhill < 0 ? -0.01 : 0.01) * problem.length_scale / largest;
+    for (int i = 0; i < size; ++i) problem.trial[i] += step * direction_[i];
+    phase_ = Phase::Guess;
+    guess_fraction_ = 0;
+}
+
 /// The direction failed at any useful length: a shorter, more downhill one from the same base.
 void NewtonWire::raise_shift()
 {
     const double larger = std::max(10 * shift_, 10 * smallest_shift_);
     if (larger > 1e15) {
-        phase_ = Phase::Failed;
+        give_up();
         return;
     }
     add_shift(larger - shift_);
@@ -308,7 +373,7 @@ void NewtonWire::launch()
 {
     direction_norm_ = problem.norm(part(direction_));
     if (!std::isfinite(direction_norm_) || direction_norm_ == 0) {
-        phase_ = Phase::Failed;
+        give_up();
         non_finite_ = true;
         return;
     }
@@ -332,7 +397,7 @@ void NewtonWire::polish(const ContactTerm* contact)
         if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
         if (usable) correct();
         const double size = problem.norm(part(correction_));
-        if (!usable || !(size < 0.05 * last)) return;
+        if (!usable || !(size < 0.3 * last) || (shift_ > 0 && size < 1e-3 * direction_norm_)) return;
         last = size;
         problem.correct_tension(correction_);
         for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];

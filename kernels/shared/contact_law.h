@@ -2,8 +2,9 @@
 //
 // Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) / (1 - depth/depth_max), clamped at 0, where the rate over the step
 // is (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The hardening
-// factor is continued linearly from 0.9 depth_max, so that a start in overlap can be solved; `BLOCKED` says that a trial went
-// beyond 0.95 depth_max and deeper than it was: with moves shorter than the lumen is wide no wall is ever passed.
+// factor makes the law a barrier: whatever pushes, there is an equilibrium short of depth_max. From 0.999 depth_max it goes on as its
+// tangent, so that a start in overlap can be solved; `BLOCKED` says that a trial went beyond that and deeper than it was: with
+// moves shorter than the lumen is wide no wall is ever passed.
 //
 // Friction acts at the wire's surface: slip of the surface = tangential move of the axis point - r dtheta (t x n).
 #ifndef SEL_SHARED_CONTACT_LAW_H
@@ -13,8 +14,8 @@
 
 SEL_BEGIN
 
-#define SEL_HARDENING_END ((real)0.9)  // fraction of depth_max from which the law goes on as its tangent
-#define SEL_BLOCKED_AT ((real)0.95)    // fraction of depth_max beyond which a deepening trial is refused
+#define SEL_HARDENING_END ((real)0.999)  // fraction of depth_max from which the law goes on as its tangent
+#define SEL_BLOCKED_AT ((real)0.9995)    // fraction of depth_max beyond which a deepening trial is refused
 
 SEL_FN real depth_power(real depth, real exponent)
 {

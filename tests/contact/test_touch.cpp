@@ -221,6 +221,20 @@ TEST_CASE("analytic: the other side of a thin septum never pushes")
     }
 }
 
+TEST_CASE("analytic: at a carina the far side of the septum does not even tilt the normal")
+{
+    Soup soup;
+    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.01, 0, 0), v3(0, 0.02, 0));         // this lumen's floor, up to x = 0
+    soup.add_patch(v3(0, -0.01, 0), v3(-0.01, 0, -0.001), v3(0, 0.02, 0));       // from there back: the other lumen's, facing down
+    for (double x : {-1e-7, -5e-7, -1e-6}) {
+        const Touches t = touches_at(soup, v3(x, 0.0012, 0.8 * r), r);
+        CAPTURE(x);
+        CHECK(std::abs(t.first.depth - 0.2 * r) <= 1e-15);  // seen from the front, a facet there would add 0.1 nm
+        CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
+        CHECK(t.second.found == 0);
+    }
+}
+
 TEST_CASE("analytic: an axis beyond the wall has depth r + d and a normal that points back")
 {
     const Soup soup = floor_patch(5);

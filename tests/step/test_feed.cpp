@@ -139,9 +139,11 @@ TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by th
     const RodView rod = world.rod(0);
     for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == doctest::Approx(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
     CHECK(world.readings(0).turned == doctest::Approx(7.5));
-    // starting 75 N m^2-free inertia of 2e-13 kg m^2 ... is the only load: rho I_p L acceleration; afterwards nothing is left
-    REQUIRE(largest > 0);
-    CHECK(std::abs(world.readings(0).hand_torque) <= 1e-6 * largest);
+    // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an edge,
+    // 1e-6 of B/L^2 times the edge, on 20 edges
+    const double left = 20 * 1e-6 * 1e-5 / (0.08 * 0.08) * 0.004;
+    REQUIRE(largest > 1000 * left);
+    CHECK(std::abs(world.readings(0).hand_torque) <= left);
     for (int i = 0; i < rod.n; ++i) CHECK(std::hypot(rod.y[i], rod.z[i]) <= 1e-12);  // straight all the time
 }
 

@@ -1,0 +1,186 @@
+// How the solver works with contact: a floor with a Hertz-like normal law and anchored Coulomb friction at the nodes.
+#include "solve/wire_fixture.h"
+
+#include <Eigen/Geometry>
+
+#include <limits>
+
+using namespace seldinger;
+using namespace seldinger::testing;
+
+namespace {
+
+/// Floor at z = 0 under every node: f = k depth^(3/2), friction a spring k_t to an anchor, cut at mu f.
+class Floor : public ContactTerm {
+public:
+    Floor(RodArrays& rods, double friction) : mu(friction), rods_(rods), anchors_(rods.total_capacity())
+    {
+        for (int w = 0; w < rods.wire_count(); ++w)
+            for (int i = 0; i < rods.node_count(w); ++i) anchors_[rods.node_begin(w) + i] = rods.view(w).pos(i);
+    }
+
+    void evaluate(const TrialState& trial, double, std::span<const std::uint8_t> active) override
+    {
+        ++evaluations;
+        state_ = trial;
+        CHECK(active.size() >= static_cast<std::size_t>(rods_.wire_count()));
+    }
+    bool admissible(int wire) const override
+    {
+        for (int i = 0; i < rods_.node_count(wire); ++i)
+            if (depth(wire, i) > deepest) return false;
+        return true;
+    }
+    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const override
+    {
+        for (int i = 0; i < rods_.node_count(wire); ++i) {
+            const double d = depth(wire, i);
+            if (d <= 0) continue;
+            const double normal = stiffness * std::pow(d, 1.5), slope = 1.5 * stiffness * std::sqrt(d);
+            gradient[4 * i + 2] -= normal;
+            if (jacobian) jacobian->add(4 * i + 2, 4 * i + 2, slope);
+            add_friction(wire, i, normal, slope, gradient, jacobian, symmetric);
+        }
+    }
+    bool unsymmetric(int wire) const override
+    {
+        for (int i = 0; i < rods_.node_count(wire); ++i)
+            if (depth(wire, i) > 0 && slides(wire, i, stiffness * std::pow(depth(wire, i), 1.5))) return true;
+        return false;
+    }
+    double largest_force(int) const override { return 0; }
+    double move_limit(int) const override { return limit; }
+
+    /// After an accepted step: anchors of separated nodes follow, those of sliding ones are dragged along.
+    void commit()
+    {
+        for (int w = 0; w < rods_.wire_count(); ++w)
+            for (int i = 0; i < rods_.node_count(w); ++i) {
+                Vec3& anchor = anchors_[rods_.node_begin(w) + i];
+                const double d = depth(w, i);
+                const Eigen::Vector2d slip = stretched(w, i);
+                const double most = d > 0 ? mu * stiffness * std::pow(d, 1.5) / tangential : 0.0;
+                if (slip.norm() > most) anchor.head<2>() += (1 - most / slip.norm()) * slip;
+            }
+    }
+
+    double mu, stiffness = 1e3, tangential = 20, deepest = 1e-3, limit = std::numeric_limits<double>::infinity();
+    int evaluations = 0;
+
+private:
+    [[nodiscard]] double depth(int wire, int i) const { return -state_.z[rods_.node_begin(wire) + i]; }
+    [[nodiscard]] Eigen::Vector2d stretched(int wire, int i) const
+    {
+        const int at = rods_.node_begin(wire) + i;
+        return Eigen::Vector2d(state_.x[at], state_.y[at]) - anchors_[at].head<2>();
+    }
+    [[nodiscard]] bool slides(int wire, int i, double normal) const { return tangential * stretched(wire, i).norm() > mu * normal; }
+
+    void add_friction(int wire, int i, double normal, double slope, std::span<double> gradient, BandMatrix* jacobian,
+                      bool symmetric) const
+    {
+        const Eigen::Vector2d slip = stretched(wire, i);
+        const bool sliding = slides(wire, i, normal);
+        const double length = slip.norm(), factor = sliding ? mu * normal / length : tangential;
+        for (int a = 0; a < 2; ++a) gradient[4 * i + a] += factor * slip[a];
+        if (!jacobian) return;
+        for (int a = 0; a < 2; ++a) {
+            for (int b = 0; b < 2; ++b) {
+                const double along = sliding ? slip[a] * slip[b] / (length * length) : 0.0;
+                jacobian->add(4 * i + a, 4 * i + b, factor * ((a == b ? 1.0 : 0.0) - along));
+            }
+            if (sliding && !symmetric) jacobian->add(4 * i + a, 4 * i + 2, -mu * slope * slip[a] / length);
+        }
+    }
+
+    RodArrays& rods_;
+    std::vector<Vec3> anchors_;
+    TrialState state_;
+};
+
+struct Run {
+    double mean_evaluations = 0;
+    int worst = 0;
+    Vec3 tip;
+};
+
+/// A wire lying on the floor is pushed at its base, 5 cm/s along and 2 cm/s to the side.
+Run push_over_floor(double mu, double limit, double h, int steps)
+{
+    Rig rig(nitinol(0.1), 41);
+    HoldSpec base = clamp_base();
+    base.velocity = {0.05, 0.02, 0};
+    rig.hold({base});
+    rig.integrate_with({}, {0, 0, -9.81});
+    Floor floor(rig.rods, mu);
+    floor.limit = limit;
+    Run run;
+    int evaluations = 0;
+    for (int k = 0; k < steps; ++k) {
+        REQUIRE(rig.step(h, &floor));
+        floor.commit();
+        evaluations += rig.reports[0].evaluations;
+        run.worst = std::max(run.worst, rig.reports[0].evaluations);
+    }
+    CHECK(floor.evaluations == evaluations);
+    run.mean_evaluations = evaluations / static_cast<double>(steps);
+    run.tip = rig.tip();
+    return run;
+}
+
+}  // namespace
+
+TEST_SUITE("solve/contact_steps") {
+
+// the friction of the whole wire, mu rho A L g, holds the tip back; contact is evaluated as rarely with much friction as with little
+TEST_CASE("property: pushing over a rough floor takes a few evaluations a step, whatever the friction") {
+    for (const double mu : {0.0, 0.1, 0.48}) {
+        CAPTURE(mu);
+        const Run run = push_over_floor(mu, std::numeric_limits<double>::infinity(), 1e-3, 200);
+        MESSAGE("mu " << mu << ": " << run.mean_evaluations << " evaluations a step, at most " << run.worst);
+        CHECK(run.mean_evaluations < 4);
+        CHECK(run.worst < 20);
+        CHECK(run.tip.x() == doctest::Approx(0.11).epsilon(0.01));
+    }
+}
+
+TEST_CASE("property: a limit on the move of one update changes the path of the solve, not its result") {
+    const Run free = push_over_floor(0.1, std::numeric_limits<double>::infinity(), 1e-3, 30);
+    const Run limited = push_over_floor(0.1, 1e-5, 1e-3, 30);
+    CHECK(limited.mean_evaluations > free.mean_evaluations + 1);
+    // both are within the tolerance of the same equations: 1e-6 of the weight on what bends under it
+    CHECK((free.tip - limited.tip).norm() < 1e-7);
+}
+
+// 1 m/s down: the predictor is 1 mm deep and forbidden, the state found is not
+TEST_CASE("property: a forbidden trial is backed out of, and the wire comes to rest above the limit") {
+    Rig rig(nitinol(0.1), 21);
+    for (int i = 0; i < 21; ++i) {
+        rig.rod().set_vel(i, {0, 0, -1});
+        rig.rod().set_pos(i, rig.rod().pos(i) + Vec3(0, 0, 2e-4));
+    }
+    rig.integrate_with({}, {0, 0, -9.81});
+    Floor floor(rig.rods, 0.1);
+    floor.deepest = 2e-4;
+    for (int k = 0; k < 100; ++k) {
+        REQUIRE(rig.step(1e-3, &floor));
+        floor.commit();
+        for (int i = 0; i < 21; ++i) REQUIRE(rig.rod().z[i] >= -2e-4);
+    }
+    CHECK(rig.rod().z[10] > -2e-4);
+}
+
+// weight per metre over the floor's stiffness: (rho A g l/k)^(2/3) under every inner node
+TEST_CASE("analytic: at rest every node carries its own weight") {
+    Rig rig(nitinol(0.1), 21);
+    rig.integrate_with({}, {0, 0, -9.81});
+    Floor floor(rig.rods, 0.1);
+    REQUIRE(rig.settle(&floor));
+    const double depth = std::pow(rig.rod().mass[10] * 9.81 / floor.stiffness, 2.0 / 3);
+    CHECK(-rig.rod().z[10] == doctest::Approx(depth).epsilon(1e-4));
+    // and a step from there needs one look at the contact
+    rig.time = 0;
+    REQUIRE(rig.step(1e-3, &floor));
+    CHECK(rig.reports[0].evaluations <= 2);
+}
+}
