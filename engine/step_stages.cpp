@@ -219,7 +219,8 @@ void adapt_wire(World::Impl& state, int w, double dt)
     demands.may_merge = state.steps % merge_period == 0;
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
-    if (fed && adapt_base(state, w, base_limits(state, w, demands))) return;
+    // the moments beside a new node settle within the next step; until then only lengths are judged
+    if (fed && adapt_base(state, w, base_limits(state, w, demands))) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
     constrain_now(state, w);

@@ -153,7 +153,7 @@ void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, const No
     std::fill(marked_.begin(), marked_.end(), 0);
     for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j)  // ratios that a boundary has spoilt, or feeding (a base edge that grows)
         spread_marks(rod, spec, j);
-    for (int seed = 0; seed < most_seeds; ++seed) {
+    for (int seed = 0; demands.may_refine && seed < most_seeds; ++seed) {
         int worst = -1;
         double most = 1;
         for (int j = 0; j < rod.n - 1; ++j) {
