@@ -122,6 +122,7 @@ double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
 {
     const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
     double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
+    if (rod.n > 2) inner = std::min(inner, edge_ratio_limit * rod.rest_length[rod.n - 3]);  // h may have grown since
     for (const double s : boundaries_)
         if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);
     return inner >= spec.min_edge ? inner : 0;
@@ -152,7 +153,7 @@ void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, const No
     std::fill(marked_.begin(), marked_.end(), 0);
     for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j)  // ratios that a boundary has spoilt, or feeding (a base edge that grows)
         spread_marks(rod, spec, j);
-    for (int seed = 0; seed < most_seeds; ++seed) {
+    for (int seed = 0; demands.may_refine && seed < most_seeds; ++seed) {
         int worst = -1;
         double most = 1;
         for (int j = 0; j < rod.n - 1; ++j) {

@@ -36,6 +36,7 @@ struct NodeDemands {
     std::span<const double> kept;  // material distances [m]; the nearest node to each stays
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
+    bool may_refine = true;           // else only what the ratio of neighbours asks for
     bool fed = false;              // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
 };
 
