@@ -153,7 +153,7 @@ void constrain_now(World::Impl& state, int w)
     if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
 }
 
-// A wire that is not fed pays its debt of rest length over this time [s]: slow against its axial waves, fast against what a hand does.
+// A wire that is not fed pays its debt of rest length over this time [s]: slow against axial waves, fast against a hand.
 constexpr double debt_time = 0.05;
 
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
@@ -194,8 +194,8 @@ bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
     return true;
 }
 
-// A fed wire's base edge is kept within [h/2, 3h/2], h following the shape there. What feeding has grown is split at once; what pulling
-// back has shortened is merged where the longer edge will stay, or at the last where it is too short for any edge.
+// A fed wire's base edge is kept within [h/2, 3h/2], h following the shape there. What feeding has grown is split at once; what
+// pulling back has shortened is merged where the longer edge will stay, or at the last where it is too short for any edge.
 BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
@@ -225,7 +225,8 @@ void adapt_wire(World::Impl& state, int w, double dt)
     if (changes.empty()) return;
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
+    state.feeds[w].debt +=
+        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
     constrain_now(state, w);
     int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
     for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
