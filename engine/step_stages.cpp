@@ -153,7 +153,7 @@ void constrain_now(World::Impl& state, int w)
     if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
 }
 
-// A wire that is not fed pays its debt of rest length over this time [s]: slow against its axial waves, fast against what a hand does.
+// A wire that is not fed pays its debt of rest length over this time [s]: slow against axial waves, fast against a hand.
 constexpr double debt_time = 0.05;
 
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
@@ -169,9 +169,34 @@ void drain_debt(World::Impl& state, int w, double dt)
     debt -= paid;
 }
 
-// A fed wire's base edge is kept within [h/2, 3h/2]. What feeding has grown is
-// split at once; what it has shortened is merged where the longer edge will stay, or at the last where it is too short for any wire.
-bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
+// What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
+void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
+{
+    const auto at = force.begin() + change.at;
+    if (change.split) {
+        std::copy_backward(at + 1, force.begin() + n, force.begin() + n + 1);
+        *(at + 1) = Vec3::Zero();
+    } else {
+        *(at - 1) += 0.5 * *at;
+        *(at + 1) += 0.5 * *at;
+        std::copy(at + 1, force.begin() + n, at);
+    }
+}
+
+// @return whether it did anything
+bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
+{
+    const int n = state.rods.node_count(w);
+    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits);
+    if (!change.changed) return false;
+    state.remesh_energy[w] += change.energy;
+    renumber_forces(state.results[w].nodal_contact, n, {state.rods.node_count(w) > n, n - 2, 0});
+    return true;
+}
+
+// A fed wire's base edge is kept within [h/2, 3h/2], h following the shape there. What feeding has grown is split at once; what
+// pulling back has shortened is merged where the longer edge will stay, or at the last where it is too short for any edge.
+BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
     const RodView rod = state.rods.view(w);
@@ -179,9 +204,7 @@ bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
     BaseEdge limits = BaseEdge::uniform(planner.base_edge(rod, spec, demands.hub_tangent));
     limits.inner = planner.base_split(rod, spec);
     if (!demands.may_merge || !planner.base_may_merge(rod, spec)) limits.shortest = spec.min_edge;
-    const HubChange change = adapt_hub(state.feeds[w], spec, state.rods, w, limits);
-    state.remesh_energy[w] += change.energy;
-    return change.changed;
+    return limits;
 }
 
 void adapt_wire(World::Impl& state, int w, double dt)
@@ -196,13 +219,17 @@ void adapt_wire(World::Impl& state, int w, double dt)
     demands.may_merge = state.steps % merge_period == 0;
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
-    if (fed && adapt_base(state, w, demands)) return;
+    // the moments beside a new node settle within the next step; until then only lengths are judged
+    if (fed && adapt_base(state, w, base_limits(state, w, demands))) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
+    state.feeds[w].debt +=
+        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
     constrain_now(state, w);
+    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
+    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
     state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
 }
 
@@ -217,7 +244,7 @@ void adapt_nodes(World::Impl& state, double dt)
         if (state.adapters[w].on)
             adapt_wire(state, w, dt);
         else if (feed.on)
-            state.remesh_energy[w] += adapt_hub(feed, state.setup.wires[w].wire, state.rods, w, BaseEdge::uniform(feed.edge)).energy;
+            adapt_base(state, w, BaseEdge::uniform(feed.edge));
     }
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }

@@ -1,5 +1,5 @@
 // Capsule contact: candidates, evaluation and reduction to edges.
-//   launch  engine/contact/contact_device.cpp       test  tests/contact/test_twin.cpp
+//   launch  engine/contact/capsule.cpp       test  tests/contact/test_twin.cpp
 #include "shared/contact_sample.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

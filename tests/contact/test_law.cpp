@@ -162,13 +162,13 @@ TEST_CASE("analytic: beta that returns the restitution asked for")
     const double table[][2] = {{0.1, 9.998}, {0.3, 3.087}, {0.5, 1.4328}, {0.7, 0.63483}, {0.9, 0.16648}};
     for (const auto& [e, beta] : table) {
         CAPTURE(e);
-        CHECK(exact_damping(e) == doctest::Approx(beta).epsilon(2e-4));  // the table's digits
+        CHECK(exact_damping(e) == about(beta).epsilon(2e-4));  // the table's digits
         const double b = exact_damping(e);
         // near 1 / e the logarithm's slope is e / (1 - beta e): the root is good to that times an eps
         CHECK(std::log((1 + b) / (1 - b * e)) - b * (1 + e) == doctest::Approx(0).scale(1).epsilon(1e-9 / (1 - b * e)));
     }
     CHECK(exact_damping(1) == 0);
-    CHECK(exact_damping(1 - 1e-6) == doctest::Approx(1.5e-6).epsilon(1e-2));  // beta -> 3/2 (1 - e)
+    CHECK(exact_damping(1 - 1e-6) == about(1.5e-6).epsilon(1e-2));  // beta -> 3/2 (1 - e)
 }
 
 TEST_CASE("analytic: restitution asked for is restitution got, whatever the exponent")
@@ -197,26 +197,26 @@ TEST_CASE("analytic: the published damping returns 0.665 to 0.913, with the dept
             CAPTURE(e);
             CHECK(std::abs(b.restitution - expected) <= 0.002);  // first order in dt / t_c, some 5 of them
             const double deepest = std::pow((n + 1) * mass * v0 * v0 / m.stiffness * (1 / beta - std::log1p(beta) / (beta * beta)), 1 / (n + 1));
-            CHECK(b.deepest == doctest::Approx(deepest).epsilon(1e-3));
+            CHECK(b.deepest == about(deepest).epsilon(1e-3));
         }
 }
 
 TEST_CASE("analytic: the bed's modulus, and what own weight and 1 N/m sink in")
 {
     const double kf = foundation_modulus(wall());
-    CHECK(kf == doctest::Approx(1e6 * 0.55 / (1.45 * 0.1 * 1e-3)).epsilon(1e-12));
+    CHECK(kf == about(1e6 * 0.55 / (1.45 * 0.1 * 1e-3)).epsilon(1e-12));
     const double k = line_stiffness(kf, r, INFINITY);
-    CHECK(k == doctest::Approx(4.0 / 3 * kf * std::sqrt(2 * r)).epsilon(1e-12));
+    CHECK(k == about(4.0 / 3 * kf * std::sqrt(2 * r)).epsilon(1e-12));
     const double weight = 7900 * pi * r * r * 9.81;
     CHECK(std::abs(depth_under(weight, k, 1.5) - 0.5e-6) <= 0.05e-6);  // "0.5 um", design section 2
     CHECK(std::abs(depth_under(1.0, k, 1.5) - 3.5e-6) <= 0.05e-6);     // "3.5 um"
-    CHECK(line_stiffness(kf, r, 2 * r) == doctest::Approx(k * std::sqrt(2.0)).epsilon(1e-12));  // 1/r* = 1/r - 1/R
+    CHECK(line_stiffness(kf, r, 2 * r) == about(k * std::sqrt(2.0)).epsilon(1e-12));  // 1/r* = 1/r - 1/R
 }
 
 TEST_CASE("derivative: the normal law's slope, hardening and its linear continuation included")
 {
     SampleModel m = line_sample(steel(), {}, wall(), INFINITY, 1e-3);
-    REQUIRE(m.depth_limit == doctest::Approx(r / 2));
+    REQUIRE(m.depth_limit == about(r / 2));
     for (double exponent : {1.0, 1.3, 1.5, 2.0}) {
         m.exponent = exponent;
         for (double fraction : {0.001, 0.1, 0.5, 0.89, 0.91, 1.2, 3.0})
@@ -231,16 +231,16 @@ TEST_CASE("derivative: the normal law's slope, hardening and its linear continua
                 CAPTURE(exponent);
                 CAPTURE(fraction);
                 // truncation 1e-12 of the third derivative's scale, rounding 1e-16 / 1e-6
-                CHECK((f(depth + h) - f(depth - h)) / (2 * h) == doctest::Approx(slope).epsilon(1e-8));
+                CHECK((f(depth + h) - f(depth - h)) / (2 * h) == about(slope).epsilon(1e-8));
             }
         // value and slope are continuous where the law goes over into its tangent
         double below, above;
         const double end = 0.9 * m.depth_limit;
         const double fb = elastic_normal(end * (1 - 1e-9), m, &below), fa = elastic_normal(end * (1 + 1e-9), m, &above);
-        CHECK(fb == doctest::Approx(fa).epsilon(1e-7));
-        CHECK(below == doctest::Approx(above).epsilon(1e-6));
+        CHECK(fb == about(fa).epsilon(1e-7));
+        CHECK(below == about(above).epsilon(1e-6));
         // f = k d^n / (1 - d / d_max)
-        CHECK(fb == doctest::Approx(m.stiffness * std::pow(end, exponent) * 10).epsilon(1e-6));
+        CHECK(fb == about(m.stiffness * std::pow(end, exponent) * 10).epsilon(1e-6));
     }
 }
 
@@ -274,9 +274,9 @@ TEST_CASE("analytic: stick has the spring's stiffness, slip stays on the cone an
     const double kt = s.model.friction_stiffness * s.model.weight;
     // 2/3 of the normal stiffness under own weight (D9)
     const double own = 7900 * pi * r * r * 9.81, own_depth = depth_under(own, s.model.stiffness, 1.5);
-    CHECK(s.model.friction_stiffness == doctest::Approx(2.0 / 3 * 1.5 * own / own_depth).epsilon(1e-12));
+    CHECK(s.model.friction_stiffness == about(2.0 / 3 * 1.5 * own / own_depth).epsilon(1e-12));
     const double fn = s.at({0, 0, z, s.theta0}).force[2];
-    CHECK(fn == doctest::Approx(s.model.weight * s.model.stiffness * std::pow(depth, 1.5) / (1 - depth / s.model.depth_limit)).epsilon(1e-6));
+    CHECK(fn == about(s.model.weight * s.model.stiffness * std::pow(depth, 1.5) / (1 - depth / s.model.depth_limit)).epsilon(1e-6));
     const double yield = 0.25 * fn / kt;
     std::mt19937 rng(1);
     std::uniform_real_distribution<double> draw(-1, 1);
@@ -290,18 +290,18 @@ TEST_CASE("analytic: stick has the spring's stiffness, slip stays on the cone an
         if (size < 0.999 * yield) {
             ++stuck;
             CHECK((now[0].flags & SEL_TOUCH_STUCK) != 0);
-            CHECK(ff == doctest::Approx(kt * size).epsilon(1e-6));
+            CHECK(ff == about(kt * size).epsilon(1e-6));
         } else if (size > 1.001 * yield) {
             ++sliding;
             CHECK((now[0].flags & SEL_TOUCH_STUCK) == 0);
-            CHECK(ff == doctest::Approx(0.25 * fn).epsilon(1e-6));
-            CHECK(f.sliding_sum == doctest::Approx(ff).epsilon(1e-9));
+            CHECK(ff == about(0.25 * fn).epsilon(1e-6));
+            CHECK(f.sliding_sum == about(ff).epsilon(1e-9));
             // the anchor is dragged after the wire: what is left of the slip is what the cone holds
-            CHECK(kt * std::hypot(now[0].slip[0], now[0].slip[1]) == doctest::Approx(0.25 * fn).epsilon(1e-6));
+            CHECK(kt * std::hypot(now[0].slip[0], now[0].slip[1]) == about(0.25 * fn).epsilon(1e-6));
         }
         CHECK(ff <= 0.25 * fn * (1 + 1e-9));
-        CHECK((f.force[0] * sx + f.force[1] * sy) == doctest::Approx(-ff * size).epsilon(1e-6));  // straight against the slip
-        CHECK(f.force[3] == doctest::Approx(r * f.force[1]).epsilon(1e-9));  // force at the surface, -r n from the axis: torque r f_y about x
+        CHECK((f.force[0] * sx + f.force[1] * sy) == about(-ff * size).epsilon(1e-6));  // straight against the slip
+        CHECK(f.force[3] == about(r * f.force[1]).epsilon(1e-9));  // force at the surface, -r n from the axis: torque r f_y about x
     }
     REQUIRE(stuck > 40);
     REQUIRE(sliding > 100);
@@ -318,16 +318,16 @@ TEST_CASE("analytic: a sliding touch yields at mu_sliding and sticks again insid
     s.accept({0, 0, z, 0.4});
     s.accept({0, 0, z, 0.4});
     double x = 1.5 * yield;
-    CHECK(-s.at({x, 0, z, 0.4}).force[0] == doctest::Approx(0.25 * fn).epsilon(1e-6));  // breaks loose at mu_static
+    CHECK(-s.at({x, 0, z, 0.4}).force[0] == about(0.25 * fn).epsilon(1e-6));  // breaks loose at mu_static
     s.accept({x, 0, z, 0.4});
     x += 0.5 * yield;
-    CHECK(-s.at({x, 0, z, 0.4}).force[0] == doctest::Approx(0.20 * fn).epsilon(1e-6));  // slides at mu_sliding
+    CHECK(-s.at({x, 0, z, 0.4}).force[0] == about(0.20 * fn).epsilon(1e-6));  // slides at mu_sliding
     s.accept({x, 0, z, 0.4});
     x -= 0.3 * yield;  // back: the spring, 0.8 of its yield long now, relaxes to 0.5
-    CHECK(-s.at({x, 0, z, 0.4}).force[0] == doctest::Approx(0.25 * fn * 0.5).epsilon(1e-6));
+    CHECK(-s.at({x, 0, z, 0.4}).force[0] == about(0.25 * fn * 0.5).epsilon(1e-6));
     s.accept({x, 0, z, 0.4});
     x += 0.45 * yield;  // stuck again: holds beyond the sliding cone
-    CHECK(-s.at({x, 0, z, 0.4}).force[0] == doctest::Approx(0.25 * fn * 0.95).epsilon(1e-6));
+    CHECK(-s.at({x, 0, z, 0.4}).force[0] == about(0.25 * fn * 0.95).epsilon(1e-6));
 }
 
 TEST_CASE("derivative: the tangent of the whole 4-vector, in stick, in slip, and with both walls")
@@ -414,7 +414,7 @@ TEST_CASE("derivative: regularised friction laws")
     for (double slip : {1e-8, 1e-6, 1e-4}) CHECK(tangent_error(s, {slip, -slip / 3, r - 2e-6, s.theta0}) <= 2e-6);
     const double fn = s.at({0, 0, r - 2e-6, s.theta0}).force[2];
     // |f| = mu_sliding fn v / (v + v_s), v_s = 1 mm/s
-    CHECK(-s.at({1e-6, 0, r - 2e-6, s.theta0}).force[0] == doctest::Approx(0.2 * fn / 2).epsilon(1e-6));
+    CHECK(-s.at({1e-6, 0, r - 2e-6, s.theta0}).force[0] == about(0.2 * fn / 2).epsilon(1e-6));
 }
 
 // M = K F, K = [2 alpha/(3 pi) + (sigma_b + sigma_s/2)/(6 H)] sqrt(4 r F/(pi l) ((1-nu1^2)/E1 + (1-nu2^2)/E2))   (D10)
@@ -442,19 +442,19 @@ TEST_CASE("analytic: the rolling moment of the 0.014 inch wire on 1 mm of wall")
         TouchState now{};
         SampleForce out{};
         add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &out);
-        CHECK(out.rolling_sum / force == doctest::Approx(k).epsilon(1e-6));
-        CHECK(out.force[3] == doctest::Approx(-k * force).epsilon(1e-6));
+        CHECK(out.rolling_sum / force == about(k).epsilon(1e-6));
+        CHECK(out.force[3] == about(-k * force).epsilon(1e-6));
         // below yield: a spring
         mv.spin = 1e-9;
         SampleForce small{};
         add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &small);
-        CHECK(small.force[3] == doctest::Approx(-small.sym[9] * 1e-9).epsilon(1e-9));
+        CHECK(small.force[3] == about(-small.sym[9] * 1e-9).epsilon(1e-9));
     }
     // stress terms enter as stated
     contact.rolling_sigma_b = 2000;
     contact.rolling_sigma_s = 1000;
     contact.rolling_hardness = 1e5;
-    CHECK(line_sample(s, contact, bed, INFINITY, 1e-3).roll_arm == doctest::Approx(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
+    CHECK(line_sample(s, contact, bed, INFINITY, 1e-3).roll_arm == about(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
 }
 
 TEST_CASE("property: rolling resistance only takes energy, and stops a spinning wire in a bounded time")
@@ -492,7 +492,7 @@ TEST_CASE("property: rolling resistance only takes energy, and stops a spinning 
         CHECK(now <= energy * (1 + 1e-9) + 1e-15 * start);
         energy = now;
     }
-    CHECK(theta == doctest::Approx(20 * stop / 2).epsilon(0.02));  // the distance of a constant moment
+    CHECK(theta == about(20 * stop / 2).epsilon(0.02));  // the distance of a constant moment
     CHECK(std::abs(spin) <= 0.02 * 20);
 }
 

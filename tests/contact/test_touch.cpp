@@ -140,7 +140,7 @@ TEST_CASE("analytic: inside a tube, towards a line of vertices, depth is rho + r
             CHECK(t.first.depth - depth >= bias - rounding);
             CHECK(t.first.depth - depth <= 2 * bias + rounding);
             const vec3 n = (1 / norm(t.first.normal)) * t.first.normal;
-            CHECK(n.z * -sign == doctest::Approx(1).epsilon(1e-3));  // half a facet's angle squared at most
+            CHECK(n.z * -sign == about(1).epsilon(1e-3));  // half a facet's angle squared at most
             CHECK(t.second.found == 0);
         }
 }

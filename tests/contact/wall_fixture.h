@@ -2,6 +2,7 @@
 // Small walls for contact tests, as the kernels take them: a triangle soup in float, rim bits, and one sample's state.
 
 #include "shared/contact_sample.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 

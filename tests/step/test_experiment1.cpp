@@ -34,7 +34,7 @@ TEST_CASE("analytic: first touch at 3.0 cm, then friction grows by mu rho g A pe
     CHECK(std::abs(first - 0.030) <= 0.001);
     // mu_sliding rho g A = 0.0487 N/m, and 1.2 % more because friction's own push unloads the base
     const double slope = (at_10 - at_8) / (0.098 - 0.080);
-    CHECK(slope == doctest::Approx(0.0493).epsilon(0.04));
+    CHECK(slope == about(0.0493).epsilon(0.04));
     MESSAGE("first touch at " << 1e3 * first << " mm, friction slope " << slope << " N/m");
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("analytic: what is inside is what was fed, up to the debt; the hub sta
     double worst = 0, debt = 0;
     for (int k = 1; k <= 700; ++k) {
         REQUIRE_FALSE(step(world, 1e-3).failed());
-        CHECK(world.readings(0).inserted == doctest::Approx(1e-4 * k).epsilon(1e-12));
+        CHECK(world.readings(0).inserted == about(1e-4 * k).epsilon(1e-12));
         const FeedState& feed = world.impl().feeds[0];
         if (!feed.inside) {
             CHECK(feed.advance < edge / 2);
@@ -55,7 +55,7 @@ TEST_CASE("analytic: what is inside is what was fed, up to the debt; the hub sta
         worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.debt));
         debt = std::max(debt, std::abs(feed.debt));
         for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
-        CHECK(rod.material_s[rod.n - 1] == doctest::Approx(length_inside(rod)).epsilon(1e-12));
+        CHECK(rod.material_s[rod.n - 1] == about(length_inside(rod)).epsilon(1e-12));
         const double base = rod.rest_length[rod.n - 2];
         CHECK(base <= 1.5 * edge + 1e-12);
         if (rod.n > 2) CHECK(base >= 0.5 * edge - 1.1e-4);
@@ -119,7 +119,7 @@ TEST_CASE("property: pulled back below half an edge the wire is in its guide aga
     CHECK(was_inside);
     CHECK(went_back);
     CHECK(world.impl().feeds[0].inside);
-    CHECK(length_inside(world.rod(0)) == doctest::Approx(0.03).epsilon(1e-6));
+    CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
 }
 
 // A straight wire without friction, load or weight turns as a rigid shaft does: every section by the hub's angle.
@@ -137,8 +137,8 @@ TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by th
         largest = std::max(largest, std::abs(world.readings(0).hand_torque));
     }
     const RodView rod = world.rod(0);
-    for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == doctest::Approx(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
-    CHECK(world.readings(0).turned == doctest::Approx(7.5));
+    for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == about(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
+    CHECK(world.readings(0).turned == about(7.5));
     // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an edge,
     // 1e-6 of B/L^2 times the edge, on 20 edges
     const double left = 20 * 1e-6 * 1e-5 / (0.08 * 0.08) * 0.004;

@@ -1,6 +1,7 @@
 #pragma once
 // Worlds for tests: wires in a tube or over a plane, fed or placed.
 
+#include "support/approx.h"
 #include "vessel/shapes.h"
 #include "world.h"
 
