@@ -79,6 +79,7 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
 {
     edges_.clear();
     edge_wire_.clear();
+    centreline_hint_ = -1;  // a state that is restored must find the same points
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!live[w]) continue;
         const RodView rod = rods_.view(w);
