@@ -73,7 +73,8 @@ public:
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
     void set_best_effort(bool on) { best_effort_ = on; }
 
-    /// Static equilibrium: Newton with a trust region, falling back to damped pseudo-time continuation. Velocities become 0.
+    /// Stable static equilibrium: Newton with an adaptive shift, falling back to damped pseudo-time continuation; an unstable
+    /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
     void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 

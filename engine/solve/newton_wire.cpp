@@ -10,6 +10,7 @@ namespace {
 constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_polish = 4;
+constexpr int most_kicks = 3;
 
 }  // namespace
 
@@ -40,8 +41,8 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     options_ = options;
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
-    non_finite_ = unsymmetric_ = shortened_ = false;
-    iterations_ = evaluations_ = retreats_ = safe_steps_ = 0;
+    non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
+    iterations_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -116,6 +117,7 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (norm_ <= problem.tolerance && at_prescribed()) {
+        if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
         phase_ = Phase::Done;
         return;
     }
@@ -292,6 +294,44 @@ void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
         raised = problem.matrix.factor_ldlt();
     }
     if (raised > 0) (void)factorise_with(HessianMode::Safe, contact, wire);
+}
+
+/// Whether the equilibrium at the trial is one that can last: the exact matrix is positive definite, but for a shift far below
+/// any real stiffness (a wire that nothing holds is neither).
+bool NewtonWire::stable(const ContactTerm* contact, int wire)
+{
+    unsymmetric_ = false;
+    shift_ = smallest_shift_;
+    return factorise_with(HessianMode::Exact, contact, wire) == 0;
+}
+
+/// Leaves an unstable equilibrium by a hundredth of an edge along its softest mode, found by inverse iteration on the matrix that
+/// stable() has assembled.
+void NewtonWire::kick()
+{
+    ++kicks_;
+    const int size = problem.size();
+    for (int attempt = 0; attempt < 20; ++attempt) {
+        add_shift(3 * shift_);
+        shift_ *= 4;
+        if (problem.matrix.factor_ldlt() == 0) break;
+    }
+    for (int i = 0; i < size; ++i) direction_[i] = std::sin(1.7 * i + 0.3);  // any vector that no mode is normal to
+    for (int round = 0; round < 10; ++round) {
+        for (int i = 0; i < size; ++i) direction_[i] *= problem.prescribed[i] ? 0.0 : shift_weight_[i];
+        problem.matrix.solve_ldlt(part(direction_));
+        const double length = problem.norm(part(direction_));
+        for (int i = 0; i < size; ++i) direction_[i] /= length;
+    }
+    double downhill = 0, largest = 0;
+    for (int i = 0; i < size; ++i) {
+        if (!problem.prescribed[i]) downhill -= problem.residual[i] * direction_[i];
+        largest = std::max(largest, std::abs(direction_[i]) * (i % 4 == 3 ? problem.length_scale : 1.0));
+    }
+    const double step = (downhill < 0 ? -0.01 : 0.01) * problem.length_scale / largest;
+    for (int i = 0; i < size; ++i) problem.trial[i] += step * direction_[i];
+    phase_ = Phase::Guess;
+    guess_fraction_ = 0;
 }
 
 /// The direction failed at any useful length: a shorter, more downhill one from the same base.

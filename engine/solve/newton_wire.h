@@ -66,6 +66,8 @@ private:
     [[nodiscard]] int factorise_with(HessianMode mode, const ContactTerm* contact, int wire);
     void add_shift(double amount);
     void raise_shift();
+    [[nodiscard]] bool stable(const ContactTerm* contact, int wire);
+    void kick();
     void solve(std::span<double> rhs_to_x);
     void correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left);
     void launch();
@@ -79,7 +81,7 @@ private:
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, unsymmetric_ = false, shortened_ = false;
     int safe_steps_ = 0;           // full steps in a row with the safe Hessian
-    int iterations_ = 0, evaluations_ = 0, retreats_ = 0;
+    int iterations_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;

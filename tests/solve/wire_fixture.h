@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -29,24 +30,26 @@ inline WireSpec nitinol(double length)
     return spec;
 }
 
-/// A point, tangent pointing from base towards the tip, as a function of arc length from the base.
-struct Curve {
-    Vec3 (*point)(double s, double parameter) = [](double s, double) { return Vec3(s, 0, 0); };
-    double parameter = 0;
-};
+/// Position as a function of arc length from the base.
+using Curve = std::function<Vec3(double)>;
+
+inline Vec3 straight(double s) { return {s, 0, 0}; }
 
 inline Curve arc_towards_z(double radius)
 {
-    return {[](double s, double r) { return Vec3(r * std::sin(s / r), 0, r * (1 - std::cos(s / r))); }, radius};
+    return [radius](double s) { return Vec3(radius * std::sin(s / radius), 0, radius * (1 - std::cos(s / radius))); };
 }
 
-inline void place_nodes(const RodView& rod, const WireSpec& spec, const Curve& curve = {}, bool rest_is_placed = false)
+/// With rest_is_placed rest lengths are the chords, so that the wire is free of stress as it lies.
+inline void place_nodes(const RodView& rod, const WireSpec& spec, const Curve& curve = straight,
+                        bool rest_is_placed = false)
 {
     const int n = rod.n;
     for (int i = 0; i < n; ++i) {
         const double s = spec.length * i / (n - 1);
-        rod.material_s[i] = s;
-        rod.set_pos(i, curve.point(spec.length - s, curve.parameter));
+        rod.set_pos(i, curve(spec.length - s));
+        const double chord = i > 0 ? (rod.pos(i) - rod.pos(i - 1)).norm() : 0.0;
+        rod.material_s[i] = rest_is_placed && i > 0 ? rod.material_s[i - 1] + chord : s;
         rod.set_vel(i, Vec3::Zero());
         rod.spin_rate[i] = rod.ax[i] = rod.ay[i] = rod.az[i] = rod.spin_acc[i] = 0;
     }
@@ -80,7 +83,7 @@ struct Rig {
     std::unique_ptr<Solver> solver;
     double time = 0;
 
-    Rig(const WireSpec& spec, int nodes, int wires = 1, const Curve& curve = {}, bool rest_is_placed = false)
+    Rig(const WireSpec& spec, int nodes, int wires = 1, const Curve& curve = straight, bool rest_is_placed = false)
         : wire(spec), rods(std::vector<int>(wires, nodes)), constraints(wires), reports(wires), active(wires, 1)
     {
         for (int w = 0; w < wires; ++w) {
