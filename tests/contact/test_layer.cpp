@@ -95,8 +95,9 @@ Pairs layer_pairs(const Floor& floor, vec3 a, vec3 b)
     std::vector<TouchState> touches(out.count + 1);
     for (std::uint32_t k = 0; k < out.count; ++k) {
         real bary;
-        out.force += evaluate_pair(k, par, {0, found[k], SEL_NO_EDGE, 0}, e, floor.tree.vertices.data(), edge.hi.data(), edge.lo.data(),
-                                   theta, edge.hi.data(), edge.lo.data(), theta, nullptr, touches.data(), &bary).force[2];
+        out.force += evaluate_pair(k, par, {0, found[k], SEL_NO_EDGE, 0}, e, floor.tree.vertices.data(), edge.hi.data(),
+                                   edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, nullptr, touches.data(), &bary)
+                         .force[2];
     }
     return out;
 }
@@ -116,157 +117,158 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
         SamplePlace place{0, 0, (k + 0.5) / samples, (k + 0.5) / samples, 5, 0};
         const TouchState t0[2] = {};
         TouchState t1[2];
-        force += evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
-                                 static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.vertices.data(), floor.soup.rims.data(),
-                                 edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1).force[2];
+        force +=
+            evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
+                            static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.vertices.data(), floor.soup.rims.data(),
+                            edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1)
+                .force[2];
     }
     return force;
 }
 
 }  // namespace
 
-TEST_SUITE("contact/layer") {
-
-TEST_CASE("analytic: the three cases, and L' by halving to 1/256 of the edge")
+TEST_SUITE("contact/layer")
 {
-    const Floor floor(20, 20);
-    const vec3 low_a = v3(-4e-3, 0.3e-3, r), low_b = v3(4e-3, 0.3e-3, r), high_b = v3(4e-3, 0.3e-3, 10 * r);
-    const Layer both = layer_of(floor, low_a, low_b);
-    CHECK(both.found == 1);
-    CHECK(both.from == 0);
-    CHECK(both.to == 1);
-    CHECK(both.extent[0] == about(4e-3).epsilon(1e-6));
-    // from r to 10 r the sphere of r + H = 1.5 r leaves the floor at 0.5 / 9 of the edge
-    const double end = 0.5 / 9;
-    const Layer first = layer_of(floor, low_a, high_b), second = layer_of(floor, high_b, low_a);
-    CHECK(first.from == 0);
-    CHECK(first.to <= end + 1e-6);
-    CHECK(first.to > end - 1.0 / 256);
-    CHECK(second.to == 1);
-    CHECK(second.from >= 1 - end - 1e-6);
-    CHECK(second.from < 1 - end + 1.0 / 256);
-    // five halvings would leave 1/32
-    const Layer steep = layer_of(floor, v3(-4e-3, 0, 1.2 * r), v3(4e-3, 0, 2.2 * r));
-    CHECK(std::abs(steep.to - 0.3) <= 1.0 / 256 + 1e-6);
-    CHECK(layer_of(floor, v3(-4e-3, 0, 2 * r), high_b).found == 0);
-    // what the layer is blind to: an edge that touches between its nodes only (a bend over a crest): F5
-    CHECK(layer_of(floor, v3(0.02, 0, 0), v3(-0.02, 0, 0)).found == 0);
-}
-
-TEST_CASE("analytic: the box lies along the edge, on the wall's side, with the sizes asked for")
-{
-    const Floor floor(20, 20);
-    const vec3 a = v3(-1e-3, -1e-3, r), b = v3(1e-3, 1e-3, 1.1 * r);
-    const Layer layer = layer_of(floor, a, b);
-    REQUIRE(layer.found == 1);
-    const vec3 along = (1 / norm(b - a)) * (b - a);
-    CHECK(norm(layer.along - along) <= 1e-7);
-    // up: minus the normal, made normal to the edge
-    const vec3 up = v3(0, 0, -1) + along.z * along;
-    CHECK(norm(layer.up - (1 / norm(up)) * up) <= 1e-7);
-    CHECK(std::abs(dot3(layer.up, layer.along)) <= 1e-12);
-    CHECK(norm(cross3(layer.along, layer.up) - layer.side) <= 1e-12);
-    CHECK(layer.extent[0] == about(norm(b - a) / 2).epsilon(1e-6));
-    CHECK(layer.extent[1] == r / 2);
-    CHECK(layer.extent[2] == (r + H) / 2);
-    // from the axis towards the wall: its near face holds the axis, its far face lies H below the wire's surface
-    CHECK(norm(layer.centre - (0.5 * (a + b) + (r + H) / 2 * layer.up)) <= 1e-9);
-}
-
-TEST_CASE("analytic: w falls from 2 r to r/4 as the lumen widens")
-{
-    double last = 2 * r;
-    CHECK(layer_width(r, r) == about(2 * r));
-    CHECK(layer_width(r, 0.5 * r) == about(2 * r));
-    for (double R = 1.1 * r; R < 1; R *= 1.3) {
-        const double w = layer_width(r, R);
-        CHECK(w < last);
-        CHECK(w > r / 4);
-        last = w;
+    TEST_CASE("analytic: the three cases, and L' by halving to 1/256 of the edge")
+    {
+        const Floor floor(20, 20);
+        const vec3 low_a = v3(-4e-3, 0.3e-3, r), low_b = v3(4e-3, 0.3e-3, r), high_b = v3(4e-3, 0.3e-3, 10 * r);
+        const Layer both = layer_of(floor, low_a, low_b);
+        CHECK(both.found == 1);
+        CHECK(both.from == 0);
+        CHECK(both.to == 1);
+        CHECK(both.extent[0] == about(4e-3).epsilon(1e-6));
+        // from r to 10 r the sphere of r + H = 1.5 r leaves the floor at 0.5 / 9 of the edge
+        const double end = 0.5 / 9;
+        const Layer first = layer_of(floor, low_a, high_b), second = layer_of(floor, high_b, low_a);
+        CHECK(first.from == 0);
+        CHECK(first.to <= end + 1e-6);
+        CHECK(first.to > end - 1.0 / 256);
+        CHECK(second.to == 1);
+        CHECK(second.from >= 1 - end - 1e-6);
+        CHECK(second.from < 1 - end + 1.0 / 256);
+        // five halvings would leave 1/32
+        const Layer steep = layer_of(floor, v3(-4e-3, 0, 1.2 * r), v3(4e-3, 0, 2.2 * r));
+        CHECK(std::abs(steep.to - 0.3) <= 1.0 / 256 + 1e-6);
+        CHECK(layer_of(floor, v3(-4e-3, 0, 2 * r), high_b).found == 0);
+        // what the layer is blind to: an edge that touches between its nodes only (a bend over a crest): F5
+        CHECK(layer_of(floor, v3(0.02, 0, 0), v3(-0.02, 0, 0)).found == 0);
     }
-    CHECK(layer_width(r, INFINITY) == about(r / 4));
-}
 
-TEST_CASE("analytic: the ray from a triangle's centre against the wire's cylinder")
-{
-    const Triangle tri{v3(-3e-4, -1e-4, 0), v3(3e-4, -1e-4, 0), v3(0, 2e-4, 0)};  // centre at the origin, facing up
-    for (double slope : {0.0, 0.3}) {
-        for (double y : {0.0, 0.4 * r, -0.9 * r}) {
-            const double phi = std::atan(slope), z = 0.9 * r;
-            const vec3 a = v3(-2e-3, y, z - 2e-3 * slope), edge = v3(5e-3, 0, 5e-3 * slope);
-            const RayHit ray = ray_against_wire(tri, a, edge, r);
-            CAPTURE(slope);
-            CAPTURE(y);
-            REQUIRE(ray.hit == 1);
-            // the cylinder's cut with the vertical through the centre: sqrt(r^2 - y^2) / cos(phi) below the axis
-            const double gap = z - std::sqrt(r * r - y * y) / std::cos(phi);
-            CHECK(std::abs(ray.gap - gap) <= 1e-12);
-            // the hit (0, 0, gap) seen from a, along the edge
-            const double along = (2e-3 * std::cos(phi) + (gap - a.z) * std::sin(phi)) / (5e-3 / std::cos(phi));
-            CHECK(ray.bary == about(along).epsilon(1e-9));
-            CHECK(norm(ray.normal - v3(0, 0, 1)) <= 1e-12);
+    TEST_CASE("analytic: the box lies along the edge, on the wall's side, with the sizes asked for")
+    {
+        const Floor floor(20, 20);
+        const vec3 a = v3(-1e-3, -1e-3, r), b = v3(1e-3, 1e-3, 1.1 * r);
+        const Layer layer = layer_of(floor, a, b);
+        REQUIRE(layer.found == 1);
+        const vec3 along = (1 / norm(b - a)) * (b - a);
+        CHECK(norm(layer.along - along) <= 1e-7);
+        // up: minus the normal, made normal to the edge
+        const vec3 up = v3(0, 0, -1) + along.z * along;
+        CHECK(norm(layer.up - (1 / norm(up)) * up) <= 1e-7);
+        CHECK(std::abs(dot3(layer.up, layer.along)) <= 1e-12);
+        CHECK(norm(cross3(layer.along, layer.up) - layer.side) <= 1e-12);
+        CHECK(layer.extent[0] == about(norm(b - a) / 2).epsilon(1e-6));
+        CHECK(layer.extent[1] == r / 2);
+        CHECK(layer.extent[2] == (r + H) / 2);
+        // from the axis towards the wall: its near face holds the axis, its far face lies H below the wire's surface
+        CHECK(norm(layer.centre - (0.5 * (a + b) + (r + H) / 2 * layer.up)) <= 1e-9);
+    }
+
+    TEST_CASE("analytic: w falls from 2 r to r/4 as the lumen widens")
+    {
+        double last = 2 * r;
+        CHECK(layer_width(r, r) == about(2 * r));
+        CHECK(layer_width(r, 0.5 * r) == about(2 * r));
+        for (double R = 1.1 * r; R < 1; R *= 1.3) {
+            const double w = layer_width(r, R);
+            CHECK(w < last);
+            CHECK(w > r / 4);
+            last = w;
         }
+        CHECK(layer_width(r, INFINITY) == about(r / 4));
     }
-    CHECK(ray_against_wire(tri, v3(-2e-3, 1.01 * r, r), v3(5e-3, 0, 0), r).hit == 0);  // beside the wire
-    CHECK(ray_against_wire(tri, v3(1e-4, 0, r), v3(5e-3, 0, 0), r).hit == 0);          // beyond its end
-    CHECK(ray_against_wire(tri, v3(0, 0, r), v3(0, 0, 5e-3), r).hit == 0);             // along it
-    const Triangle nothing{v3(0, 0, 0), v3(0, 0, 0), v3(0, 0, 0)};
-    CHECK(ray_against_wire(nothing, v3(-2e-3, 0, r), v3(5e-3, 0, 0), r).hit == 0);
-}
 
-TEST_CASE("property: layer against triangle and box never misses what a point inside proves")
-{
-    const Floor floor(20, 20);
-    const Layer layer = layer_of(floor, v3(-1e-3, -0.5e-3, r), v3(1e-3, 0.5e-3, 1.1 * r));
-    REQUIRE(layer.found == 1);
-    std::mt19937 rng(5);
-    std::uniform_real_distribution<double> draw(-1, 1);
-    int missed = 0, apart = 0;
-    for (int k = 0; k < 5000; ++k) {
-        // a triangle with one point inside the layer
-        const vec3 inside = layer.centre + draw(rng) * layer.extent[0] * layer.along + draw(rng) * layer.extent[1] * layer.side +
-                            draw(rng) * layer.extent[2] * layer.up;
-        vec3 u[3];
-        for (vec3& p : u) p = v3(2e-3 * draw(rng), 2e-3 * draw(rng), 2e-3 * draw(rng));
-        const vec3 mean = (1.0 / 3) * (u[0] + u[1] + u[2]);
-        const Triangle tri{inside + u[0] - mean, inside + u[1] - mean, inside + u[2] - mean};
-        missed += !layer_meets_triangle(layer, tri);
-        // and one wholly on the far side of one of its faces
-        const vec3 away = 1.01 * layer.extent[2] * layer.up - layer.extent[2] * layer.up;
-        Triangle far = tri;
-        for (vec3* p : {&far.a, &far.b, &far.c}) {
-            const double height = dot3(*p - layer.centre, layer.up);
-            *p = *p + (layer.extent[2] - height + std::abs(height)) * layer.up + away;
+    TEST_CASE("analytic: the ray from a triangle's centre against the wire's cylinder")
+    {
+        const Triangle tri{v3(-3e-4, -1e-4, 0), v3(3e-4, -1e-4, 0), v3(0, 2e-4, 0)};  // centre at the origin, facing up
+        for (double slope : {0.0, 0.3}) {
+            for (double y : {0.0, 0.4 * r, -0.9 * r}) {
+                const double phi = std::atan(slope), z = 0.9 * r;
+                const vec3 a = v3(-2e-3, y, z - 2e-3 * slope), edge = v3(5e-3, 0, 5e-3 * slope);
+                const RayHit ray = ray_against_wire(tri, a, edge, r);
+                CAPTURE(slope);
+                CAPTURE(y);
+                REQUIRE(ray.hit == 1);
+                // the cylinder's cut with the vertical through the centre: sqrt(r^2 - y^2) / cos(phi) below the axis
+                const double gap = z - std::sqrt(r * r - y * y) / std::cos(phi);
+                CHECK(std::abs(ray.gap - gap) <= 1e-12);
+                // the hit (0, 0, gap) seen from a, along the edge
+                const double along = (2e-3 * std::cos(phi) + (gap - a.z) * std::sin(phi)) / (5e-3 / std::cos(phi));
+                CHECK(ray.bary == about(along).epsilon(1e-9));
+                CHECK(norm(ray.normal - v3(0, 0, 1)) <= 1e-12);
+            }
         }
-        apart += layer_meets_triangle(layer, far);
+        CHECK(ray_against_wire(tri, v3(-2e-3, 1.01 * r, r), v3(5e-3, 0, 0), r).hit == 0);  // beside the wire
+        CHECK(ray_against_wire(tri, v3(1e-4, 0, r), v3(5e-3, 0, 0), r).hit == 0);          // beyond its end
+        CHECK(ray_against_wire(tri, v3(0, 0, r), v3(0, 0, 5e-3), r).hit == 0);             // along it
+        const Triangle nothing{v3(0, 0, 0), v3(0, 0, 0), v3(0, 0, 0)};
+        CHECK(ray_against_wire(nothing, v3(-2e-3, 0, r), v3(5e-3, 0, 0), r).hit == 0);
     }
-    CHECK(missed == 0);
-    CHECK(apart == 0);
-}
 
-// The published failure (F5): the wire presses on a triangle whose centre is not beneath it.
-TEST_CASE("property: a ray from the centre of a big triangle misses a thin wire, a capsule does not")
-{
-    const Floor coarse(1, 1);
-    const vec3 a = v3(-4e-3, 0, 0.9 * r), b = v3(4e-3, 0, 0.9 * r);
-    CHECK(layer_of(coarse, a, b).found == 1);  // the layer itself is there
-    CHECK(layer_pairs(coarse, a, b).count == 0);
-    CHECK(capsule_force(coarse, a, b) == about(1e5 * 0.1 * r * 8e-3).epsilon(1e-6));
-}
+    TEST_CASE("property: layer against triangle and box never misses what a point inside proves")
+    {
+        const Floor floor(20, 20);
+        const Layer layer = layer_of(floor, v3(-1e-3, -0.5e-3, r), v3(1e-3, 0.5e-3, 1.1 * r));
+        REQUIRE(layer.found == 1);
+        std::mt19937 rng(5);
+        std::uniform_real_distribution<double> draw(-1, 1);
+        int missed = 0, apart = 0;
+        for (int k = 0; k < 5000; ++k) {
+            // a triangle with one point inside the layer
+            const vec3 inside = layer.centre + draw(rng) * layer.extent[0] * layer.along +
+                                draw(rng) * layer.extent[1] * layer.side + draw(rng) * layer.extent[2] * layer.up;
+            vec3 u[3];
+            for (vec3& p : u) p = v3(2e-3 * draw(rng), 2e-3 * draw(rng), 2e-3 * draw(rng));
+            const vec3 mean = (1.0 / 3) * (u[0] + u[1] + u[2]);
+            const Triangle tri{inside + u[0] - mean, inside + u[1] - mean, inside + u[2] - mean};
+            missed += !layer_meets_triangle(layer, tri);
+            // and one wholly on the far side of one of its faces
+            const vec3 away = 1.01 * layer.extent[2] * layer.up - layer.extent[2] * layer.up;
+            Triangle far = tri;
+            for (vec3* p : {&far.a, &far.b, &far.c}) {
+                const double height = dot3(*p - layer.centre, layer.up);
+                *p = *p + (layer.extent[2] - height + std::abs(height)) * layer.up + away;
+            }
+            apart += layer_meets_triangle(layer, far);
+        }
+        CHECK(missed == 0);
+        CHECK(apart == 0);
+    }
 
-TEST_CASE("property: twice the triangles are twice the stiffness of the layer, and the same of the capsule")
-{
-    // rows stay as they are, columns are halved: centres move along the wire only, and no pair's gap changes
-    const Floor once(100, 120), twice(200, 120);
-    const vec3 a = v3(-4e-3, 0, 0.9 * r), b = v3(4e-3, 0, 0.9 * r);
-    const Pairs few = layer_pairs(once, a, b), many = layer_pairs(twice, a, b);
-    REQUIRE(few.count > 100);
-    // a column more or less at each end of the edge: 1 in 40
-    CHECK(many.count == about(2.0 * few.count).epsilon(0.03));
-    CHECK(many.force == about(2 * few.force).epsilon(0.03));
-    const double expected = 1e5 * 0.1 * r * 8e-3;  // k depth, per metre, times 8 mm
-    CHECK(capsule_force(once, a, b) == about(expected).epsilon(1e-6));
-    CHECK(capsule_force(twice, a, b) == about(expected).epsilon(1e-6));
-}
+    // The published failure (F5): the wire presses on a triangle whose centre is not beneath it.
+    TEST_CASE("property: a ray from the centre of a big triangle misses a thin wire, a capsule does not")
+    {
+        const Floor coarse(1, 1);
+        const vec3 a = v3(-4e-3, 0, 0.9 * r), b = v3(4e-3, 0, 0.9 * r);
+        CHECK(layer_of(coarse, a, b).found == 1);  // the layer itself is there
+        CHECK(layer_pairs(coarse, a, b).count == 0);
+        CHECK(capsule_force(coarse, a, b) == about(1e5 * 0.1 * r * 8e-3).epsilon(1e-6));
+    }
 
+    TEST_CASE("property: twice the triangles are twice the stiffness of the layer, and the same of the capsule")
+    {
+        // rows stay as they are, columns are halved: centres move along the wire only, and no pair's gap changes
+        const Floor once(100, 120), twice(200, 120);
+        const vec3 a = v3(-4e-3, 0, 0.9 * r), b = v3(4e-3, 0, 0.9 * r);
+        const Pairs few = layer_pairs(once, a, b), many = layer_pairs(twice, a, b);
+        REQUIRE(few.count > 100);
+        // a column more or less at each end of the edge: 1 in 40
+        CHECK(many.count == about(2.0 * few.count).epsilon(0.03));
+        CHECK(many.force == about(2 * few.force).epsilon(0.03));
+        const double expected = 1e5 * 0.1 * r * 8e-3;  // k depth, per metre, times 8 mm
+        CHECK(capsule_force(once, a, b) == about(expected).epsilon(1e-6));
+        CHECK(capsule_force(twice, a, b) == about(expected).epsilon(1e-6));
+    }
 }

@@ -12,8 +12,8 @@ using namespace seldinger::test;
 
 namespace {
 
-constexpr double r = 0.4445e-3;     // 0.035 inch wire [m]
-constexpr double rounding = 1e-9;   // [m] a wall coordinate of 10 mm in float: 2^-24 of it, rounded
+constexpr double r = 0.4445e-3;    // 0.035 inch wire [m]
+constexpr double rounding = 1e-9;  // [m] a wall coordinate of 10 mm in float: 2^-24 of it, rounded
 
 Soup floor_patch(int cells)
 {
@@ -50,244 +50,246 @@ Push push(const Touches& t)
 
 }  // namespace
 
-TEST_SUITE("contact/touch") {
-
-TEST_CASE("analytic: over a plane depth is r less height and the normal is the plane's; beyond reach there is nothing")
+TEST_SUITE("contact/touch")
 {
-    const Soup soup = floor_patch(7);
-    for (double h : {0.5 * r, 0.9 * r, r, 1.1 * r}) {
-        const Touches t = touches_at(soup, v3(0.00123, -0.00234, h), r);
-        CAPTURE(h);
-        CHECK(t.first.found == 1);
-        CHECK(std::abs(t.first.depth - (r - h)) <= 1e-18);
-        CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-14);
-        CHECK(t.second.found == 0);
-        CHECK(t.first.outside == 0);
-    }
-    CHECK(touches_at(soup, v3(0, 0, r + 1.01e-4), r).first.found == 0);
-}
-
-TEST_CASE("property: facets cut finer in their own plane leave depth and normal as they are")
-{
-    for (int cells : {1, 2, 5, 16, 40}) {
-        const Soup soup = floor_patch(cells);
-        for (int k = 0; k < 200; ++k) {
-            // on cell edges, on vertices and between
-            const vec3 p = v3(0.01 * std::sin(1.0 * k), k % 3 ? 0.0005 * (k % 20) - 0.005 : 0.01 * std::cos(2.0 * k), 0.7 * r);
-            const Touches t = touches_at(soup, p, r);
+    TEST_CASE("analytic: over a plane depth is r less height and the normal is the plane's; beyond reach there is nothing")
+    {
+        const Soup soup = floor_patch(7);
+        for (double h : {0.5 * r, 0.9 * r, r, 1.1 * r}) {
+            const Touches t = touches_at(soup, v3(0.00123, -0.00234, h), r);
+            CAPTURE(h);
             CHECK(t.first.found == 1);
-            CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
-            // copies of a vertex may differ by a float's rounding: over such a crack the nearest point is that far to the side
-            CHECK(norm(t.first.normal - v3(0, 0, 1)) <= rounding / (0.7 * r));
+            CHECK(std::abs(t.first.depth - (r - h)) <= 1e-18);
+            CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-14);
             CHECK(t.second.found == 0);
-        }
-    }
-}
-
-TEST_CASE("property: the order of triangles does not matter")
-{
-    Soup soup;
-    std::mt19937 rng(3);
-    std::uniform_real_distribution<double> draw(-1, 1);
-    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), 20);
-    for (std::size_t k = 2; k < soup.vertices.size(); k += 3) {  // a bumpy floor, the same bump wherever a vertex is repeated
-        const double x = soup.vertices[k - 2], y = soup.vertices[k - 1];
-        soup.vertices[k] = static_cast<float>(2e-4 * std::sin(900 * x) * std::cos(700 * y));
-    }
-    int found = 0;
-    for (int k = 0; k < 100; ++k) {
-        const vec3 p = v3(0.008 * draw(rng), 0.008 * draw(rng), 0.8 * r + 1e-4 * draw(rng));
-        const Touches a = touches_at(soup, p, r);
-        std::vector<std::uint32_t> order = soup.all;
-        std::shuffle(order.begin(), order.end(), rng);
-        const Touches b = touches_at(soup, p, r, 1e-4, 0.002, order);
-        CHECK(a.first.found == b.first.found);
-        CHECK(a.second.found == b.second.found);
-        found += a.first.found;
-        // sums of the blend run in list order: its rounding, and nothing else, may differ
-        CHECK(std::abs(a.first.depth - b.first.depth) <= 1e-15);
-        CHECK(norm(a.first.normal - b.first.normal) <= 1e-6);  // on a shared edge either facet's noise tells v / d
-    }
-    REQUIRE(found >= 95);
-}
-
-TEST_CASE("analytic: inside a tube, towards a line of vertices, depth is rho + r - R and the normal points to the axis")
-{
-    VesselSpec spec;
-    spec.shape = VesselShape::Tube;
-    spec.radius = 0.003;
-    spec.length = 0.02;
-    spec.triangles = 6000;
-    const GeneratedVessel tube = make_tube(spec);
-    Soup soup;
-    for (const auto& t : tube.mesh.triangles) {
-        const Vec3 a = tube.mesh.vertices[t[0]], b = tube.mesh.vertices[t[1]], c = tube.mesh.vertices[t[2]];
-        soup.add(v3(a.x(), a.y(), a.z()), v3(b.x(), b.y(), b.z()), v3(c.x(), c.y(), c.z()));
-    }
-    int around = 0;  // vertices of the first ring
-    for (const Vec3& v : tube.mesh.vertices) around += std::abs(v.x()) < 1e-9;
-    REQUIRE(around >= 16);
-    for (double sign : {1.0, -1.0})
-        for (double overlap : {1e-6, 2e-5}) {
-            const double rho = spec.radius - r + overlap;
-            // the two facets that meet in the line of vertices are tilted by pi / n, so p is nearer to them than to the line
-            const double depth = r - (r - overlap) * std::cos(std::numbers::pi / around);
-            const Touches t = touches_at(soup, v3(0.0101, 0, sign * rho), r);
-            CAPTURE(overlap);
-            // at the same distance from both, the smooth maximum adds eps/4 from each triangle of the other facet that holds the
-            // nearest point: one, or two on a diagonal; eps = 0.002 r 2 sin(pi / n)
-            const double bias = 0.25 * 0.002 * r * 2 * std::sin(std::numbers::pi / around);
-            CHECK(t.first.depth - depth >= bias - rounding);
-            CHECK(t.first.depth - depth <= 2 * bias + rounding);
-            const vec3 n = (1 / norm(t.first.normal)) * t.first.normal;
-            CHECK(n.z * -sign == about(1).epsilon(1e-3));  // half a facet's angle squared at most
-            CHECK(t.second.found == 0);
-        }
-}
-
-TEST_CASE("analytic: at a convex edge the normal is radial from the edge and the depth r less the distance")
-{
-    const Soup soup = wedge(-0.5);
-    for (double phi : {-0.45, -0.2, 0.0, 0.3, 0.49}) {  // within the edge's own Voronoi region, +-0.5
-        const double d = 0.8 * r;
-        const Touches t = touches_at(soup, v3(d * std::sin(phi), 0.0013, d * std::cos(phi)), r);
-        CAPTURE(phi);
-        CHECK(std::abs(t.first.depth - 0.2 * r) <= rounding);
-        CHECK(norm(t.first.normal - v3(std::sin(phi), 0, std::cos(phi))) <= 1e-5);  // float of the far corners
-        CHECK(t.second.found == 0);
-    }
-}
-
-TEST_CASE("property: across a valley the force is minus the gradient of its potential, and the bias stays below eps/4")
-{
-    // rise 0.2: blended, since the two normals enclose 0.4 rad; rise 1.0: 2.0 rad apart, so two opposite walls, summed
-    for (double rise : {0.05, 0.2, 0.7, 1.0}) {
-        CAPTURE(rise);
-        const Soup soup = wedge(rise);
-        const double eps = 0.002 * r * 2 * std::sin(rise);  // |n_1 - n_0| of the two facets
-        const double h = 0.9 * r / std::cos(rise);          // the axis line overlaps each plane by 0.1 r at the middle
-        const int steps = 40000;
-        const double length = 0.1 * r, dx = length / steps;
-        double work = 0, worst_bias = 0, largest = 0, jump = 0;
-        Push last = push(touches_at(soup, v3(-length / 2, 1.7e-4, h), r));
-        const double start = last.energy;
-        for (int k = 1; k <= steps; ++k) {
-            const double x = -length / 2 + k * dx;
-            const Touches t = touches_at(soup, v3(x, 1.7e-4, h), r);
-            const Push now = push(t);
-            work -= 0.5 * (now.force.x + last.force.x) * dx;
-            // depth against the nearer plane alone
-            const double plane = r - (h * std::cos(rise) - std::abs(x) * std::sin(rise));
-            worst_bias = std::max(worst_bias, std::abs(t.first.depth - plane));
-            largest = std::max(largest, std::abs(now.force.x));
-            jump = std::max(jump, norm(now.force - last.force) / norm(now.force));
-            last = now;
-        }
-        const double change = last.energy - start;
-        // trapezoids over the blend (width eps / sin(rise), some 40 steps wide): 1/40^2 of the force there times that width
-        CHECK(std::abs(work - change) <= largest * length * 1e-4);
-        // two triangles of the other facet share the nearest edge: both may answer with it, so twice one blend
-        CHECK(worst_bias <= (rise < 0.785 ? 2 * eps / 4 : 0) + rounding);
-        if (rise > 0.1 && rise < 0.785) CHECK(worst_bias >= eps / 8);  // the smooth maximum is there at all
-        CHECK(jump <= 0.1);  // continuous: in one step of 0.1 r / 40000 a normal that switched would jump by 2 tan(rise)
-    }
-}
-
-TEST_CASE("analytic: two opposite walls both push")
-{
-    Soup soup = floor_patch(3);
-    const double gap = 1.9 * r;
-    soup.add_patch(v3(-0.01, -0.01, gap), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // ceiling, facing down
-    const Touches t = touches_at(soup, v3(0.001, 0.002, 0.93 * r), r);
-    REQUIRE(t.first.found == 1);
-    REQUIRE(t.second.found == 1);
-    CHECK(std::abs(t.first.depth - 0.07 * r) <= rounding);
-    CHECK(std::abs(t.second.depth - 0.03 * r) <= rounding);
-    CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-6);
-    CHECK(norm(t.second.normal - v3(0, 0, -1)) <= 1e-6);
-}
-
-TEST_CASE("analytic: the other side of a thin septum never pushes")
-{
-    Soup soup = floor_patch(3);
-    const double septum = 0.1e-3;
-    soup.add_patch(v3(-0.01, -0.01, -septum), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // the other lumen's wall, facing away
-    for (double h : {0.95 * r, 0.7 * r, 0.55 * r}) {
-        const Touches t = touches_at(soup, v3(0.001, 0.002, h), r);
-        CAPTURE(h);
-        CHECK(std::abs(t.first.depth - (r - h)) <= rounding);
-        CHECK(t.first.normal.z > 0.999999);
-        CHECK(t.second.found == 0);
-    }
-}
-
-TEST_CASE("analytic: at a carina the far side of the septum does not even tilt the normal")
-{
-    Soup soup;
-    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.01, 0, 0), v3(0, 0.02, 0));         // this lumen's floor, up to x = 0
-    soup.add_patch(v3(0, -0.01, 0), v3(-0.01, 0, -0.001), v3(0, 0.02, 0));       // from there back: the other lumen's, facing down
-    for (double x : {-1e-7, -5e-7, -1e-6}) {
-        const Touches t = touches_at(soup, v3(x, 0.0012, 0.8 * r), r);
-        CAPTURE(x);
-        CHECK(std::abs(t.first.depth - 0.2 * r) <= 1e-15);  // seen from the front, a facet there would add 0.1 nm
-        CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
-        CHECK(t.second.found == 0);
-    }
-}
-
-TEST_CASE("analytic: an axis beyond the wall has depth r + d and a normal that points back")
-{
-    const Soup soup = floor_patch(5);
-    for (double d : {1e-7, 1e-5, 0.5 * r, 0.9 * r}) {
-        const Touches t = touches_at(soup, v3(0.0003, 0.0007, -d), r);
-        CAPTURE(d);
-        REQUIRE(t.first.found == 1);
-        CHECK(t.first.outside == 1);
-        CHECK(std::abs(t.first.depth - (r + d)) <= 1e-18);
-        CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
-        CHECK(t.second.found == 0);
-    }
-}
-
-// Distance to a convex set is continuous, so is the push of the floor's free edge when the wire slides off it; a bar has no sides.
-TEST_CASE("analytic: the rim of an opening pushes like a bar, from every side, and the back of the face beside it does not")
-{
-    // a floor that ends at x = 0: edge c-a of the one triangle that borders it is the rim, both its ends are rim vertices
-    Soup soup;
-    soup.add(v3(0, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.01, 0), 1u << 2 | 8u << 0 | 8u << 2);
-    for (double angle : {0.1, 0.8, 1.57, 2.5, 3.1, 4.0, 4.6}) {  // round the rim, from over the floor to under it
-        const vec3 p = (0.7 * r) * v3(std::cos(angle), 0, std::sin(angle));
-        const Touches t = touches_at(soup, p, r);
-        CAPTURE(angle);
-        REQUIRE(t.first.found == 1);
-        if (angle > 1.6) {
             CHECK(t.first.outside == 0);
-            CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
-            CHECK(norm(t.first.normal - (1 / norm(p)) * p) <= 1e-12);
-        } else {
-            CHECK(std::abs(t.first.depth - (r - 0.7 * r * std::sin(angle))) <= 1e-15);
+        }
+        CHECK(touches_at(soup, v3(0, 0, r + 1.01e-4), r).first.found == 0);
+    }
+
+    TEST_CASE("property: facets cut finer in their own plane leave depth and normal as they are")
+    {
+        for (int cells : {1, 2, 5, 16, 40}) {
+            const Soup soup = floor_patch(cells);
+            for (int k = 0; k < 200; ++k) {
+                // on cell edges, on vertices and between
+                const vec3 p =
+                    v3(0.01 * std::sin(1.0 * k), k % 3 ? 0.0005 * (k % 20) - 0.005 : 0.01 * std::cos(2.0 * k), 0.7 * r);
+                const Touches t = touches_at(soup, p, r);
+                CHECK(t.first.found == 1);
+                CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
+                // copies of a vertex may differ by a float's rounding: over such a crack the nearest point is that far to the
+                // side
+                CHECK(norm(t.first.normal - v3(0, 0, 1)) <= rounding / (0.7 * r));
+                CHECK(t.second.found == 0);
+            }
         }
     }
-    std::vector<std::uint32_t> all = {0};
-    const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
-    CHECK(nearest_touch(under, zero, r, 0.1 * r, 0, all.data(), 1, soup.vertices.data(), soup.rims.data()).outside == 1);
-    CHECK(nearest_touch(under, zero, r, 0.1 * r, 1, all.data(), 1, soup.vertices.data(), soup.rims.data()).found == 0);
-}
 
-TEST_CASE("property: facets without area beside real ones change nothing")
-{
-    const Soup plain = floor_patch(4);
-    Soup dirty = plain;
-    dirty.add(v3(0.001, 0.001, 0), v3(0.001, 0.001, 0), v3(0.001, 0.001, 0));
-    dirty.add(v3(0, 0, 0), v3(0.004, 0, 0), v3(0.002, 0, 0));
-    for (int k = 0; k < 100; ++k) {
-        const vec3 p = v3(0.004 * std::sin(3.0 * k), k % 2 ? 0.001 : 0, 0.8 * r);
-        const Touches a = touches_at(plain, p, r), b = touches_at(dirty, p, r);
-        CHECK(b.first.found == 1);
-        CHECK(b.first.outside == a.first.outside);
-        CHECK(std::abs(a.first.depth - b.first.depth) <= 1e-15);
-        CHECK(norm(a.first.normal - b.first.normal) <= 1e-12);
+    TEST_CASE("property: the order of triangles does not matter")
+    {
+        Soup soup;
+        std::mt19937 rng(3);
+        std::uniform_real_distribution<double> draw(-1, 1);
+        soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), 20);
+        for (std::size_t k = 2; k < soup.vertices.size(); k += 3) {  // a bumpy floor, the same bump wherever a vertex is repeated
+            const double x = soup.vertices[k - 2], y = soup.vertices[k - 1];
+            soup.vertices[k] = static_cast<float>(2e-4 * std::sin(900 * x) * std::cos(700 * y));
+        }
+        int found = 0;
+        for (int k = 0; k < 100; ++k) {
+            const vec3 p = v3(0.008 * draw(rng), 0.008 * draw(rng), 0.8 * r + 1e-4 * draw(rng));
+            const Touches a = touches_at(soup, p, r);
+            std::vector<std::uint32_t> order = soup.all;
+            std::shuffle(order.begin(), order.end(), rng);
+            const Touches b = touches_at(soup, p, r, 1e-4, 0.002, order);
+            CHECK(a.first.found == b.first.found);
+            CHECK(a.second.found == b.second.found);
+            found += a.first.found;
+            // sums of the blend run in list order: its rounding, and nothing else, may differ
+            CHECK(std::abs(a.first.depth - b.first.depth) <= 1e-15);
+            CHECK(norm(a.first.normal - b.first.normal) <= 1e-6);  // on a shared edge either facet's noise tells v / d
+        }
+        REQUIRE(found >= 95);
     }
-}
 
+    TEST_CASE("analytic: inside a tube, towards a line of vertices, depth is rho + r - R and the normal points to the axis")
+    {
+        VesselSpec spec;
+        spec.shape = VesselShape::Tube;
+        spec.radius = 0.003;
+        spec.length = 0.02;
+        spec.triangles = 6000;
+        const GeneratedVessel tube = make_tube(spec);
+        Soup soup;
+        for (const auto& t : tube.mesh.triangles) {
+            const Vec3 a = tube.mesh.vertices[t[0]], b = tube.mesh.vertices[t[1]], c = tube.mesh.vertices[t[2]];
+            soup.add(v3(a.x(), a.y(), a.z()), v3(b.x(), b.y(), b.z()), v3(c.x(), c.y(), c.z()));
+        }
+        int around = 0;  // vertices of the first ring
+        for (const Vec3& v : tube.mesh.vertices) around += std::abs(v.x()) < 1e-9;
+        REQUIRE(around >= 16);
+        for (double sign : {1.0, -1.0})
+            for (double overlap : {1e-6, 2e-5}) {
+                const double rho = spec.radius - r + overlap;
+                // the two facets that meet in the line of vertices are tilted by pi / n, so p is nearer to them than to the line
+                const double depth = r - (r - overlap) * std::cos(std::numbers::pi / around);
+                const Touches t = touches_at(soup, v3(0.0101, 0, sign * rho), r);
+                CAPTURE(overlap);
+                // at the same distance from both, the smooth maximum adds eps/4 from each triangle of the other facet that holds
+                // the nearest point: one, or two on a diagonal; eps = 0.002 r 2 sin(pi / n)
+                const double bias = 0.25 * 0.002 * r * 2 * std::sin(std::numbers::pi / around);
+                CHECK(t.first.depth - depth >= bias - rounding);
+                CHECK(t.first.depth - depth <= 2 * bias + rounding);
+                const vec3 n = (1 / norm(t.first.normal)) * t.first.normal;
+                CHECK(n.z * -sign == about(1).epsilon(1e-3));  // half a facet's angle squared at most
+                CHECK(t.second.found == 0);
+            }
+    }
+
+    TEST_CASE("analytic: at a convex edge the normal is radial from the edge and the depth r less the distance")
+    {
+        const Soup soup = wedge(-0.5);
+        for (double phi : {-0.45, -0.2, 0.0, 0.3, 0.49}) {  // within the edge's own Voronoi region, +-0.5
+            const double d = 0.8 * r;
+            const Touches t = touches_at(soup, v3(d * std::sin(phi), 0.0013, d * std::cos(phi)), r);
+            CAPTURE(phi);
+            CHECK(std::abs(t.first.depth - 0.2 * r) <= rounding);
+            CHECK(norm(t.first.normal - v3(std::sin(phi), 0, std::cos(phi))) <= 1e-5);  // float of the far corners
+            CHECK(t.second.found == 0);
+        }
+    }
+
+    TEST_CASE("property: across a valley the force is minus the gradient of its potential, and the bias stays below eps/4")
+    {
+        // rise 0.2: blended, since the two normals enclose 0.4 rad; rise 1.0: 2.0 rad apart, so two opposite walls, summed
+        for (double rise : {0.05, 0.2, 0.7, 1.0}) {
+            CAPTURE(rise);
+            const Soup soup = wedge(rise);
+            const double eps = 0.002 * r * 2 * std::sin(rise);  // |n_1 - n_0| of the two facets
+            const double h = 0.9 * r / std::cos(rise);          // the axis line overlaps each plane by 0.1 r at the middle
+            const int steps = 40000;
+            const double length = 0.1 * r, dx = length / steps;
+            double work = 0, worst_bias = 0, largest = 0, jump = 0;
+            Push last = push(touches_at(soup, v3(-length / 2, 1.7e-4, h), r));
+            const double start = last.energy;
+            for (int k = 1; k <= steps; ++k) {
+                const double x = -length / 2 + k * dx;
+                const Touches t = touches_at(soup, v3(x, 1.7e-4, h), r);
+                const Push now = push(t);
+                work -= 0.5 * (now.force.x + last.force.x) * dx;
+                // depth against the nearer plane alone
+                const double plane = r - (h * std::cos(rise) - std::abs(x) * std::sin(rise));
+                worst_bias = std::max(worst_bias, std::abs(t.first.depth - plane));
+                largest = std::max(largest, std::abs(now.force.x));
+                jump = std::max(jump, norm(now.force - last.force) / norm(now.force));
+                last = now;
+            }
+            const double change = last.energy - start;
+            // trapezoids over the blend (width eps / sin(rise), some 40 steps wide): 1/40^2 of the force there times that width
+            CHECK(std::abs(work - change) <= largest * length * 1e-4);
+            // two triangles of the other facet share the nearest edge: both may answer with it, so twice one blend
+            CHECK(worst_bias <= (rise < 0.785 ? 2 * eps / 4 : 0) + rounding);
+            if (rise > 0.1 && rise < 0.785) CHECK(worst_bias >= eps / 8);  // the smooth maximum is there at all
+            CHECK(jump <= 0.1);  // continuous: in one step of 0.1 r / 40000 a normal that switched would jump by 2 tan(rise)
+        }
+    }
+
+    TEST_CASE("analytic: two opposite walls both push")
+    {
+        Soup soup = floor_patch(3);
+        const double gap = 1.9 * r;
+        soup.add_patch(v3(-0.01, -0.01, gap), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // ceiling, facing down
+        const Touches t = touches_at(soup, v3(0.001, 0.002, 0.93 * r), r);
+        REQUIRE(t.first.found == 1);
+        REQUIRE(t.second.found == 1);
+        CHECK(std::abs(t.first.depth - 0.07 * r) <= rounding);
+        CHECK(std::abs(t.second.depth - 0.03 * r) <= rounding);
+        CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-6);
+        CHECK(norm(t.second.normal - v3(0, 0, -1)) <= 1e-6);
+    }
+
+    TEST_CASE("analytic: the other side of a thin septum never pushes")
+    {
+        Soup soup = floor_patch(3);
+        const double septum = 0.1e-3;
+        soup.add_patch(v3(-0.01, -0.01, -septum), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // the other lumen's wall, facing away
+        for (double h : {0.95 * r, 0.7 * r, 0.55 * r}) {
+            const Touches t = touches_at(soup, v3(0.001, 0.002, h), r);
+            CAPTURE(h);
+            CHECK(std::abs(t.first.depth - (r - h)) <= rounding);
+            CHECK(t.first.normal.z > 0.999999);
+            CHECK(t.second.found == 0);
+        }
+    }
+
+    TEST_CASE("analytic: at a carina the far side of the septum does not even tilt the normal")
+    {
+        Soup soup;
+        soup.add_patch(v3(-0.01, -0.01, 0), v3(0.01, 0, 0), v3(0, 0.02, 0));    // this lumen's floor, up to x = 0
+        soup.add_patch(v3(0, -0.01, 0), v3(-0.01, 0, -0.001), v3(0, 0.02, 0));  // from there back: the other lumen's, facing down
+        for (double x : {-1e-7, -5e-7, -1e-6}) {
+            const Touches t = touches_at(soup, v3(x, 0.0012, 0.8 * r), r);
+            CAPTURE(x);
+            CHECK(std::abs(t.first.depth - 0.2 * r) <= 1e-15);  // seen from the front, a facet there would add 0.1 nm
+            CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
+            CHECK(t.second.found == 0);
+        }
+    }
+
+    TEST_CASE("analytic: an axis beyond the wall has depth r + d and a normal that points back")
+    {
+        const Soup soup = floor_patch(5);
+        for (double d : {1e-7, 1e-5, 0.5 * r, 0.9 * r}) {
+            const Touches t = touches_at(soup, v3(0.0003, 0.0007, -d), r);
+            CAPTURE(d);
+            REQUIRE(t.first.found == 1);
+            CHECK(t.first.outside == 1);
+            CHECK(std::abs(t.first.depth - (r + d)) <= 1e-18);
+            CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
+            CHECK(t.second.found == 0);
+        }
+    }
+
+    // Distance to a convex set is continuous, so is the push of the floor's free edge when the wire slides off it; a bar has no
+    // sides.
+    TEST_CASE("analytic: the rim of an opening pushes like a bar, from every side, and the back of the face beside it does not")
+    {
+        // a floor that ends at x = 0: edge c-a of the one triangle that borders it is the rim, both its ends are rim vertices
+        Soup soup;
+        soup.add(v3(0, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.01, 0), 1u << 2 | 8u << 0 | 8u << 2);
+        for (double angle : {0.1, 0.8, 1.57, 2.5, 3.1, 4.0, 4.6}) {  // round the rim, from over the floor to under it
+            const vec3 p = (0.7 * r) * v3(std::cos(angle), 0, std::sin(angle));
+            const Touches t = touches_at(soup, p, r);
+            CAPTURE(angle);
+            REQUIRE(t.first.found == 1);
+            if (angle > 1.6) {
+                CHECK(t.first.outside == 0);
+                CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
+                CHECK(norm(t.first.normal - (1 / norm(p)) * p) <= 1e-12);
+            } else {
+                CHECK(std::abs(t.first.depth - (r - 0.7 * r * std::sin(angle))) <= 1e-15);
+            }
+        }
+        std::vector<std::uint32_t> all = {0};
+        const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0, all.data(), 1, soup.vertices.data(), soup.rims.data()).outside == 1);
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 1, all.data(), 1, soup.vertices.data(), soup.rims.data()).found == 0);
+    }
+
+    TEST_CASE("property: facets without area beside real ones change nothing")
+    {
+        const Soup plain = floor_patch(4);
+        Soup dirty = plain;
+        dirty.add(v3(0.001, 0.001, 0), v3(0.001, 0.001, 0), v3(0.001, 0.001, 0));
+        dirty.add(v3(0, 0, 0), v3(0.004, 0, 0), v3(0.002, 0, 0));
+        for (int k = 0; k < 100; ++k) {
+            const vec3 p = v3(0.004 * std::sin(3.0 * k), k % 2 ? 0.001 : 0, 0.8 * r);
+            const Touches a = touches_at(plain, p, r), b = touches_at(dirty, p, r);
+            CHECK(b.first.found == 1);
+            CHECK(b.first.outside == a.first.outside);
+            CHECK(std::abs(a.first.depth - b.first.depth) <= 1e-15);
+            CHECK(norm(a.first.normal - b.first.normal) <= 1e-12);
+        }
+    }
 }

@@ -7,14 +7,13 @@
 
 #include "contact/twin_cases.h"
 
-TEST_SUITE("contact/twin") {
-
-TEST_CASE("twin: contact_find") { find_case(); }
-TEST_CASE("twin: contact_evaluate") { evaluate_case(); }
-TEST_CASE("twin: contact_evaluate with an exponent that needs pow") { evaluate_pow_case(); }
-TEST_CASE("twin: contact_reduce") { reduce_case(); }
-TEST_CASE("twin: layer_find") { layer_find_case(); }
-TEST_CASE("twin: layer_evaluate") { layer_evaluate_case(); }
-TEST_CASE("twin: sizes and offsets of shared records") { layout_case(); }
-
+TEST_SUITE("contact/twin")
+{
+    TEST_CASE("twin: contact_find") { find_case(); }
+    TEST_CASE("twin: contact_evaluate") { evaluate_case(); }
+    TEST_CASE("twin: contact_evaluate with an exponent that needs pow") { evaluate_pow_case(); }
+    TEST_CASE("twin: contact_reduce") { reduce_case(); }
+    TEST_CASE("twin: layer_find") { layer_find_case(); }
+    TEST_CASE("twin: layer_evaluate") { layer_evaluate_case(); }
+    TEST_CASE("twin: sizes and offsets of shared records") { layout_case(); }
 }

@@ -1,6 +1,6 @@
-// The bodies of the twin tests, compiled once in double (test_twin.cpp) and once in float (test_twin_float32.cpp, where `seldinger` is
-// another namespace). Every kernel runs against a plain loop over the same shared functions; the arithmetic is the same operation
-// by operation (contraction off on both sides, divisions and roots correctly rounded), so the bits are the same.
+// The bodies of the twin tests, compiled once in double (test_twin.cpp) and once in float (test_twin_float32.cpp, where
+// `seldinger` is another namespace). Every kernel runs against a plain loop over the same shared functions; the arithmetic is the
+// same operation by operation (contraction off on both sides, divisions and roots correctly rounded), so the bits are the same.
 #include "shared/layer.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Scene {
     Draw draw;
     std::vector<float> hi, hi_t0;
     std::vector<real> lo, lo_t0, theta, theta_t0;
-    std::vector<uint> edges;               // index of the tip-side node of every edge
+    std::vector<uint> edges;  // index of the tip-side node of every edge
     std::vector<SampleModel> models;
     std::vector<SamplePlace> places;
     std::vector<TouchState> touches_t0;
@@ -143,8 +143,8 @@ Found host_find(const Scene& s, const std::vector<uint>& list, real skin, uint s
     Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
     for (uint sample : list) {
         const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + skin, s.nodes.data(), s.wall.vertices.data(),
-                                       slots, out.candidates.data() + sample * slots);
+        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + skin, s.nodes.data(),
+                                       s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
     }
     return out;
 }
@@ -160,9 +160,10 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
     Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        out.forces[k] = evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
-                                        s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(),
-                                        s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data());
+        out.forces[k] =
+            evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
+                            s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
+                            s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data());
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -178,7 +179,8 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<SampleModel> models(context, lane, s.models);
     Guarded<SamplePlace> places(context, lane, s.places);
     Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
-    Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0), theta_t0(context, lane, s.theta_t0);
+    Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0),
+        theta_t0(context, lane, s.theta_t0);
     Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, s.touches_t0);
     Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(list.size()));
     Guarded<real> barys(context, lane, std::vector<real>(list.size()));
@@ -189,7 +191,8 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     return {forces.read(), barys.read(), t1.read()};
 }
 
-// layer: every edge of the scene, repeated until `count` -------------------------------------------------------------------------
+// layer: every edge of the scene, repeated until `count`
+// -------------------------------------------------------------------------
 std::vector<LayerEdge> layer_edges(Scene& s, std::size_t count)
 {
     std::vector<LayerEdge> list(count);
@@ -284,7 +287,8 @@ void evaluate_case()
                 const std::vector<uint> list = up_to(n);
                 const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
                 REQUIRE((n == 0 || *std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots));
-                const Evaluated host = host_evaluate(s, s.par, list, found), device = device_evaluate(s, s.par, list, found, lane);
+                const Evaluated host = host_evaluate(s, s.par, list, found),
+                                device = device_evaluate(s, s.par, list, found, lane);
                 CAPTURE(n);
                 CAPTURE(friction);
                 CHECK(first_difference(device.forces, host.forces) == -1);
@@ -315,7 +319,8 @@ void evaluate_pow_case()
         for (real x : f.force) largest = std::max(largest, std::abs(double(x)));
     REQUIRE(largest > 0);
     for (std::size_t k = 0; k < host.forces.size(); ++k)
-        for (int i = 0; i < 4; ++i) CHECK(std::abs(double(host.forces[k].force[i]) - device.forces[k].force[i]) <= bound * largest);
+        for (int i = 0; i < 4; ++i)
+            CHECK(std::abs(double(host.forces[k].force[i]) - device.forces[k].force[i]) <= bound * largest);
 }
 
 void reduce_case()
@@ -326,12 +331,14 @@ void reduce_case()
     for (const Lane lane : {Lane::Light, Lane::Heavy})
         for (const std::size_t n : counts_to_try) {
             std::vector<uint> first = {0};
-            for (std::size_t e = 0; e < n; ++e) first.push_back(first.back() + (e % 5 == 3 ? 0 : draw.below(9)));  // some have none
+            for (std::size_t e = 0; e < n; ++e)
+                first.push_back(first.back() + (e % 5 == 3 ? 0 : draw.below(9)));  // some have none
             std::vector<SampleForce> forces(first.back());
             std::vector<real> barys(first.back());
             for (std::size_t k = 0; k < forces.size(); ++k) {
                 real* x = forces[k].force;
-                for (std::size_t i = 0; i < offsetof(SampleForce, flags) / sizeof(real); ++i) x[i] = static_cast<real>(draw(-1, 1));
+                for (std::size_t i = 0; i < offsetof(SampleForce, flags) / sizeof(real); ++i)
+                    x[i] = static_cast<real>(draw(-1, 1));
                 forces[k].flags = draw.below(8);
                 forces[k].contacts = draw.below(3);
                 barys[k] = static_cast<real>(draw(0, 1));
@@ -380,14 +387,16 @@ void layer_evaluate_case()
             const Found found = host_layer_find(s, edges, 64);
             for (std::size_t k = 0; k < n; ++k) {  // pairs that were found, and some that were not
                 const uint e = static_cast<uint>(k % edges.size()), count = found.counts[e];
-                const uint t = count > 0 && k % 4 ? found.candidates[64 * e + s.draw.below(count)] : s.draw.below(static_cast<uint>(s.wall.triangles));
+                const uint t = count > 0 && k % 4 ? found.candidates[64 * e + s.draw.below(count)]
+                                                  : s.draw.below(static_cast<uint>(s.wall.triangles));
                 pairs.push_back({e, t, k % 3 ? s.draw.below(500) : SEL_NO_EDGE, 0});
             }
             Evaluated host{std::vector<SampleForce>(n), std::vector<real>(n), std::vector<TouchState>(n)};
             for (std::size_t k = 0; k < n; ++k)
-                host.forces[k] = evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
-                                               s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
-                                               s.theta_t0.data(), s.touches_t0.data(), host.touches.data(), &host.barys[k]);
+                host.forces[k] =
+                    evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
+                                  s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
+                                  s.touches_t0.data(), host.touches.data(), &host.barys[k]);
             ContactParams par = s.par;
             par.item_count = static_cast<uint>(n);
             Guarded<LayerPair> list(context, lane, pairs);
@@ -398,7 +407,8 @@ void layer_evaluate_case()
             Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, std::vector<TouchState>(n));
             Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(n));
             kernel.launch(lane, n, par, list.buffer(), on.buffer(), vertices.buffer(), hi.buffer(), lo.buffer(), theta.buffer(),
-                          hi_t0.buffer(), lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer());
+                          hi_t0.buffer(), lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(),
+                          barys.buffer());
             CAPTURE(n);
             CHECK(first_difference(forces.read(), host.forces) == -1);
             CHECK(first_difference(barys.read(), host.barys) == -1);
@@ -409,25 +419,27 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                              \
-    X(SampleModel, length) X(SampleModel, roll_force) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp)          \
-    X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad)                    \
-    X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts)                 \
-    X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)    \
-    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, reach) X(TreeNode, left_or_first) X(TreeNode, count)    \
-    X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                       \
+    X(SampleModel, length)                                                                                                  \
+    X(SampleModel, roll_force) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(TouchState, point)      \
+        X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym)           \
+            X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque)  \
+                X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)       \
+                    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, reach) X(TreeNode, left_or_first) \
+                        X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {
     sel_device::Context& context = sel_twin::twin_context(float32);
     std::string text = sel_device::assemble_source("contact/layer.cl");
-    text += "\n#define SEL_PROBE(type, member) { type x; out[2 * k] = sizeof(type);"
-            " out[2 * k++ + 1] = (uint)((__private char*)&x.member - (__private char*)&x); }\n"
-            "__kernel void probe(__global uint* out) { uint k = 0;\n";
+    text +=
+        "\n#define SEL_PROBE(type, member) { type x; out[2 * k] = sizeof(type);"
+        " out[2 * k++ + 1] = (uint)((__private char*)&x.member - (__private char*)&x); }\n"
+        "__kernel void probe(__global uint* out) { uint k = 0;\n";
     std::vector<uint> host;
-#define SEL_ROW(type, member)                                   \
-    text += "SEL_PROBE(" #type ", " #member ")\n";              \
-    host.push_back(static_cast<uint>(sizeof(type)));            \
+#define SEL_ROW(type, member)                        \
+    text += "SEL_PROBE(" #type ", " #member ")\n";   \
+    host.push_back(static_cast<uint>(sizeof(type))); \
     host.push_back(static_cast<uint>(offsetof(type, member)));
     SEL_LAYOUT(SEL_ROW)
     text += "}\n";
@@ -435,7 +447,9 @@ void layout_case()
     cl_int status = CL_SUCCESS;
     cl_program program = clCreateProgramWithSource(context.handle(), 1, &source, nullptr, &status);
     sel_device::check(status, "probe");
-    sel_device::check(clBuildProgram(program, 0, nullptr, float32 ? "-cl-std=CL1.2 -DSEL_FLOAT32" : "-cl-std=CL1.2", nullptr, nullptr), "probe");
+    sel_device::check(
+        clBuildProgram(program, 0, nullptr, float32 ? "-cl-std=CL1.2 -DSEL_FLOAT32" : "-cl-std=CL1.2", nullptr, nullptr),
+        "probe");
     cl_kernel kernel = clCreateKernel(program, "probe", &status);
     sel_device::check(status, "probe");
     Guarded<uint> out(context, Lane::Light, std::vector<uint>(host.size(), 12345));

@@ -22,8 +22,8 @@ WallMesh bumpy_tube(double radius, double length)
     const auto add = [&](int a, int b, int c) { mesh.triangles.push_back({a, b, c}); };
     for (int k = 0; k < 40; ++k) {
         const int a = 17 * k + 5, b = a + 1;
-        add(a, a, a);                            // a point
-        add(a, b, a);                            // a segment
+        add(a, a, a);                                      // a point
+        add(a, b, a);                                      // a segment
         mesh.triangles.push_back(mesh.triangles[31 * k]);  // a copy
         mesh.vertices.push_back(mesh.vertices[a] + 1e-9 * Vec3::UnitZ());
         add(a, b, static_cast<int>(mesh.vertices.size()) - 1);  // a sliver a nanometre high

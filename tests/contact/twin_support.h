@@ -13,7 +13,7 @@ namespace seldinger::test {
 
 /// A tube with bumps, slivers, doubled and zero-area triangles, as DeviceWall holds it.
 struct TwinWall {
-    std::vector<unsigned char> nodes;   // TreeNode
+    std::vector<unsigned char> nodes;  // TreeNode
     std::vector<float> vertices;
     std::vector<std::uint32_t> rims;
     std::size_t triangles = 0;
@@ -29,7 +29,10 @@ template <class T>
 class Guarded {
 public:
     Guarded(device::Context& context, device::Lane lane, const std::vector<T>& from)
-        : context_(context), lane_(lane), size_(from.size()), bytes_(from.size() * sizeof(T) + sizeof canary, canary[0]),
+        : context_(context),
+          lane_(lane),
+          size_(from.size()),
+          bytes_(from.size() * sizeof(T) + sizeof canary, canary[0]),
           buffer_(context, bytes_.size())
     {
         if (size_ > 0) std::memcpy(bytes_.data(), from.data(), size_ * sizeof(T));

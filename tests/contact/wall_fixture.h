@@ -19,9 +19,9 @@ inline double norm(vec3 a) { return std::sqrt(dot3(a, a)); }
 
 /// Triangles in leaf order with their rim bits; every triangle is a candidate.
 struct Soup {
-    std::vector<float> vertices;       // [T][9] [m]
-    std::vector<std::uint32_t> rims;   // [T]
-    std::vector<std::uint32_t> all;    // [T] 0, 1, ...
+    std::vector<float> vertices;      // [T][9] [m]
+    std::vector<std::uint32_t> rims;  // [T]
+    std::vector<std::uint32_t> all;   // [T] 0, 1, ...
 
     void add(vec3 a, vec3 b, vec3 c, std::uint32_t rim = 0)
     {
@@ -48,15 +48,18 @@ struct Touches {
 };
 
 /// Both touches of an axis point, as evaluate_sample finds them.
-inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach, double blend, const std::vector<std::uint32_t>& order)
+inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach, double blend,
+                          const std::vector<std::uint32_t>& order)
 {
     const vec3 origin = v3(0, 0, 0);
     const auto count = static_cast<std::uint32_t>(order.size());
     Touches t;
     t.first = nearest_touch(p, origin, radius, reach, 0, order.data(), count, soup.vertices.data(), soup.rims.data());
-    t.second = blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
+    t.second =
+        blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
     if (t.second.found)
-        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
+        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(),
+                               soup.rims.data());
     return t;
 }
 inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double blend = 0.002)

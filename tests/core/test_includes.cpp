@@ -41,33 +41,33 @@ std::string folder_of(const fs::path& relative) { return relative.has_parent_pat
 
 }  // namespace
 
-TEST_SUITE("core/includes") {
-
-TEST_CASE("property: folders include downwards only")
+TEST_SUITE("core/includes")
 {
-    const fs::path root = fs::path(SEL_SOURCE_DIR) / "engine";
-    const std::regex include(R"re(^\s*#\s*include\s+"([^"]+)")re");
-    int seen = 0;
-    for (const fs::path base : {root, fs::path(SEL_SOURCE_DIR) / "kernels"})
-        for (const auto& entry : fs::recursive_directory_iterator(base)) {
-            const std::string extension = entry.path().extension();
-            if (extension != ".h" && extension != ".cpp" && extension != ".cl") continue;
-            const fs::path relative = fs::relative(entry.path(), base);
-            // kernels/<folder>/*.cl and kernels/shared read kernels/shared alone
-            const std::string folder = base == root ? folder_of(relative) : "shared";
-            REQUIRE_MESSAGE(below.count(folder) == 1, "a new folder needs its place in the table: " << folder);
-            std::ifstream in(entry.path());
-            std::smatch match;
-            for (std::string line; std::getline(in, line);) {
-                if (!std::regex_search(line, match, include)) continue;
-                ++seen;
-                const std::string target = match[1];
-                const std::string to = folder_of(target);
-                const bool allowed = to == folder || below.at(folder).count(to) || (base == root && open_to_all.count(target));
-                CHECK_MESSAGE(allowed, relative.string() << " includes " << target);
+    TEST_CASE("property: folders include downwards only")
+    {
+        const fs::path root = fs::path(SEL_SOURCE_DIR) / "engine";
+        const std::regex include(R"re(^\s*#\s*include\s+"([^"]+)")re");
+        int seen = 0;
+        for (const fs::path base : {root, fs::path(SEL_SOURCE_DIR) / "kernels"})
+            for (const auto& entry : fs::recursive_directory_iterator(base)) {
+                const std::string extension = entry.path().extension();
+                if (extension != ".h" && extension != ".cpp" && extension != ".cl") continue;
+                const fs::path relative = fs::relative(entry.path(), base);
+                // kernels/<folder>/*.cl and kernels/shared read kernels/shared alone
+                const std::string folder = base == root ? folder_of(relative) : "shared";
+                REQUIRE_MESSAGE(below.count(folder) == 1, "a new folder needs its place in the table: " << folder);
+                std::ifstream in(entry.path());
+                std::smatch match;
+                for (std::string line; std::getline(in, line);) {
+                    if (!std::regex_search(line, match, include)) continue;
+                    ++seen;
+                    const std::string target = match[1];
+                    const std::string to = folder_of(target);
+                    const bool allowed =
+                        to == folder || below.at(folder).count(to) || (base == root && open_to_all.count(target));
+                    CHECK_MESSAGE(allowed, relative.string() << " includes " << target);
+                }
             }
-        }
-    REQUIRE(seen > 200);
-}
-
+        REQUIRE(seen > 200);
+    }
 }

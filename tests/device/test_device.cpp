@@ -84,108 +84,108 @@ std::string hash_in_process(int threads)
 
 }  // namespace
 
-TEST_SUITE("device") {
-
-TEST_CASE("helper: print the state hash of a heavy run" * doctest::skip())
+TEST_SUITE("device")
 {
-    std::printf("state hash %s\n", hash_after(heavy_setup(), 15).c_str());
-}
-
-TEST_CASE("property: the step loop creates no buffer and builds no program after warm-up")
-{
-    WorldSetup setup;
-    add_tube(setup, tube(0.003, 0.12));
-    setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
-    World world(std::move(setup));
-    for (int k = 0; k < 100; ++k) (void)step(world, 1e-3);
-    device::Counters& counters = world.impl().context->counters();
-    const device::Counters before = counters;
-    int iterations = 0;
-    for (int k = 0; k < 200; ++k) {
-        const StepReport report = step(world, 1e-3);
-        REQUIRE_FALSE(report.failed());
-        iterations += report.newton_iterations;
+    TEST_CASE("helper: print the state hash of a heavy run" * doctest::skip())
+    {
+        std::printf("state hash %s\n", hash_after(heavy_setup(), 15).c_str());
     }
-    REQUIRE(world.readings(0).contacts > 10);
-    CHECK(counters.buffers_created == before.buffers_created);
-    CHECK(counters.programs_built == before.programs_built);
-    // an evaluation is two launches and one read-back; candidates that are found anew are one of each on top. Evaluations: one for
-    // the guess and some 1 to 3 per iteration (line search, halved steps)
-    const double launches = double(counters.launches - before.launches), reads = double(counters.reads - before.reads);
-    MESSAGE("per step: " << launches / 200 << " launches, " << reads / 200 << " reads, " << double(counters.writes - before.writes) / 200
-                         << " writes, " << iterations / 200.0 << " iterations");
-    CHECK(reads >= launches / 2);
-    CHECK(reads <= launches);
-    CHECK(reads <= 3.0 * (iterations + 200));
-    CHECK(launches >= 2 * 100);
-}
 
-TEST_CASE("property: the same bits run after run, on each device and on the pair, for any number of threads")
-{
-    const std::string hash = hash_after(heavy_setup(), 15);
-    CHECK(hash_after(heavy_setup(), 15) == hash);
-    int tried = 0;
-    for (const DeviceInfo& info : list_devices()) {
-        if (info.type != "CPU" || info.platform.find("Portable") == std::string::npos) continue;
-        CAPTURE(info.name);
-        CHECK(hash_after(heavy_setup(info.index), 15) == hash);
-        ++tried;
+    TEST_CASE("property: the step loop creates no buffer and builds no program after warm-up")
+    {
+        WorldSetup setup;
+        add_tube(setup, tube(0.003, 0.12));
+        setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
+        World world(std::move(setup));
+        for (int k = 0; k < 100; ++k) (void)step(world, 1e-3);
+        device::Counters& counters = world.impl().context->counters();
+        const device::Counters before = counters;
+        int iterations = 0;
+        for (int k = 0; k < 200; ++k) {
+            const StepReport report = step(world, 1e-3);
+            REQUIRE_FALSE(report.failed());
+            iterations += report.newton_iterations;
+        }
+        REQUIRE(world.readings(0).contacts > 10);
+        CHECK(counters.buffers_created == before.buffers_created);
+        CHECK(counters.programs_built == before.programs_built);
+        // an evaluation is two launches and one read-back; candidates that are found anew are one of each on top. Evaluations:
+        // one for the guess and some 1 to 3 per iteration (line search, halved steps)
+        const double launches = double(counters.launches - before.launches), reads = double(counters.reads - before.reads);
+        MESSAGE("per step: " << launches / 200 << " launches, " << reads / 200 << " reads, "
+                             << double(counters.writes - before.writes) / 200 << " writes, " << iterations / 200.0
+                             << " iterations");
+        CHECK(reads >= launches / 2);
+        CHECK(reads <= launches);
+        CHECK(reads <= 3.0 * (iterations + 200));
+        CHECK(launches >= 2 * 100);
     }
-    if (tried == 0) MESSAGE("no PoCL device: compared on the default device only");
-    CHECK(hash_in_process(1) == hash);
-    CHECK(hash_in_process(2) == hash);
-}
 
-TEST_CASE("property: a device index beyond the list is an error that names the range")
-{
-    ExitCode code = ExitCode::Done;
-    WorldSetup setup = heavy_setup(99);
-    const std::string text = message_of([&] { World world(std::move(setup)); }, code);
-    CHECK(code == ExitCode::NoDevice);
-    CHECK(holds(text, "--device 99"));
-    CHECK(holds(text, "devices 0 to " + std::to_string(list_devices().size() - 1)));
-}
+    TEST_CASE("property: the same bits run after run, on each device and on the pair, for any number of threads")
+    {
+        const std::string hash = hash_after(heavy_setup(), 15);
+        CHECK(hash_after(heavy_setup(), 15) == hash);
+        int tried = 0;
+        for (const DeviceInfo& info : list_devices()) {
+            if (info.type != "CPU" || info.platform.find("Portable") == std::string::npos) continue;
+            CAPTURE(info.name);
+            CHECK(hash_after(heavy_setup(info.index), 15) == hash);
+            ++tried;
+        }
+        if (tried == 0) MESSAGE("no PoCL device: compared on the default device only");
+        CHECK(hash_in_process(1) == hash);
+        CHECK(hash_in_process(2) == hash);
+    }
 
-TEST_CASE("property: a kernel that does not build says which file, on which device, and the compiler's error")
-{
-    namespace fs = std::filesystem;
-    const fs::path folder = fs::temp_directory_path() / ("seldinger-kernels-" + std::to_string(::getpid()));
-    fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
-    std::ofstream(folder / "contact" / "capsule.cl", std::ios::app) << "\n__kernel void broken() { no_such_thing = 1; }\n";
-    setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
-    ExitCode code = ExitCode::Done;
-    const std::string broken = message_of([] { (void)device::Context().program("contact/capsule.cl"); }, code);
-    CHECK(code == ExitCode::NoDevice);
-    CHECK(holds(broken, "kernels/contact/capsule.cl does not build on device"));
-    CHECK(holds(broken, "no_such_thing"));
-    CHECK(holds(broken, "CL_BUILD_PROGRAM_FAILURE"));
-    const std::string missing = message_of([] { (void)device::Context().program("contact/none.cl"); }, code);
-    CHECK(holds(missing, "no kernel file"));
-    CHECK(holds(missing, "contact/none.cl"));
-    unsetenv("SEL_KERNEL_DIR");
-    fs::remove_all(folder);
-}
+    TEST_CASE("property: a device index beyond the list is an error that names the range")
+    {
+        ExitCode code = ExitCode::Done;
+        WorldSetup setup = heavy_setup(99);
+        const std::string text = message_of([&] { World world(std::move(setup)); }, code);
+        CHECK(code == ExitCode::NoDevice);
+        CHECK(holds(text, "--device 99"));
+        CHECK(holds(text, "devices 0 to " + std::to_string(list_devices().size() - 1)));
+    }
 
-TEST_CASE("property: a failing call is named, with OpenCL's own name for the error")
-{
-    ExitCode code = ExitCode::Done;
-    const std::string text = message_of([] { device::check(CL_INVALID_BUFFER_SIZE, "clCreateBuffer(context, 0)"); }, code);
-    CHECK(code == ExitCode::NoDevice);
-    CHECK(holds(text, "clCreateBuffer failed with CL_INVALID_BUFFER_SIZE"));
-}
+    TEST_CASE("property: a kernel that does not build says which file, on which device, and the compiler's error")
+    {
+        namespace fs = std::filesystem;
+        const fs::path folder = fs::temp_directory_path() / ("seldinger-kernels-" + std::to_string(::getpid()));
+        fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
+        std::ofstream(folder / "contact" / "capsule.cl", std::ios::app) << "\n__kernel void broken() { no_such_thing = 1; }\n";
+        setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
+        ExitCode code = ExitCode::Done;
+        const std::string broken = message_of([] { (void)device::Context().program("contact/capsule.cl"); }, code);
+        CHECK(code == ExitCode::NoDevice);
+        CHECK(holds(broken, "kernels/contact/capsule.cl does not build on device"));
+        CHECK(holds(broken, "no_such_thing"));
+        CHECK(holds(broken, "CL_BUILD_PROGRAM_FAILURE"));
+        const std::string missing = message_of([] { (void)device::Context().program("contact/none.cl"); }, code);
+        CHECK(holds(missing, "no kernel file"));
+        CHECK(holds(missing, "contact/none.cl"));
+        unsetenv("SEL_KERNEL_DIR");
+        fs::remove_all(folder);
+    }
 
-TEST_CASE("property: buffers begin with zeros, and copies keep to their range")
-{
-    device::Context context;
-    device::Buffer a(context, 1000), b(context, 1000);
-    std::vector<unsigned char> bytes(1000, 7), back(1000, 1);
-    context.read(device::Lane::Light, a, back.data(), 1000);
-    CHECK(std::count(back.begin(), back.end(), 0) == 1000);
-    context.write(device::Lane::Light, a, bytes.data(), 1000);
-    context.copy(device::Lane::Light, a, b, 100, 300);
-    context.enter(device::Lane::Heavy);  // waits: what was written on the other lane is seen here
-    context.read(device::Lane::Heavy, b, back.data(), 1000);
-    for (int k = 0; k < 1000; ++k) REQUIRE(back[k] == (k >= 300 && k < 400 ? 7 : 0));
-}
+    TEST_CASE("property: a failing call is named, with OpenCL's own name for the error")
+    {
+        ExitCode code = ExitCode::Done;
+        const std::string text = message_of([] { device::check(CL_INVALID_BUFFER_SIZE, "clCreateBuffer(context, 0)"); }, code);
+        CHECK(code == ExitCode::NoDevice);
+        CHECK(holds(text, "clCreateBuffer failed with CL_INVALID_BUFFER_SIZE"));
+    }
 
+    TEST_CASE("property: buffers begin with zeros, and copies keep to their range")
+    {
+        device::Context context;
+        device::Buffer a(context, 1000), b(context, 1000);
+        std::vector<unsigned char> bytes(1000, 7), back(1000, 1);
+        context.read(device::Lane::Light, a, back.data(), 1000);
+        CHECK(std::count(back.begin(), back.end(), 0) == 1000);
+        context.write(device::Lane::Light, a, bytes.data(), 1000);
+        context.copy(device::Lane::Light, a, b, 100, 300);
+        context.enter(device::Lane::Heavy);  // waits: what was written on the other lane is seen here
+        context.read(device::Lane::Heavy, b, back.data(), 1000);
+        for (int k = 0; k < 1000; ++k) REQUIRE(back[k] == (k >= 300 && k < 400 ? 7 : 0));
+    }
 }

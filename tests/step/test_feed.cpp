@@ -17,7 +17,10 @@ struct Sample {
     int nodes = 0;
 };
 
-double length_inside(const RodView& rod) { return std::accumulate(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1, 0.0); }
+double length_inside(const RodView& rod)
+{
+    return std::accumulate(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1, 0.0);
+}
 
 double mean_force(const std::vector<Sample>& trace, std::size_t from, std::size_t to)
 {
@@ -36,115 +39,115 @@ WorldSetup bend_setup(double speed, int nodes)
 
 }  // namespace
 
-TEST_SUITE("step/feed") {
-
-TEST_CASE("analytic: what is inside is what was fed, up to the debt; the hub stays where it is")
+TEST_SUITE("step/feed")
 {
-    World world(bend_setup(0.1, 25));
-    const double edge = world.impl().feeds[0].edge;
-    double worst = 0, debt = 0;
-    for (int k = 1; k <= 700; ++k) {
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        CHECK(world.readings(0).inserted == about(1e-4 * k).epsilon(1e-12));
-        const FeedState& feed = world.impl().feeds[0];
-        if (!feed.inside) {
-            CHECK(feed.advance < edge / 2);
-            continue;
+    TEST_CASE("analytic: what is inside is what was fed, up to the debt; the hub stays where it is")
+    {
+        World world(bend_setup(0.1, 25));
+        const double edge = world.impl().feeds[0].edge;
+        double worst = 0, debt = 0;
+        for (int k = 1; k <= 700; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            CHECK(world.readings(0).inserted == about(1e-4 * k).epsilon(1e-12));
+            const FeedState& feed = world.impl().feeds[0];
+            if (!feed.inside) {
+                CHECK(feed.advance < edge / 2);
+                continue;
+            }
+            const RodView rod = world.rod(0);
+            worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.debt));
+            debt = std::max(debt, std::abs(feed.debt));
+            for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
+            CHECK(rod.material_s[rod.n - 1] == about(length_inside(rod)).epsilon(1e-12));
+            const double base = rod.rest_length[rod.n - 2];
+            CHECK(base <= 1.5 * edge + 1e-12);
+            if (rod.n > 2) CHECK(base >= 0.5 * edge - 1.1e-4);
+        }
+        CHECK(worst <= 1e-12);  // sums of 700 additions of 1e-4
+        // h (kappa h)^2 / 32 a split; curvature where the wire enters stays below 1 / (bend radius)
+        CHECK(debt <= 3 * edge * std::pow(edge / 0.03, 2) / 32);
+        REQUIRE(world.rod(0).n > 12);
+    }
+
+    TEST_CASE("property: neither hand force nor momentum jumps where the base edge is split")
+    {
+        World world(bend_setup(0.05, 25));
+        std::vector<Sample> trace;
+        for (int k = 0; k < 1500; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            const RodView rod = world.rod(0);
+            Vec3 momentum = Vec3::Zero();
+            for (int i = 0; i < rod.n; ++i) momentum += rod.mass[i] * rod.vel(i);
+            trace.push_back({world.readings(0).hand_force, length_inside(rod), momentum.norm(), rod.n});
+        }
+        int splits = 0;
+        double largest = 0;
+        for (std::size_t k = 40; k + 25 < trace.size(); ++k) {
+            if (trace[k].nodes == trace[k - 1].nodes || trace[k - 1].nodes < 3) continue;
+            ++splits;
+            const double before = mean_force(trace, k - 20, k), after = mean_force(trace, k, k + 20);
+            CAPTURE(k);
+            CHECK(std::abs(after - before) <= std::max(0.01 * std::abs(before), 1e-3));  // design section 1
+            largest = std::max(largest, std::abs(before));
+            // momentum: mass of 0.05 mm of wire times the feed's speed comes with every step; a split adds none
+            const double mass_rate = 7900 * std::numbers::pi * 0.4445e-3 * 0.4445e-3;
+            CHECK(std::abs(trace[k].momentum - trace[k - 1].momentum) <=
+                  0.05 * mass_rate * trace[k].inside * 0.05 + mass_rate * 5e-5 * 0.1);
+        }
+        REQUIRE(splits >= 10);
+        MESSAGE(splits << " splits, hand force up to " << largest << " N");
+    }
+
+    TEST_CASE("property: pulled back below half an edge the wire is in its guide again, and comes out again")
+    {
+        WorldSetup setup;
+        add_tube(setup, tube(0.003, 0.12));
+        WireSetup wire = fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0024}, 0);
+        wire.feed.keys = {{0, 0, 0}, {0.3, 0.03, 0}, {0.6, 0, 0}, {0.9, 0.03, 0}, {1.0, 0.03, 0}};
+        setup.wires = {wire};
+        World world(std::move(setup));
+        bool was_inside = false, went_back = false;
+        for (int k = 1; k <= 1000; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            const FeedState& feed = world.impl().feeds[0];
+            if (k == 300) was_inside = feed.inside;
+            if (k == 600) {
+                went_back = !feed.inside;
+                CHECK(world.rod(0).n == 2);
+                CHECK(world.readings(0).hand_force == 0);
+                CHECK(world.readings(0).contacts == 0);
+            }
+            // the tip is never where the wire cannot reach
+            CHECK((world.rod(0).pos(0) - feed.point).norm() <= std::abs(feed.advance) + 0.005);
+        }
+        CHECK(was_inside);
+        CHECK(went_back);
+        CHECK(world.impl().feeds[0].inside);
+        CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
+    }
+
+    // A straight wire without friction, load or weight turns as a rigid shaft does: every section by the hub's angle.
+    TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by the same angle, and the torque dies away")
+    {
+        WorldSetup setup;
+        setup.gravity = Vec3::Zero();
+        WireSetup wire = fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 0);
+        wire.feed.keys = {{0, 0.08, 0}, {0.2, 0.08, 7.5}, {1, 0.08, 7.5}};  // more than a turn
+        setup.wires = {wire};
+        World world(std::move(setup));
+        double largest = 0;
+        for (int k = 1; k <= 400; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            largest = std::max(largest, std::abs(world.readings(0).hand_torque));
         }
         const RodView rod = world.rod(0);
-        worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.debt));
-        debt = std::max(debt, std::abs(feed.debt));
-        for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
-        CHECK(rod.material_s[rod.n - 1] == about(length_inside(rod)).epsilon(1e-12));
-        const double base = rod.rest_length[rod.n - 2];
-        CHECK(base <= 1.5 * edge + 1e-12);
-        if (rod.n > 2) CHECK(base >= 0.5 * edge - 1.1e-4);
+        for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == about(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
+        CHECK(world.readings(0).turned == about(7.5));
+        // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an
+        // edge, 1e-6 of B/L^2 times the edge, on 20 edges
+        const double left = 20 * 1e-6 * 1e-5 / (0.08 * 0.08) * 0.004;
+        REQUIRE(largest > 1000 * left);
+        CHECK(std::abs(world.readings(0).hand_torque) <= left);
+        for (int i = 0; i < rod.n; ++i) CHECK(std::hypot(rod.y[i], rod.z[i]) <= 1e-12);  // straight all the time
     }
-    CHECK(worst <= 1e-12);  // sums of 700 additions of 1e-4
-    // h (kappa h)^2 / 32 a split; curvature where the wire enters stays below 1 / (bend radius)
-    CHECK(debt <= 3 * edge * std::pow(edge / 0.03, 2) / 32);
-    REQUIRE(world.rod(0).n > 12);
-}
-
-TEST_CASE("property: neither hand force nor momentum jumps where the base edge is split")
-{
-    World world(bend_setup(0.05, 25));
-    std::vector<Sample> trace;
-    for (int k = 0; k < 1500; ++k) {
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        const RodView rod = world.rod(0);
-        Vec3 momentum = Vec3::Zero();
-        for (int i = 0; i < rod.n; ++i) momentum += rod.mass[i] * rod.vel(i);
-        trace.push_back({world.readings(0).hand_force, length_inside(rod), momentum.norm(), rod.n});
-    }
-    int splits = 0;
-    double largest = 0;
-    for (std::size_t k = 40; k + 25 < trace.size(); ++k) {
-        if (trace[k].nodes == trace[k - 1].nodes || trace[k - 1].nodes < 3) continue;
-        ++splits;
-        const double before = mean_force(trace, k - 20, k), after = mean_force(trace, k, k + 20);
-        CAPTURE(k);
-        CHECK(std::abs(after - before) <= std::max(0.01 * std::abs(before), 1e-3));  // design section 1
-        largest = std::max(largest, std::abs(before));
-        // momentum: mass of 0.05 mm of wire times the feed's speed comes with every step; a split adds none
-        const double mass_rate = 7900 * std::numbers::pi * 0.4445e-3 * 0.4445e-3;
-        CHECK(std::abs(trace[k].momentum - trace[k - 1].momentum) <= 0.05 * mass_rate * trace[k].inside * 0.05 + mass_rate * 5e-5 * 0.1);
-    }
-    REQUIRE(splits >= 10);
-    MESSAGE(splits << " splits, hand force up to " << largest << " N");
-}
-
-TEST_CASE("property: pulled back below half an edge the wire is in its guide again, and comes out again")
-{
-    WorldSetup setup;
-    add_tube(setup, tube(0.003, 0.12));
-    WireSetup wire = fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0024}, 0);
-    wire.feed.keys = {{0, 0, 0}, {0.3, 0.03, 0}, {0.6, 0, 0}, {0.9, 0.03, 0}, {1.0, 0.03, 0}};
-    setup.wires = {wire};
-    World world(std::move(setup));
-    bool was_inside = false, went_back = false;
-    for (int k = 1; k <= 1000; ++k) {
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        const FeedState& feed = world.impl().feeds[0];
-        if (k == 300) was_inside = feed.inside;
-        if (k == 600) {
-            went_back = !feed.inside;
-            CHECK(world.rod(0).n == 2);
-            CHECK(world.readings(0).hand_force == 0);
-            CHECK(world.readings(0).contacts == 0);
-        }
-        // the tip is never where the wire cannot reach
-        CHECK((world.rod(0).pos(0) - feed.point).norm() <= std::abs(feed.advance) + 0.005);
-    }
-    CHECK(was_inside);
-    CHECK(went_back);
-    CHECK(world.impl().feeds[0].inside);
-    CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
-}
-
-// A straight wire without friction, load or weight turns as a rigid shaft does: every section by the hub's angle.
-TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by the same angle, and the torque dies away")
-{
-    WorldSetup setup;
-    setup.gravity = Vec3::Zero();
-    WireSetup wire = fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 0);
-    wire.feed.keys = {{0, 0.08, 0}, {0.2, 0.08, 7.5}, {1, 0.08, 7.5}};  // more than a turn
-    setup.wires = {wire};
-    World world(std::move(setup));
-    double largest = 0;
-    for (int k = 1; k <= 400; ++k) {
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        largest = std::max(largest, std::abs(world.readings(0).hand_torque));
-    }
-    const RodView rod = world.rod(0);
-    for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == about(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
-    CHECK(world.readings(0).turned == about(7.5));
-    // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an edge,
-    // 1e-6 of B/L^2 times the edge, on 20 edges
-    const double left = 20 * 1e-6 * 1e-5 / (0.08 * 0.08) * 0.004;
-    REQUIRE(largest > 1000 * left);
-    CHECK(std::abs(world.readings(0).hand_torque) <= left);
-    for (int i = 0; i < rod.n; ++i) CHECK(std::hypot(rod.y[i], rod.z[i]) <= 1e-12);  // straight all the time
-}
-
 }
