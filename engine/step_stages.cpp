@@ -1,5 +1,7 @@
 #include "step_stages.h"
 
+#include "vessel/repair.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -153,7 +155,7 @@ void constrain_now(World::Impl& state, int w)
     if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
 }
 
-// A wire that is not fed pays its debt of rest length over this time [s]: slow against its axial waves, fast against what a hand does.
+// A wire that is not fed pays its debt of rest length over this time [s]: slow against axial waves, fast against a hand.
 constexpr double debt_time = 0.05;
 
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
@@ -169,9 +171,34 @@ void drain_debt(World::Impl& state, int w, double dt)
     debt -= paid;
 }
 
-// A fed wire's base edge is kept within [h/2, 3h/2]. What feeding has grown is
-// split at once; what it has shortened is merged where the longer edge will stay, or at the last where it is too short for any wire.
-bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
+// What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
+void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
+{
+    const auto at = force.begin() + change.at;
+    if (change.split) {
+        std::copy_backward(at + 1, force.begin() + n, force.begin() + n + 1);
+        *(at + 1) = Vec3::Zero();
+    } else {
+        *(at - 1) += 0.5 * *at;
+        *(at + 1) += 0.5 * *at;
+        std::copy(at + 1, force.begin() + n, at);
+    }
+}
+
+// @return whether it did anything
+bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
+{
+    const int n = state.rods.node_count(w);
+    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits);
+    if (!change.changed) return false;
+    state.remesh_energy[w] += change.energy;
+    renumber_forces(state.results[w].nodal_contact, n, {state.rods.node_count(w) > n, n - 2, 0});
+    return true;
+}
+
+// A fed wire's base edge is kept within [h/2, 3h/2], h following the shape there. What feeding has grown is split at once; what
+// pulling back has shortened is merged where the longer edge will stay, or at the last where it is too short for any edge.
+BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
     const RodView rod = state.rods.view(w);
@@ -179,9 +206,7 @@ bool adapt_base(World::Impl& state, int w, const NodeDemands& demands)
     BaseEdge limits = BaseEdge::uniform(planner.base_edge(rod, spec, demands.hub_tangent));
     limits.inner = planner.base_split(rod, spec);
     if (!demands.may_merge || !planner.base_may_merge(rod, spec)) limits.shortest = spec.min_edge;
-    const HubChange change = adapt_hub(state.feeds[w], spec, state.rods, w, limits);
-    state.remesh_energy[w] += change.energy;
-    return change.changed;
+    return limits;
 }
 
 void adapt_wire(World::Impl& state, int w, double dt)
@@ -196,13 +221,17 @@ void adapt_wire(World::Impl& state, int w, double dt)
     demands.may_merge = state.steps % merge_period == 0;
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
-    if (fed && adapt_base(state, w, demands)) return;
+    // the moments beside a new node settle within the next step; until then only lengths are judged
+    if (fed && adapt_base(state, w, base_limits(state, w, demands))) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
+    state.feeds[w].debt +=
+        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
     constrain_now(state, w);
+    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
+    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
     state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
 }
 
@@ -217,10 +246,46 @@ void adapt_nodes(World::Impl& state, double dt)
         if (state.adapters[w].on)
             adapt_wire(state, w, dt);
         else if (feed.on)
-            state.remesh_energy[w] += adapt_hub(feed, state.setup.wires[w].wire, state.rods, w, BaseEdge::uniform(feed.edge)).energy;
+            adapt_base(state, w, BaseEdge::uniform(feed.edge));
     }
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
+
+namespace {
+
+// Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
+// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need it
+// (a sample that passes the wall has touched it before, and says so).
+bool needs_audit(World::Impl& state, int wire)
+{
+    const Detection detection = state.setup.wires[wire].contact.detection;
+    if (!state.contact || detection == Detection::Swept || !state.live[wire]) return false;
+    if (detection != Detection::Capsule) return state.steps % 10 == 0;
+    const RodView rod = state.rods.view(wire);
+    double fastest = 0;
+    for (int i = 0; i < rod.n; ++i) fastest = std::max(fastest, rod.vel(i).norm());
+    return fastest * state.setup.dt > 0.5 * rod.radius[0];
+}
+
+void audit_outside(World::Impl& state, int wire)
+{
+    if (!state.lumen) {
+        const bool open = state.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
+        state.lumen = std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
+    }
+    const RodView rod = state.rods.view(wire);
+    double& outside = state.results[wire].contact.outside;
+    const auto look = [&](const Vec3& p) {
+        const LumenPlace place = state.lumen->locate(p);
+        if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
+    };
+    for (int j = 0; j + 1 < rod.n; ++j) {
+        look(rod.pos(j));
+        look((rod.pos(j) + rod.pos(j + 1)) / 2);
+    }
+}
+
+}  // namespace
 
 void check_state(World::Impl& state, StepReport& report)
 {
@@ -229,6 +294,7 @@ void check_state(World::Impl& state, StepReport& report)
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
             if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) report.flags |= StepNonFinite;
+        if (needs_audit(state, w)) audit_outside(state, w);
         if (state.results[w].contact.outside > 0) report.flags |= StepWallPenetration;
     }
 }

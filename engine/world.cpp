@@ -17,8 +17,13 @@ namespace seldinger {
 
 namespace {
 
-// `nodes` puts its samples on the nodes of a uniform wire
-bool nodes_adapt(const WireSetup& setup) { return setup.wire.nodes == 0 && setup.contact.detection != Detection::Nodes; }
+// `nodes` has its samples on the nodes of a uniform wire, and the pairs of `layer` are known by their edges; the samples of the
+// others are fixed in the material.
+bool nodes_adapt(const WireSetup& setup)
+{
+    const Detection detection = setup.contact.detection;
+    return setup.wire.nodes == 0 && detection != Detection::Nodes && detection != Detection::Layer;
+}
 
 NodeAdapter make_adapter(const WireSetup& setup, std::span<const double> held, int capacity)
 {
@@ -89,7 +94,7 @@ std::string describe_nodes(const WireSetup& setup)
     const WireSpec& spec = setup.wire;
     if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
     if (!nodes_adapt(setup))
-        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; contact at the nodes needs them uniform)", 1e3 * uniform_edge(spec));
+        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)", 1e3 * uniform_edge(spec));
     return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
                        1e3 * spec.max_edge, 1e6 * spec.edge_error);
 }

@@ -8,6 +8,7 @@
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "solve/newton.h"
+#include "vessel/inside.h"
 
 #include <optional>
 
@@ -57,6 +58,8 @@ struct World::Impl {
     std::vector<WireResult> results;            // per wire
     std::vector<ContactRow> rows;               // what contacts() last returned
     double solve_time = 0, adapt_time = 0, contact_in_solve = 0;  // of the present step [s]
+
+    std::unique_ptr<LumenQuery> lumen;          // made when first needed; see audit_outside
 
     [[nodiscard]] int wire_count() const { return rods.wire_count(); }
     void save_wire(int wire);

@@ -291,14 +291,17 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
     std::vector<ContactRow> rows;
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireSamples& wire = samples_.wires[w];
+        const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
+        int edge = 0;
         for (int k = 0; k < wire.live; ++k) {
             const int s = wire.begin + k;
+            while (edge < rod.n - 2 && wire.s[k] > rod.material_s[edge + 1]) ++edge;
             for (int side = 0; side < 2; ++side) {
                 const TouchState& touch = touches[2 * s + side];
                 if (!(touch.flags & SEL_TOUCH_ACTIVE)) continue;
                 ContactRow row;
                 row.wire = w;
-                row.edge = static_cast<int>(samples_.places[s].edge) - rods.node_begin(w);
+                row.edge = edge;
                 row.triangle = static_cast<int>(wall_.original[touch.triangle]);
                 row.point = wall_.centre + Vec3(touch.point[0], touch.point[1], touch.point[2]);
                 row.normal = {touch.normal[0], touch.normal[1], touch.normal[2]};

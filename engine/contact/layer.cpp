@@ -54,6 +54,7 @@ LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, Ro
     stamps_.assign(rods.wire_count(), 1);
     edge_list_ = device::Buffer(context, n * sizeof(LayerEdge));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    touching_buffer_ = device::Buffer(context, n * sizeof(real));
     first_buffer_ = device::Buffer(context, (n + 1) * sizeof(std::uint32_t));
     edge_sums_ = device::Buffer(context, n * sizeof(EdgeForce));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
@@ -79,7 +80,7 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
 {
     edges_.clear();
     edge_wire_.clear();
-    centreline_hint_ = -1;  // a state that is restored must find the same points
+    centreline_hint_ = -1;  // within a step only: a restored run must find the same point
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!live[w]) continue;
         const RodView rod = rods_.view(w);
@@ -119,7 +120,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         for (bool again = true; again;) {
             params_.item_count = static_cast<uint>(edges_.size());
             find_.launch(light, edges_.size(), params_, edge_list_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
-                         candidates_, count_buffer_);
+                         candidates_, count_buffer_, touching_buffer_);
             context_.read(light, count_buffer_, counts_.data(), counts_.size() * sizeof(std::uint32_t));
             const std::uint32_t most = *std::max_element(counts_.begin(), counts_.end());
             again = most > params_.slots;
@@ -128,6 +129,8 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
                 candidates_ = device::Buffer(context_, rods.total_capacity() * params_.slots * sizeof(std::uint32_t));
             }
         }
+        touching_.resize(edges_.size());
+        context_.read(light, touching_buffer_, touching_.data(), touching_.size() * sizeof(real));
         candidates_host_.resize(edges_.size() * params_.slots);
         context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
     }
@@ -142,6 +145,7 @@ void LayerContact::list_pairs()
     keys_.clear();
     first_.clear();
     sums_.edge_node.clear();
+    paired_edges_.clear();
     std::fill(sums_.wire_edges.begin(), sums_.wire_edges.end(), 0);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
         if (counts_[e] == 0) continue;
@@ -149,6 +153,7 @@ void LayerContact::list_pairs()
         std::sort(found, found + counts_[e]);
         first_.push_back(static_cast<std::uint32_t>(pairs_.size()));
         sums_.edge_node.push_back(edges_[e].node);
+        paired_edges_.push_back(static_cast<std::uint32_t>(e));
         for (std::size_t w = edge_wire_[e] + 1; w < sums_.wire_edges.size(); ++w) sums_.wire_edges[w]++;
         for (std::uint32_t k = 0; k < counts_[e]; ++k) {
             const Key key{edge_wire_[e], edges_[e].node, found[k]};
@@ -190,6 +195,9 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
         context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
+        // a pair stands for no length of wire; its edge's layer does
+        for (std::size_t e = 0; e < edges; ++e)
+            if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
     times.evaluate += since(start);
 }

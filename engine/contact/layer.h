@@ -59,12 +59,14 @@ private:
     std::vector<LayerEdge> edges_;            // of this step
     std::vector<std::uint32_t> edge_wire_;    // [edges]
     std::vector<std::uint32_t> counts_, candidates_host_, first_;
+    std::vector<double> touching_;            // [edges] L' [m]
+    std::vector<std::uint32_t> paired_edges_;  // [active edges] index among edges_
     std::vector<LayerPair> pairs_;
     std::vector<Key> keys_, last_keys_;       // [pairs], of this and of the last accepted step, both ordered
     EdgeSums sums_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
-    device::Buffer edge_list_, candidates_, count_buffer_, pair_list_, first_buffer_, forces_, barys_, edge_sums_, touches_t0_, touches_;
+    device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_, edge_sums_, touches_t0_, touches_;
 };
 
 }  // namespace seldinger

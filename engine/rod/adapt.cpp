@@ -16,8 +16,8 @@ namespace {
 // two touches, a few lumen radii.
 constexpr double longest_lever = 0.03;  // [m]
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
-// The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on the arch and on an arc
-// of 40 mm, thirds leave less than 1 mN where whole ones left 4 mN of 240 mN, and cost three nodes.
+// The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
+// thirds leave 1 mN where whole ones left 4 mN of 240 mN, and cost three to five nodes.
 constexpr double base_share = 1.0 / 3;
 constexpr int most_seeds = 3;           // edges split in one call, not counting neighbours that have to follow
 
@@ -75,18 +75,23 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
         moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
     for (int i = 1; i < hub; ++i)
-        shear_jump_[i] = ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] - (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
+        shear_jump_[i] = ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] -
+                          (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
     if (hub == 1) return;
     curvature_[0] = curvature_[1];
     shear_jump_[0] = shear_jump_[1];          // what is at an end itself, a load or a reaction, is no error;
     shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, all the jumps of shear inside on its ends.
+/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, jumps of shear inside moved to its
+/// ends.
 double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
-    for (int i = from; i <= to; ++i) kappa = std::max(kappa, curvature_[i]), stiffness = std::min(stiffness, rod.bend_stiffness[i]);
+    for (int i = from; i <= to; ++i) {
+        kappa = std::max(kappa, curvature_[i]);
+        stiffness = std::min(stiffness, rod.bend_stiffness[i]);
+    }
     for (int i = from + 1; i < to; ++i) jump += shear_jump_[i];
     const double lever = std::min(rod.material_s[to], longest_lever);
     const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
@@ -110,7 +115,7 @@ std::span<const double> NodePlanner::longest_edges(const RodView& rod, const Wir
     return std::span(longest_).first(rod.n - 1);
 }
 
-/// Where to split the edge [begin, end] so that a node comes to a section's boundary inside it; 0 where none is, or too near to an end.
+/// Where to split the edge [begin, end] so that a node comes to a section's boundary in it; 0: none is, or too near to an end.
 double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double end) const
 {
     for (const double s : boundaries_)
@@ -122,6 +127,7 @@ double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
 {
     const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
     double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
+    if (rod.n > 2) inner = std::min(inner, edge_ratio_limit * rod.rest_length[rod.n - 3]);  // h may have grown since
     for (const double s : boundaries_)
         if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);
     return inner >= spec.min_edge ? inner : 0;
@@ -150,9 +156,9 @@ void NodePlanner::spread_marks(const RodView& rod, const WireSpec& spec, int fro
 void NodePlanner::plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
 {
     std::fill(marked_.begin(), marked_.end(), 0);
-    for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j)  // ratios that a boundary has spoilt, or feeding (a base edge that grows)
-        spread_marks(rod, spec, j);
-    for (int seed = 0; seed < most_seeds; ++seed) {
+    // ratios that a boundary has spoilt, or feeding; a base edge that is being pulled out is short for good reason
+    for (int j = 0; j < rod.n - (demands.fed ? 2 : 1); ++j) spread_marks(rod, spec, j);
+    for (int seed = 0; demands.may_refine && seed < most_seeds; ++seed) {
         int worst = -1;
         double most = 1;
         for (int j = 0; j < rod.n - 1; ++j) {

@@ -36,6 +36,7 @@ struct NodeDemands {
     std::span<const double> kept;  // material distances [m]; the nearest node to each stays
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
+    bool may_refine = true;           // else only what the ratio of neighbours asks for
     bool fed = false;              // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
 };
 
@@ -50,8 +51,8 @@ public:
     std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
     /// h of a fed wire's base edge [m], which is kept within [h/2, 3h/2].
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
-    /// How much of a fed wire's base edge a split should leave tipwards [m], so that a section's boundary in it can get its own node
-    /// later; 0: not yet.
+    /// How much of a fed wire's base edge a split should leave tipwards [m], so that a section's boundary in it can get its own
+    /// node later; 0: not yet.
     [[nodiscard]] double base_split(const RodView& rod, const WireSpec& spec) const;
     /// Whether the base edge and its neighbour may be one. After base_edge().
     [[nodiscard]] bool base_may_merge(const RodView& rod, const WireSpec& spec) const;

@@ -35,6 +35,8 @@ Vec3 displacement(const HoldSpec& hold, double t)
 
 double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std::clamp(t / load.ramp, 0.0, 1.0) : 1.0; }
 
+constexpr int most_clamps = 12;  // RodFrames has room for 16; feeding and rings add their own
+
 /// Parallel transport of v from unit vector a to unit vector b.
 Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b)
 {
@@ -102,6 +104,11 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
         hold.director = frame.director;
         holds_.push_back(hold);
     }
+    const auto is_clamp = [](const Hold& h) { return h.spec.direction || h.spec.spin; };
+    const auto clamps = std::count_if(holds_.begin(), holds_.end(), is_clamp);
+    if (clamps > most_clamps)
+        throw Error(ExitCode::BadScene,
+                    fmt::format("hold: {} of them hold a direction or spin, at most {} can", clamps, most_clamps));
     refuse_contradictions(rod);
 }
 

@@ -3,19 +3,23 @@
 // take its own decision. Nothing here looks at another wire.
 //
 // Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one (and the exact one again, by LU,
-// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding
-// friction the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that the *linear*
-// equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens
-// it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is far too stiff
-// sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed
-// equations in position and tension; same solution, since both tensions agree there.)
+// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding friction
+// the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that
+// the *linear* equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by
+// phi lengthens it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is
+// far too stiff sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the
+// mixed equations in position and tension; same solution, since both tensions agree there.)
 //
 // Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
-// either the simplified Newton correction A^-1 R(q + alpha d), in metres, has shrunk against d (the natural monotonicity test of
-// [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has: |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is
-// reduced. Between two evaluations of contact, which cost most of a step, the equations with contact taken as linear are
-// solved on by further back-substitutions (polish), so that what the next evaluation finds is contact's own curvature only.
-// No edge turns by more than half a radian and no node moves farther than contact has searched in one update.
+// either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk against d (the
+// natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
+// |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
+// than contact has searched in one update. Between two evaluations of contact, which cost most of a step, the equations with
+// contact taken as linear are solved on by further back-substitutions (polish), so that what the next evaluation finds is
+// contact's own curvature only.
+//
+// Statics. A shift on the diagonal, no larger than makes the exact matrix positive definite, turns each iteration into a step of
+// pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is Newton's method at the end.
 
 #include "solve/wire_problem.h"
 

@@ -9,14 +9,16 @@
 // Steps 1-5 for every edge.
 //   item    one edge; range rounded up to the work-group size
 //   reads   edges [item_count]; hi, lo [nodes][3]; tree; vertices [T][9]
-//   writes  candidates [item_count][slots], counts [item_count]: how many were found, also beyond `slots`
+//   writes  candidates [item_count][slots], counts [item_count]: how many were found, also beyond `slots`;
+//           touching [item_count] L' [m]
 SEL_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* restrict edges, __global const float* restrict hi,
                            __global const real* restrict lo, __global const TreeNode* restrict nodes,
-                           __global const float* restrict vertices, __global uint* restrict candidates, __global uint* restrict counts)
+                           __global const float* restrict vertices, __global uint* restrict candidates,
+                           __global uint* restrict counts, __global real* restrict touching)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count)
-        counts[item] = find_pairs(edges[item], hi, lo, nodes, vertices, par.slots, candidates + (ulong)item * par.slots);
+        counts[item] = find_pairs(edges[item], hi, lo, nodes, vertices, par.slots, candidates + (ulong)item * par.slots, touching + item);
 }
 
 // Forces of pairs.

@@ -187,15 +187,18 @@ typedef struct LayerPair {
     uint pad;
 } LayerPair;
 
-// Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`; @return how many
+// Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to *touching;
+// @return how many
 SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const TreeNode* nodes,
-                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found)
+                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
 {
+    *touching = 0;
     const AxisPoint at = axis_point(e.node, 0, hi, lo);
     const vec3 a = at.origin + at.offset;
     const vec3 zero = make_vec3(0, 0, 0);
     const Layer layer = make_layer(a, a + at.edge, e.model.radius, e.width, e.height, e.reach, nodes, vertices);
     if (!layer.found) return 0;
+    *touching = (layer.to - layer.from) * sqrt(dot3(at.edge, at.edge));
     uint stack[SEL_TREE_STACK];
     uint top = 0, count = 0;
     stack[top++] = 0;

@@ -72,6 +72,7 @@ SampleModel linear_law(double weight)
 struct Pairs {
     std::uint32_t count = 0;
     double force = 0;  // normal to the floor [N]
+    real touching = 0;  // L' [m]
 };
 
 // everything that the layer method finds and exerts on one edge at rest
@@ -86,8 +87,8 @@ Pairs layer_pairs(const Floor& floor, vec3 a, vec3 b)
     e.model = linear_law(1e-3);
     std::vector<std::uint32_t> found(4000);
     Pairs out;
-    out.count =
-        find_pairs(e, edge.hi.data(), edge.lo.data(), floor.tree.nodes.data(), floor.tree.vertices.data(), 4000, found.data());
+    out.count = find_pairs(e, edge.hi.data(), edge.lo.data(), floor.tree.nodes.data(), floor.tree.vertices.data(), 4000, found.data(),
+                           &out.touching);
     const double theta[2] = {0, 0};
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;

@@ -135,6 +135,7 @@ std::vector<uint> up_to(std::size_t n)
 
 struct Found {
     std::vector<uint> candidates, counts;
+    std::vector<real> touching{};  // layer: L'
 };
 
 Found host_find(const Scene& s, const std::vector<uint>& list, real skin, uint slots)
@@ -209,10 +210,10 @@ std::vector<LayerEdge> layer_edges(Scene& s, std::size_t count)
 
 Found host_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots)
 {
-    Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size())};
+    Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size()), std::vector<real>(edges.size())};
     for (std::size_t k = 0; k < edges.size(); ++k)
         out.counts[k] = find_pairs(edges[k], s.hi.data(), s.lo.data(), s.nodes.data(), s.wall.vertices.data(), slots,
-                                   out.candidates.data() + k * slots);
+                                   out.candidates.data() + k * slots, &out.touching[k]);
     return out;
 }
 
@@ -227,11 +228,11 @@ Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uin
     Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
     Guarded<real> lo(context, lane, s.lo);
     Guarded<TreeNode> nodes(context, lane, s.nodes);
-    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)),
-        counts(context, lane, std::vector<uint>(edges.size()));
+    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)), counts(context, lane, std::vector<uint>(edges.size()));
+    Guarded<real> touching(context, lane, std::vector<real>(edges.size()));
     kernel.launch(lane, edges.size(), par, list.buffer(), hi.buffer(), lo.buffer(), nodes.buffer(), vertices.buffer(),
-                  candidates.buffer(), counts.buffer());
-    return {candidates.read(), counts.read()};
+                  candidates.buffer(), counts.buffer(), touching.buffer());
+    return {candidates.read(), counts.read(), touching.read()};
 }
 
 // the cases --------------------------------------------------------------------------------------------------------------------
@@ -367,6 +368,7 @@ void layer_find_case()
                 CAPTURE(slots);
                 CHECK(first_difference(device.counts, host.counts) == -1);
                 CHECK(first_difference(device.candidates, host.candidates) == -1);
+                CHECK(first_difference(device.touching, host.touching) == -1);
                 for (uint c : host.counts) found += c;
             }
     REQUIRE(found > 500);

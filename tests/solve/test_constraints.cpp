@@ -38,7 +38,8 @@ TEST_CASE("property: a moving hold follows its keys and velocity, and stays wher
     hold.turn = {{0, 0}, {2, 1}};
     rig.hold({hold});
     struct Expected { double t, x, y, turn; };
-    for (const Expected& e : {Expected{0, 0, 0, 0}, {1, 0, 0.01, 0.5}, {2, 0.01, 0.02, 1}, {3, 0.02, 0.03, 1}, {9, 0.02, 0.09, 1}}) {
+    for (const Expected& e : {Expected{0, 0, 0, 0}, {1, 0, 0.01, 0.5}, {2, 0.01, 0.02, 1}, {3, 0.02, 0.03, 1},
+                              {9, 0.02, 0.09, 1}}) {
         CAPTURE(e.t);
         rig.fill(e.t);
         const auto& prescribed = rig.constraints[0].prescribed;

@@ -32,7 +32,8 @@ std::pair<double, double> elastica_tip(int edges, double alpha, SolveReport* rep
 struct Heavy {
     double gamma, sag;
 };
-constexpr Heavy heavy[] = {{0.1, 0.0124996}, {1, 0.12456176644123432}, {10, 1.0668023204338655}, {100, 5.8881046}, {1000, 21.3354405}};
+constexpr Heavy heavy[] = {{0.1, 0.0124996}, {1, 0.12456176644123432}, {10, 1.0668023204338655}, {100, 5.8881046},
+                           {1000, 21.3354405}};
 
 }  // namespace
 
