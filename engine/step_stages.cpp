@@ -30,6 +30,21 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
     }
 }
 
+// Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
+void start_acceleration(World::Impl& state)
+{
+    for (int w = 0; w < state.wire_count(); ++w) {
+        state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
+        state.holds[w].fill(state.wire_time[w], state.rods.view(w), state.constraints[w]);
+        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], state.rods.view(w), state.constraints[w]);
+    }
+    if (state.contact) {
+        state.contact->begin_step(state.rods);
+        state.contact->prepare(state.rods, state.live);
+    }
+    state.solver->initialise_acceleration(state.constraints, state.contact.get(), state.active);
+}
+
 }  // namespace
 
 WireMask everyone(const World::Impl& state) { return WireMask(state.wire_count(), 1); }
@@ -50,6 +65,7 @@ void collect_timers(World::Impl& state, StepReport& report)
 
 void begin_step(World::Impl& state)
 {
+    if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
     for (int w = 0; w < state.wire_count(); ++w) state.save_wire(w);
     state.contact_in_solve = 0;
 }
