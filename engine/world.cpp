@@ -4,6 +4,7 @@
 
 #include "core/bytes.h"
 #include "core/error.h"
+#include "device/enumerate.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
 
@@ -118,6 +119,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
         adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
     }
     solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity);
+    if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
         context = std::make_unique<device::Context>(setup.device_index);
         contact = make_contact(*context, setup, rods);

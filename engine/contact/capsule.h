@@ -15,24 +15,8 @@ public:
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
     [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire); }
-    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const override
-    {
-        sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
-    }
-    [[nodiscard]] bool unsymmetric(int wire) const override { return sums_.unsymmetric(wire); }
-    [[nodiscard]] double largest_force(int wire) const override { return sums_.largest_force(wire); }
     [[nodiscard]] double move_limit(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
-    void set_all_stuck(bool stuck) override { params_.all_stuck = stuck; }
-
-    [[nodiscard]] ContactTotals totals(int wire) const override
-    {
-        return sums_.totals(wire, samples_.models[samples_.wires[wire].begin].radius);
-    }
-    void add_nodal_forces(int wire, std::span<Vec3> forces) const override
-    {
-        sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
-    }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;
@@ -49,17 +33,13 @@ private:
     [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
 
-    device::Context& context_;
-    RodArrays& rods_;
     bool swept_;
     DeviceWall wall_;
     SampleSet samples_;
-    ContactParams params_{};
     double skin_ = 0;   // candidates hold everything within radius + skin of where the sample was when they were found [m]
     double slack_ = 0;  // how far a sample may move before they are found anew [m]
     std::vector<double> cull_x_, cull_y_, cull_z_;  // [samples] where; NaN: never
     std::vector<std::uint32_t> counts_, to_find_, active_, edge_first_;
-    EdgeSums sums_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer models_, places_, candidates_, count_buffer_, find_list_, active_list_, first_buffer_, forces_, barys_, edge_buffer_;

@@ -35,7 +35,8 @@ struct DeviceNodes {
     void upload(device::Context& context, device::Lane lane);
 };
 
-/// What World needs of a contact method beside what the solver needs.
+/// A detection method: what World needs of it beside what the solver needs. However contact is found, the device leaves sums per
+/// edge (edge_sums.h), and what the solver asks is answered from those.
 class ContactMethod : public ContactTerm {
 public:
     /// Remembers node positions, angles and sample places at the start of the step.
@@ -44,11 +45,18 @@ public:
     virtual void prepare(RodArrays& rods, std::span<const std::uint8_t> live) = 0;
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> active) = 0;
-    virtual void set_all_stuck(bool stuck) = 0;
+    void set_all_stuck(bool stuck) { params_.all_stuck = stuck; }
 
-    [[nodiscard]] virtual ContactTotals totals(int wire) const = 0;
+    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const final
+    {
+        sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
+    }
+    [[nodiscard]] bool unsymmetric(int wire) const final { return sums_.unsymmetric(wire); }
+    [[nodiscard]] double largest_force(int wire) const final { return sums_.largest_force(wire); }
+    [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
     /// Adds contact forces on the nodes of a wire, [n].
-    virtual void add_nodal_forces(int wire, std::span<Vec3> forces) const = 0;
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const { sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces); }
+
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
@@ -56,6 +64,14 @@ public:
     virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
 
     StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]
+
+protected:
+    ContactMethod(device::Context& context, RodArrays& rods) : context_(context), rods_(rods) {}
+
+    device::Context& context_;
+    RodArrays& rods_;
+    ContactParams params_{};
+    EdgeSums sums_;
 };
 
 /// @param specs, contacts  per wire; must outlive the result

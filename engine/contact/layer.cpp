@@ -33,9 +33,8 @@ double layer_height(const ContactSpec& contact, double radius)
 double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
 
 LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius)
-    : context_(context),
+    : ContactMethod(context, rods),
       setup_(setup),
-      rods_(rods),
       wall_(context, tree, setup.mesh),
       typical_radius_(lumen_radius),
       nodes_(context, rods.total_capacity()),

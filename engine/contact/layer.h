@@ -18,20 +18,8 @@ public:
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
     [[nodiscard]] bool admissible(int) const override { return true; }  // as published: nothing refuses a trial
-    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const override
-    {
-        sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
-    }
-    [[nodiscard]] bool unsymmetric(int wire) const override { return sums_.unsymmetric(wire); }
-    [[nodiscard]] double largest_force(int wire) const override { return sums_.largest_force(wire); }
     [[nodiscard]] double move_limit(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
-    void set_all_stuck(bool stuck) override { params_.all_stuck = stuck; }
-    [[nodiscard]] ContactTotals totals(int wire) const override { return sums_.totals(wire, setup_.wires[wire].wire.at(0).radius); }
-    void add_nodal_forces(int wire, std::span<Vec3> forces) const override
-    {
-        sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
-    }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;
@@ -48,12 +36,9 @@ private:
     void merge_records(std::span<const std::uint8_t> active);
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
-    device::Context& context_;
     const WorldSetup& setup_;
-    RodArrays& rods_;
     DeviceWall wall_;
     double typical_radius_;
-    ContactParams params_{};
     std::vector<std::uint32_t> stamps_;       // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;
     std::vector<LayerEdge> edges_;            // of this step
@@ -63,7 +48,6 @@ private:
     std::vector<std::uint32_t> paired_edges_;  // [active edges] index among edges_
     std::vector<LayerPair> pairs_;
     std::vector<Key> keys_, last_keys_;       // [pairs], of this and of the last accepted step, both ordered
-    EdgeSums sums_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_, edge_sums_, touches_t0_, touches_;

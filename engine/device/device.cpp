@@ -5,8 +5,12 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <cstring>
 #include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 namespace seldinger::device {
 
@@ -33,6 +37,30 @@ const char* error_name(cl_int status)
         default: return "OpenCL error";
     }
 }
+
+// PoCL's compiler counts its errors on stderr; what is wrong is in the build log, which our own message quotes.
+class QuietStderr {
+public:
+    QuietStderr() : saved_(dup(STDERR_FILENO))
+    {
+        std::fflush(stderr);
+        const int nowhere = open("/dev/null", O_WRONLY);
+        if (nowhere < 0) return;
+        dup2(nowhere, STDERR_FILENO);
+        close(nowhere);
+    }
+    ~QuietStderr()
+    {
+        if (saved_ < 0) return;
+        dup2(saved_, STDERR_FILENO);
+        close(saved_);
+    }
+    QuietStderr(const QuietStderr&) = delete;
+    QuietStderr& operator=(const QuietStderr&) = delete;
+
+private:
+    int saved_;
+};
 
 }  // namespace
 
@@ -74,9 +102,7 @@ Context::Context(int index, bool float32) : float32_(float32)
     const auto all = all_devices();
     if (all.empty())
         throw Error(ExitCode::NoDevice, "no OpenCL device was found; install one, for example `apt-get install pocl-opencl-icd`");
-    if (index >= static_cast<int>(all.size()))
-        throw Error(ExitCode::NoDevice,
-                    fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, all.size() - 1));
+    check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;
     cl_platform_id platform = nullptr;
@@ -160,7 +186,10 @@ cl_program Context::program(const std::string& file)
     cl_program built = clCreateProgramWithSource(context_, 1, &text, &length, &status);
     check(status, "clCreateProgramWithSource");
     const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", Kernel::workgroup, float32_ ? " -DSEL_FLOAT32" : "");
-    status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+    {
+        const QuietStderr quiet;
+        status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
+    }
     if (status != CL_SUCCESS) {
         std::size_t size = 0;
         clGetProgramBuildInfo(built, devices_[0], CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);

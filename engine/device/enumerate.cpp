@@ -1,6 +1,9 @@
 #include "device/enumerate.h"
 
+#include "core/error.h"
 #include "engine.h"
+
+#include <fmt/format.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -38,6 +41,13 @@ std::string device_text(cl_device_id device, cl_device_info what)
     clGetDeviceInfo(device, what, size, text.data(), nullptr);
     text.resize(std::strlen(text.c_str()));
     return text;
+}
+
+void check_device_index(int index)
+{
+    const int count = static_cast<int>(all_devices().size());
+    if (index < count) return;
+    throw Error(ExitCode::NoDevice, fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
 }
 
 int default_device(const std::vector<cl_device_id>& devices)

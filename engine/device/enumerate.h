@@ -15,6 +15,9 @@ namespace seldinger::device {
 /// PoCL's threaded CPU device where present (the built-in default), else the first device.
 [[nodiscard]] int default_device(const std::vector<cl_device_id>& devices);
 
+/// @throws Error NoDevice when there is no such device; -1, the default, always passes
+void check_device_index(int index);
+
 /// A textual property; empty where the device does not answer.
 [[nodiscard]] std::string device_text(cl_device_id device, cl_device_info what);
 
