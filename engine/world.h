@@ -55,6 +55,7 @@ struct World::Impl {
     std::vector<FeedState> feed_backup;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
+    std::vector<Vec3> nodal_backup;             // of the wire whose nodes are being changed
     std::vector<WireResult> results;            // per wire
     std::vector<ContactRow> rows;               // what contacts() last returned
     double solve_time = 0, adapt_time = 0, contact_in_solve = 0;  // of the present step [s]

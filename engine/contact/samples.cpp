@@ -45,7 +45,7 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
         }
         set.wires.push_back(std::move(samples));
     }
-    set.places.assign(set.models.size(), SamplePlace{0, SEL_NO_EDGE, 0, 0, 0, 0});
+    set.places.assign(set.models.size(), SamplePlace{0, SEL_NO_EDGE, 0, 0, 0, 0, 0});
     return set;
 }
 

@@ -73,12 +73,30 @@ SEL_FN int same_side(TouchState touch, vec3 normal)
     return touch.normal[0] * normal.x + touch.normal[1] * normal.y + touch.normal[2] * normal.z > 0;
 }
 
-// Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step.
+SEL_FN HardState no_hard_state(void)
+{
+    HardState none;
+    for (int i = 0; i < 3; ++i) none.normal[i] = none.friction[i] = 0;
+    none.force = none.stiffness = none.miss = 0;
+    none.live = none.pad = 0;
+    return none;
+}
+
+// How well a record fits a wall: the cosine between its last normal and the wall's.
+SEL_FN real fit(TouchState touch, HardState hard, int lives, vec3 normal)
+{
+    if (!lives && hard.live) return normal.x * hard.normal[0] + normal.y * hard.normal[1] + normal.z * hard.normal[2];
+    return normal.x * touch.normal[0] + normal.y * touch.normal[1] + normal.z * touch.normal[2];
+}
+
+// Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step; so is `hard`,
+// which only augmented, constraint and impulse read.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* candidates,
                                    uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims,
                                    SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
                                    SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
-                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches)
+                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches,
+                                   SEL_GLOBAL const HardState* hard)
 {
     SampleForce out;
     for (int k = 0; k < 4; ++k) out.force[k] = 0;
@@ -93,6 +111,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     SampleMove mv;
     mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
     mv.stamp = place.stamp;
+    mv.shrink = place.shrink;
     mv.fresh = place.edge_t0 == SEL_NO_EDGE;
     mv.move = make_vec3(0, 0, 0);
     mv.spin = 0;
@@ -119,12 +138,13 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
-        const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];
-        const real to_b = first.normal.x * b.normal[0] + first.normal.y * b.normal[1] + first.normal.z * b.normal[2];
-        const int swap = b_lives && (!a_lives || to_b > to_a);
+        const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
+        const HardState ha = plain ? no_hard_state() : hard[2 * s], hb = plain ? no_hard_state() : hard[2 * s + 1];
+        const real to_a = fit(a, ha, a_lives, first.normal), to_b = fit(b, hb, b_lives, first.normal);
+        const int swap = (b_lives || hb.live) && (!(a_lives || ha.live) || to_b > to_a);
         const vec3 centre = at.origin + at.offset;
-        add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);
-        if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, &now[swap ? 0 : 1], &out);
+        add_touch(first, centre, m, mv, par, swap ? b : a, swap ? hb : ha, &now[swap ? 1 : 0], &out);
+        if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, swap ? ha : hb, &now[swap ? 0 : 1], &out);
         if (out.contacts > 0) out.length = m.length;
     }
     touches[2 * s] = now[0];
