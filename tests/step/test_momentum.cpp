@@ -35,10 +35,10 @@ double allowed_error(const World& world)
 
 struct Closed {
     int checked = 0, halved = 0, touching = 0;
-    double worst = 0;      // error over what is allowed
-    double largest = 0;    // of the balance's terms [N]
-    double listed = 0;     // worst difference of the contact list's sum from the balance's contact force [N]
-    double change = 0;     // worst difference between the balance's rate and the test's own, backward Euler [N]
+    double worst = 0;    // error over what is allowed
+    double largest = 0;  // of the balance's terms [N]
+    double listed = 0;   // worst difference of the contact list's sum from the balance's contact force [N]
+    double change = 0;   // worst difference between the balance's rate and the test's own, backward Euler [N]
 };
 
 Closed run_closed(WorldSetup setup, int steps, bool newmark = false)
@@ -187,7 +187,8 @@ TEST_SUITE("step/momentum")
         CHECK(now.momentum.error().norm() <= allowed_error(world));
     }
 
-    // What is fed brings its own momentum, so a straight wire gliding into nothing pulls and pushes at nothing, whenever a node comes.
+    // What is fed brings its own momentum, so a straight wire gliding into nothing pulls and pushes at nothing, whenever a node
+    // comes.
     TEST_CASE("analytic: a steady feed brings rho A v^2, and the hand needs no force for it")
     {
         const double speed = 1;
