@@ -70,8 +70,8 @@ bool Refiner::add_level()
     stopped_ = run.stopped;
     if (!run.complete) {
         if (!stopped_)
-            reference_.note = fmt::format("refinement {} failed at {:.3g} s: {}", level, run.behaviour.failed_at,
-                                          word_of(run.behaviour.verdict));
+            reference_.note =
+                fmt::format("refinement {} failed at {:.3g} s: {}", level, run.failed_at, name(run.verdict.outcome));
         return false;
     }
     if (!folder_.empty()) save_trajectory(file, run.trajectory);

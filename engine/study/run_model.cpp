@@ -1,5 +1,7 @@
 #include "study/run_model.h"
 
+#include "study/run_watch.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -73,7 +75,7 @@ public:
     OneRun(const StudyScene& scene, const Scene& changed, const RunPlan& plan, std::unique_ptr<Simulation> simulation)
         : plan_(plan),
           simulation_(std::move(simulation)),
-          watch_(changed, plan.limits),
+          watch_(changed, scene.setup, plan.limits, *simulation_),
           average_(changed.wire.length),
           dt_(changed.dt),
           settles_(changed.start_settled || changed.integrator.scheme == Scheme::Static),
@@ -130,7 +132,10 @@ private:
             const StepReport report = simulation_->step(h);
             clock_.stop();
             result_.simulated = from + static_cast<double>(k) * h;
-            if (!watch_.after_step(*simulation_, report, result_.simulated)) return false;
+            if (!watch_.after_step(*simulation_, report, result_.simulated)) {
+                result_.failed_at = result_.simulated;
+                return false;
+            }
             if (clock_.wall() > plan_.wall_limit) {
                 result_.over_limit = true;
                 return false;
@@ -155,7 +160,7 @@ private:
 
     ModelRun finish()
     {
-        result_.behaviour = watch_.result();
+        result_.verdict = watch_.verdict();
         const double per = is_static_ || result_.simulated == 0 ? 1 : result_.simulated;
         result_.cost = {clock_.wall() / per, clock_.wall() / per, clock_.wall() / per, clock_.cpu() / per, 1};
         return std::move(result_);
@@ -163,7 +168,7 @@ private:
 
     const RunPlan& plan_;
     std::unique_ptr<Simulation> simulation_;
-    BehaviourWatch watch_;
+    RunWatch watch_;
     Averager average_;
     Stopwatch clock_;
     double dt_, until_ = 0, interval_ = 0;

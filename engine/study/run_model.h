@@ -1,7 +1,7 @@
 #pragma once
 // Runs one scene under one model: times the steps, keeps the observables, says how the run behaved, stops early when told to.
 
-#include "study/behaviour.h"
+#include "study/classify.h"
 #include "study/trajectory.h"
 
 #include <functional>
@@ -17,7 +17,7 @@ struct RunPlan {
     int repeats = 1;         // at most so many timed runs
     double repeat_wall = std::numeric_limits<double>::infinity();  // no repeat is begun once the steps of all took this [s]
     double wall_limit = std::numeric_limits<double>::infinity();   // of the steps of one run [s]; it then stops, incomplete
-    BehaviourLimits limits;
+    FailureLimits limits;                                          // radius infinite: the wire's own
     std::function<bool()> stop;  // asked between samples; true ends the run, incomplete. May be empty
 };
 
@@ -32,7 +32,8 @@ struct Cost {
 struct ModelRun {
     Trajectory trajectory;
     Cost cost;
-    Behaviour behaviour;
+    Verdict verdict;
+    double failed_at = 0;         // of a run that broke off by itself [s]
     double simulated = 0;         // [s]
     int nodes = 0, contacts = 0;  // at most
     bool complete = false;        // reached the end

@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <numbers>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -102,7 +101,7 @@ TEST_SUITE("study/run_model")
             const ModelRun run = run_model(scene, model, plan);
             REQUIRE(run.complete);
             CHECK(run.nodes == nodes);
-            CHECK(run.behaviour.verdict == Verdict::Hold);
+            CHECK(run.verdict.held());
             for (const Sample& s : run.trajectory.samples) {
                 CHECK(static_cast<int>(s.shape.size()) == nodes);
                 // backward Euler falls by g h^2 n (n + 1) / 2 = g t (t + h) / 2
@@ -112,90 +111,63 @@ TEST_SUITE("study/run_model")
     }
 }
 
-TEST_SUITE("study/behaviour")
+TEST_SUITE("study/run_watch")
 {
-    Behaviour behaviour_of(const std::function<Moment(double)>& script)
+    TEST_CASE("property: a run that fails ends at once, with its outcome and time; overlap beyond the wire's radius is one")
     {
-        return run_model(scripted_scene(), scripted_model(), {}, scripted(script)).behaviour;
-    }
-
-    TEST_CASE("property: a steady run holds, whatever it does now and then")
-    {
-        const Behaviour b = behaviour_of([](double t) {
-            Moment m;
-            m.readings.hand_force =
-                0.2 + 0.1 * t + (std::abs(t - 0.5) < 0.01 ? 0.3 : 0.0);  // pushes harder and harder, and once hits
-            m.readings.kinetic = 1e-7;
-            return m;
-        });
-        CHECK(b.verdict == Verdict::Hold);
-        CHECK(b.jitter < 1e-6);
-        CHECK(b.steps == 1000);
-    }
-
-    TEST_CASE("analytic: jitter is the step-to-step change of an alternating force over its mean, or over a millinewton")
-    {
-        const auto alternating = [](double mean, double amplitude) {
-            return [=](double t) {
-                Moment m;
-                m.readings.hand_force = mean + amplitude * (std::lround(t / 1e-3) % 2 ? 1 : -1);
-                return m;
-            };
+        const auto run = [](const std::function<void(Moment&, double)>& change) {
+            return run_model(scripted_scene(), scripted_model(), {}, scripted([change](double t) {
+                                 Moment m;
+                                 m.readings.hand_force = 0.2;
+                                 change(m, t);
+                                 return m;
+                             }));
         };
-        const Behaviour much = behaviour_of(alternating(0.2, 0.02)), little = behaviour_of(alternating(0.2, 0.005));
-        CHECK(much.jitter == about(0.2).epsilon(1e-9));
-        CHECK(much.verdict == Verdict::Jitter);
-        CHECK(little.jitter == about(0.05).epsilon(1e-9));
-        CHECK(little.verdict == Verdict::Hold);
-        CHECK(behaviour_of(alternating(0, 1e-5)).jitter == about(0.02).epsilon(1e-9));
-    }
-
-    TEST_CASE("property: overlap, escape, blow-up and giving up are told apart, and the worst is named")
-    {
-        const auto with = [](auto change) {
-            return [=](double t) {
-                Moment m;
-                m.readings.hand_force = 0.2;
-                change(m, t);
-                return m;
-            };
-        };
-        CHECK(behaviour_of(with([](Moment& m, double) { m.readings.overlap = 3.9e-4; })).verdict == Verdict::Hold);
-        CHECK(behaviour_of(with([](Moment& m, double t) { m.readings.overlap = t > 0.5 ? 4.1e-4 : 0; })).verdict ==
-              Verdict::Overlap);
-        CHECK(behaviour_of(with([](Moment& m, double t) {
-                  m.readings.overlap = 1;
-                  m.readings.outside = t > 0.5 ? 1e-6 : 0;
-              })).verdict == Verdict::Escape);
-        const Behaviour gone = behaviour_of(with([](Moment& m, double t) {
+        const ModelRun lost = run([](Moment& m, double t) {
             if (t > 0.4995) m.readings.hand_force = std::nan("");
-        }));
-        CHECK(gone.verdict == Verdict::BlowUp);
-        CHECK(gone.failed_at == about(0.5).epsilon(1e-6));
-        CHECK(behaviour_of(with([](Moment& m, double t) {
-                  if (t > 0.5) m.report.flags = StepNotConverged;
-              })).verdict == Verdict::GaveUp);
+        });
+        CHECK(lost.verdict.outcome == Outcome::BlowUp);
+        CHECK_FALSE(lost.complete);
+        CHECK(lost.failed_at == about(0.5).epsilon(1e-6));
+        const ModelRun stuck = run([](Moment& m, double t) {
+            if (t > 0.2495) m.report.flags = StepNotConverged;
+        });
+        CHECK(stuck.verdict.outcome == Outcome::GaveUp);
+        CHECK(stuck.failed_at == about(0.25).epsilon(1e-6));
+        CHECK(run([](Moment& m, double) { m.readings.overlap = 3.9e-4; }).verdict.held());
+        const ModelRun deep = run([](Moment& m, double) { m.readings.overlap = 4.1e-4; });
+        CHECK(deep.verdict.outcome == Outcome::Overlap);
+        CHECK(deep.complete);
     }
 
-    TEST_CASE("analytic: energy out of nothing is a blow-up; as much as the hand gave is not")
+    TEST_CASE("analytic: a load's and a moving hold's work is counted: a wire thrown by them has not made its energy")
     {
-        // weight times length of this wire: 0.1 m x 3.97e-3 kg/m x 9.81 x 0.1 m = 3.9e-4 J, and hardly any from its feed speed
-        const double lifted = 0.1 * 7900 * std::numbers::pi * 16e-8 * 9.81 * 0.1;
-        const auto growing = [](double energy, double hand) {
-            return [=](double t) {
-                Moment m;
-                m.readings.kinetic = energy * t;
-                m.readings.hand_force = hand;
-                m.readings.inserted = 0.01 * t;
-                return m;
-            };
+        // 1 N along x moves the tip by 1 cm; its 10 mJ are kinetic energy
+        const auto thrown = [](double t) {
+            Moment m;
+            m.shape = {{0.1 + 0.01 * t * t, 0, 0}, {0, 0, 0}};
+            m.readings.kinetic = 0.01 * t * t;
+            return m;
         };
-        CHECK(behaviour_of(growing(1.9 * lifted, 0)).verdict == Verdict::Hold);
-        CHECK(behaviour_of(growing(2.1 * lifted, 0)).verdict == Verdict::BlowUp);
-        // a hand that pushes with 1 N over 1 cm gives 10 mJ
-        const Behaviour pushed = behaviour_of(growing(2.1 * lifted, 1));
-        CHECK(pushed.verdict == Verdict::Hold);
-        CHECK(pushed.energy_ratio ==
-              about(2.1 * lifted / (lifted + 0.01)).epsilon(5e-3));  // work counts from the first step's end
+        StudyScene scene = scripted_scene();
+        scene.scene.feed.on = false;
+        LoadSpec load;
+        load.at.kind = WirePoint::Kind::Tip;
+        load.force = {1, 0, 0};
+        scene.scene.loads = {load};
+        CHECK(run_model(scene, scripted_model(), {}, scripted(thrown)).verdict.held());
+        scene.scene.loads.front().force = {0.5, 0, 0};
+        CHECK(run_model(scene, scripted_model(), {}, scripted(thrown)).verdict.outcome == Outcome::BlowUp);
+
+        // the same by a base that is pulled along with 1 N
+        const auto pulled = [](double t) {
+            Moment m;
+            m.shape = {{0.1 + 0.01 * t, 0, 0}, {0.01 * t, 0, 0}};
+            m.readings.base_force = {1, 0, 0};
+            m.readings.kinetic = 0.01 * t;
+            return m;
+        };
+        scene.scene.loads.clear();
+        CHECK(run_model(scene, scripted_model(), {}, scripted(pulled)).verdict.held());
     }
 }
