@@ -22,7 +22,8 @@ void add_check(CLI::App& app, Command& chosen);
 void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
-void add_not_yet(CLI::App& app, Command& chosen);  // plan, batch, bench, chart, stability
+void add_stability(CLI::App& app, Command& chosen);
+void add_not_yet(CLI::App& app, Command& chosen);  // plan, batch, bench, chart
 
 /// Writes to stdout. @throws Error BadFile when it cannot take it (a full disk behind a redirection)
 void print(std::string_view text);
