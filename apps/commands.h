@@ -23,7 +23,8 @@ void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
 void add_chart(CLI::App& app, Command& chosen);
-void add_not_yet(CLI::App& app, Command& chosen);  // plan, batch, bench, stability
+void add_stability(CLI::App& app, Command& chosen);
+void add_not_yet(CLI::App& app, Command& chosen);  // plan, batch, bench
 
 /// Writes to stdout. @throws Error BadFile when it cannot take it (a full disk behind a redirection)
 void print(std::string_view text);
