@@ -51,6 +51,8 @@ struct World::Impl {
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
+    std::vector<std::uint8_t> retired;          // per wire: left out of every step
+    std::vector<WireReport> wire_reports;       // per wire, of the present step
     std::vector<std::vector<double>> backup;    // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
     std::vector<int> count_backup;
@@ -65,6 +67,7 @@ struct World::Impl {
     void save_wire(int wire);
     void restore_wire(int wire);
     void read_results(int wire);
+    void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
 };
 
 }  // namespace seldinger
