@@ -30,6 +30,7 @@ int run_command_line(int argc, char** argv)
     app.require_subcommand(1);
     Command chosen;
     add_run(app, chosen);
+    add_batch(app, chosen);
     add_check(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
