@@ -90,6 +90,11 @@ void BarrierPath::commit(const SampleSet& samples, std::span<const std::uint8_t>
 
 void BarrierPath::save(std::vector<std::uint8_t>& bytes) const { put_bytes(bytes, shrink_t0_.data(), shrink_t0_.size()); }
 
+void BarrierPath::save(std::vector<std::uint8_t>& bytes, const WireSamples& wire) const
+{
+    put_bytes(bytes, shrink_t0_.data() + wire.begin, wire.capacity);
+}
+
 void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     take_bytes(bytes, end, shrink_t0_.data(), shrink_t0_.size());

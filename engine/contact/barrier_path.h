@@ -26,6 +26,7 @@ public:
     void commit(const SampleSet& samples, std::span<const std::uint8_t> active);
 
     void save(std::vector<std::uint8_t>& bytes) const;
+    void save(std::vector<std::uint8_t>& bytes, const WireSamples& wire) const;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
     void warm_up(device::Lane at, ContactParams none, const SampleBuffers& buffers);
 

@@ -19,7 +19,7 @@ Multipliers::Multipliers(device::Context& context, int samples)
 void Multipliers::warm_up(device::Lane at, ContactParams none, const SampleBuffers& b)
 {
     start_.launch(at, 1, none, b.models, b.places, b.touches_t0, states_);
-    next_.launch(at, 1, none, b.models, b.places, b.counts, b.touches, states_, next_states_, ratio_buffer_);
+    next_.launch(at, 1, none, b.models, b.places, b.counts, b.touches_t0, b.touches, states_, next_states_, ratio_buffer_);
 }
 
 void Multipliers::before_evaluation(device::Lane at, ContactParams par, const SampleBuffers& b)
@@ -35,7 +35,7 @@ bool Multipliers::update(device::Lane at, ContactParams par, const SampleBuffers
 {
     context_.enter(at);
     par.item_count = static_cast<uint>(samples_);
-    next_.launch(at, samples_, par, b.models, b.places, b.counts, b.touches, states_, next_states_, ratio_buffer_);
+    next_.launch(at, samples_, par, b.models, b.places, b.counts, b.touches_t0, b.touches, states_, next_states_, ratio_buffer_);
     context_.read(at, ratio_buffer_, ratios_.data(), ratios_.size() * sizeof(real));
     bool any = false;
     for (std::size_t w = 0; w < samples.wires.size(); ++w) {

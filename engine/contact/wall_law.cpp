@@ -58,11 +58,11 @@ void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
     switch (contact.normal) {
         case NormalLaw::HuntCrossley:
         case NormalLaw::LankaraniNikravesh: break;
-        case NormalLaw::Augmented: m.hard_length = contact.overlap > 0 ? contact.overlap : augmented_overlap * r; break;
-        case NormalLaw::Constraint: m.hard_length = contact.overlap > 0 ? contact.overlap : constraint_overlap * r; break;
+        case NormalLaw::Augmented:
+        case NormalLaw::Constraint: m.hard_length = contact.overlap; break;
         case NormalLaw::Impulse: m.hard_length = impulse_speed; break;
         case NormalLaw::Barrier: {
-            m.hard_length = contact.barrier_distance > 0 ? contact.barrier_distance : barrier_distance * r;
+            m.hard_length = contact.barrier_distance;
             double ignored;
             m.hard_stiffness = elastic_normal(m.depth_limit / 2, m, &ignored) /
                                barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);

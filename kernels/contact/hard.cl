@@ -21,12 +21,13 @@ SEL_KERNEL void contact_start(const ContactParams par, __global const SampleMode
 
 // Multipliers after a solve; those of a sample with no wall near are zero.
 //   item    one sample
-//   reads   models, places, counts [samples]; touches, hard [samples][2]
+//   reads   models, places, counts [samples]; touches_t0, touches, hard [samples][2]
 //   writes  next [samples][2]; ratios [samples]: largest miss over the one allowed
 SEL_KERNEL void contact_multipliers(const ContactParams par, __global const SampleModel* restrict models,
                                     __global const SamplePlace* restrict places, __global const uint* restrict counts,
-                                    __global const TouchState* restrict touches, __global const HardState* restrict hard,
-                                    __global HardState* restrict next, __global real* restrict ratios)
+                                    __global const TouchState* restrict touches_t0, __global const TouchState* restrict touches,
+                                    __global const HardState* restrict hard, __global HardState* restrict next,
+                                    __global real* restrict ratios)
 {
     const uint s = get_global_id(0);
     if (s < par.item_count) {
@@ -34,7 +35,7 @@ SEL_KERNEL void contact_multipliers(const ContactParams par, __global const Samp
         none.flags = 0;
         real ratio = 0;
         for (uint k = 2 * s; k < 2 * s + 2; ++k)
-            next[k] = hard_next(hard[k], counts[s] > 0 ? touches[k] : none, places[s].stamp, models[s], par, &ratio);
+            next[k] = hard_next(hard[k], counts[s] > 0 ? touches[k] : none, touches_t0[k], places[s].stamp, models[s], par, &ratio);
         ratios[s] = ratio;
     }
 }

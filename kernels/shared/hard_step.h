@@ -19,7 +19,7 @@ SEL_FN real miss_allowed(SampleModel m, ContactParams par)
 
 SEL_FN real least_stiffness(SampleModel m, ContactParams par, real force)
 {
-    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), 2 * force / par.reach);
+    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), 2 * force / m.reach);
 }
 
 // State of a touch at the start of a step, from what it exerted at the end of the last one.
@@ -39,14 +39,15 @@ SEL_FN HardState hard_start(TouchState touch, uint stamp, SampleModel m, Contact
     return hard;
 }
 
-// Multipliers after a solve. @param touch  as the converged trial left it     ratio  largest miss over the one allowed
-SEL_FN HardState hard_next(HardState last, TouchState touch, uint stamp, SampleModel m, ContactParams par, real* ratio)
+// Multipliers after a solve. @param touch  as the converged trial left it     was  at the start of the step
+// @param ratio  largest miss over the one allowed
+SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uint stamp, SampleModel m, ContactParams par, real* ratio)
 {
     HardState next = last;
     const int active = touch.stamp == stamp && (touch.flags & SEL_TOUCH_ACTIVE) && m.weight > 0;
-    real force = active ? touch.normal_force / m.weight : 0;
+    const real goal = par.normal_law == SEL_NORMAL_IMPULSE && par.inv_dt > 0 ? impulse_goal(-was.gap, was.rate, par.inv_dt, m) : 0;
+    real slope, force = active ? multiplier_law(-touch.gap - goal, last, &slope) : 0;
     if (m.depth_limit > 0) {
-        real slope;
         force = min_r(force, elastic_normal((real)0.95 * m.depth_limit, m, &slope));
     }
     next.miss = fabs(force - last.force) / last.stiffness;
@@ -72,12 +73,12 @@ SEL_FN HardState hard_next(HardState last, TouchState touch, uint stamp, SampleM
 SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, SEL_GLOBAL const uint* candidates, uint count,
                        SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 1, candidates, count, vertices, rims);
-    if (!first.found) return par.reach;
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
+    if (!first.found) return m.reach;
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
     real depth = first.depth;
     if (second.found) {
-        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
         depth = max_r(depth, second.depth);
     }
     return -depth;
