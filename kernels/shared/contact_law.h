@@ -188,11 +188,13 @@ SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int
 }
 
 // Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.
-SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_active, real depth, real fn, TouchState* now,
-                        SampleForce* out)
+// @param g  gradient of the gap     sunk, dsunk  depth that a is reckoned from, and its derivative with the touch's depth
+// @param dfn  derivative of fn with depth [N/m]
+SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, TouchState old, int was_active, real sunk, real dsunk, real fn, real dfn,
+                        TouchState* now, SampleForce* out)
 {
     if (m.roll_arm <= 0 || mv.fresh) return;
-    const real half_width = sqrt(m.roll_depth * depth + m.roll_force * fn / m.weight);
+    const real half_width = sqrt(m.roll_depth * sunk + m.roll_force * fn / m.weight);
     const real most = m.roll_arm * half_width * fn;
     // the spring is as stiff as the surface's tangential one at the wire's radius, so that it adds no softer mode
     const real k = m.friction_stiffness * m.weight * m.radius * m.radius;
@@ -201,7 +203,17 @@ SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_ac
     const real moment = trial < most ? trial : most;
     const real sign = angle < 0 ? (real)-1 : (real)1;
     out->force[3] -= sign * moment;
-    if (trial < most) out->sym[9] += k;
+    if (trial < most) {
+        out->sym[9] += k;
+    } else if (half_width > 0) {
+        // -dM/dx = sign dM/d(depth) (-g)
+        const real widening = (m.roll_depth * dsunk + m.roll_force * dfn / m.weight) / (2 * half_width);
+        const real dmost = sign * m.roll_arm * (widening * fn + half_width * dfn);
+        out->skew[9] -= dmost * g.x;
+        out->skew[10] -= dmost * g.y;
+        out->skew[11] -= dmost * g.z;
+        out->flags |= SEL_SAMPLE_SLIDING;
+    }
     now->roll = sign * moment / k;
     now->moment = -sign * moment;
     out->rolling_sum += moment;
@@ -273,8 +285,10 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     } else {
         add_friction(touch, n, m, mv, par, old, was_active, pushed, dpushed, now, out);
     }
-    const real sunk = par.normal_law == SEL_NORMAL_DAMPED ? touch.depth : depth_carrying(per_metre, m);
-    add_rolling(m, mv, old, was_active, sunk, pushed, now, out);
+    const int soft = par.normal_law == SEL_NORMAL_DAMPED;
+    const real sunk = soft ? touch.depth : depth_carrying(per_metre, m);
+    const real dsunk = soft ? (real)1 : sunk * slope / (m.exponent * per_metre);
+    add_rolling(g, m, mv, old, was_active, sunk, dsunk, pushed, dpushed, now, out);
 }
 
 SEL_END

@@ -98,7 +98,7 @@ typedef struct HardState {
 typedef struct SampleForce {
     real force[4];     // on the axis point [N], about the tangent [N m]
     real sym[10];      // symmetric part: xx xy xz xt yy yz yt zz zt tt
-    real skew[12];     // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding
+    real skew[12];     // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
     real depth;        // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
     real length;       // metres of wire in contact

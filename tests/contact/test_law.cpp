@@ -361,13 +361,13 @@ TEST_SUITE("contact/law")
             mv.spin = 1;  // [rad] far beyond what the spring holds
             TouchState now{};
             SampleForce out{};
-            add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &out);
+            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &out);
             CHECK(out.rolling_sum / force == about(k).epsilon(1e-6));
             CHECK(out.force[3] == about(-k * force).epsilon(1e-6));
             // below yield: a spring
             mv.spin = 1e-9;
             SampleForce small{};
-            add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &small);
+            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &small);
             CHECK(small.force[3] == about(-small.sym[9] * 1e-9).epsilon(1e-9));
         }
         // stress terms enter as stated
@@ -375,6 +375,37 @@ TEST_SUITE("contact/law")
         contact.rolling_sigma_s = 1000;
         contact.rolling_hardness = 1e5;
         CHECK(line_sample(s, contact, bed, INFINITY, 1e-3).roll_arm == about(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
+    }
+
+    // beyond the yield M = K(a) f_n changes with the normal force and with the half-width: the spin's row against the position
+    TEST_CASE("derivative: the rolling moment at its yield, from the wall's law and from a user's stiffness")
+    {
+        for (const bool from_wall : {true, false})
+            for (const double spin : {0.02, -0.02}) {
+                CAPTURE(from_wall);
+                CAPTURE(spin);
+                ContactSpec contact;
+                contact.rolling = true;
+                contact.stiffness_from_wall = from_wall;
+                contact.stiffness = 1e8;
+                OneSample s(line_sample(steel(), contact, wall(), INFINITY, 1e-3));
+                add_floor(s.soup);
+                s.start = v3(0, 0, r - 1.9e-6);
+                s.touches[0].stamp = s.place.stamp - 1;
+                s.touches[0].flags = SEL_TOUCH_ACTIVE;
+                s.touches[0].normal[2] = 1;
+                s.touches[0].approach = 0.02;
+                s.touches[0].gap = -1.9e-6;
+                for (const uint friction : {SEL_FRICTION_NONE, SEL_FRICTION_STICK_SLIP}) {
+                    s.par.friction = friction;
+                    const std::array<double, 4> q = {3e-6, -2e-6, r - 2e-6, s.theta0 + spin};
+                    const SampleForce f = s.at(q);
+                    REQUIRE(f.rolling_sum > 0);
+                    REQUIRE((f.flags & SEL_SAMPLE_SLIDING) != 0);
+                    CHECK(std::abs(f.skew[11]) > 0.1 * f.rolling_sum / 2e-6);  // M grows like depth^2
+                    CHECK(tangent_error(s, q) <= 2e-6);
+                }
+            }
     }
 
     TEST_CASE("property: rolling resistance only takes energy, and stops a spinning wire in a bounded time")
