@@ -62,6 +62,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     cull_x_.assign(n, std::numeric_limits<double>::quiet_NaN());
     cull_y_ = cull_z_ = cull_x_;
     counts_.assign(n, 0);
+    evaluated_.assign(n, 0);
     to_find_.reserve(n);
     active_.reserve(n);
     const std::size_t most_edges = rods.total_capacity();
@@ -141,6 +142,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
             nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
     }
     list_stale_ = true;
+    std::fill(evaluated_.begin(), evaluated_.end(), 0);
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
     context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
@@ -197,6 +199,8 @@ void CapsuleContact::find_candidates(bool all_live)
     if (!to_find_.empty() || list_stale_) rebuild_active_list();
 }
 
+// A sample that an earlier trial of this step had near the wall stays listed when it has no candidates any more: only then is its
+// record written anew, and no force of a trial that was given up is left behind as the state.
 void CapsuleContact::rebuild_active_list()
 {
     active_.clear();
@@ -207,7 +211,8 @@ void CapsuleContact::rebuild_active_list()
         sums_.wire_edges[w] = static_cast<int>(sums_.edge_node.size());
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
-            if (counts_[s] == 0) continue;
+            if (counts_[s] == 0 && !evaluated_[s]) continue;
+            evaluated_[s] = 1;
             const std::uint32_t edge = samples_.places[s].edge;
             if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
                 sums_.edge_node.push_back(edge);

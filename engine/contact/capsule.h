@@ -40,6 +40,7 @@ private:
     double slack_ = 0;  // how far a sample may move before they are found anew [m]
     std::vector<double> cull_x_, cull_y_, cull_z_;  // [samples] where; NaN: never
     std::vector<std::uint32_t> counts_, to_find_, active_, edge_first_;
+    std::vector<std::uint8_t> evaluated_;  // [samples] in this step; see rebuild_active_list
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer models_, places_, candidates_, count_buffer_, find_list_, active_list_, first_buffer_, forces_, barys_, edge_buffer_;
