@@ -3,6 +3,7 @@
 
 #include "contact/contact_spec.h"
 #include "rod/rod_arrays.h"
+#include "solve/momentum.h"
 #include "solve/solve_spec.h"
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"
@@ -107,7 +108,8 @@ struct WireReadings {
     double outside = 0;            // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
     double remesh_energy = 0;      // accumulated [J]
-    double force_residual = 0;     // [N]
+    double force_residual = 0;     // largest left on a free node [N]
+    MomentumBalance momentum;      // of the last sub-step
 };
 
 class World {

@@ -23,11 +23,13 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
         if (!mask[w]) return;
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
+        const Vec3 before = momentum(state.rods.view(w));
         if (state.feeds[w].on) feed_to(state.feeds[w], setup.feed, setup.wire, state.rods, w, t, h);
         if (state.feeds[w].on && !state.feeds[w].inside) state.live[w] = state.active[w] = 0;
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+        state.momentum_start[w] = {before, momentum(rod) - before};
     });
 }
 
@@ -124,7 +126,7 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         if (!done[w]) return;
         state.wire_time[w] += h;
-        state.read_results(w);
+        state.read_results(w, h);
     });
     if (!any_failed) return failed;
     for (int w = 0; w < state.wire_count(); ++w)
@@ -177,7 +179,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->set_all_stuck(false);
     }
     for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) state.read_results(w);
+        if (done[w]) state.read_results(w, 0);
 }
 
 namespace {

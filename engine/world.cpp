@@ -133,6 +133,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     wire_reports.resize(count);
     wire_time.assign(count, 0.0);
     time_backup.assign(count, 0.0);
+    momentum_start.resize(count);
     remesh_energy.assign(count, 0.0);
     results.resize(count);
     backup.resize(count);
@@ -163,7 +164,7 @@ void World::Impl::restore_wire(int wire)
     wire_time[wire] = time_backup[wire];
 }
 
-void World::Impl::read_results(int wire)
+void World::Impl::read_results(int wire, double h)
 {
     WireResult& result = results[wire];
     const RodView rod = rods.view(wire);
@@ -172,6 +173,7 @@ void World::Impl::read_results(int wire)
     if (feeds[wire].on && !feeds[wire].inside) {
         result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
         result.base_force = Vec3::Zero();
+        result.momentum = {};
         return;
     }
     if (contact) {
@@ -190,6 +192,8 @@ void World::Impl::read_results(int wire)
     result.elastic = solver->elastic_energy(wire);
     result.gravitational = solver->potential_energy(wire);
     result.residual = reports[wire].residual;
+    result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
+                                       result.nodal_contact, momentum_start[wire], h);
 }
 
 World::World(WorldSetup setup)
@@ -235,6 +239,7 @@ WireReadings World::readings(int wire) const
     r.gravitational = result.gravitational;
     r.remesh_energy = impl_->remesh_energy[wire];
     r.force_residual = result.residual;
+    r.momentum = result.momentum;
     return r;
 }
 

@@ -128,7 +128,7 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
         if (!active[w]) continue;
         WireProblem& problem = work_[w]->newton.problem;
         for (int i = 0; i < problem.size(); ++i) {
-            if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
+            if (problem.prescribed[i]) problem.move_prescribed(i);
             else problem.trial[i] += h * (problem.velocity(i) - h * problem.residual[i] / problem.inertia[i]);
         }
         write_trial(w);

@@ -43,6 +43,7 @@ struct WireConstraints {
     std::vector<PointLoad> loads;
     struct Spring { int edge; double bary; Vec3 anchor; double stiffness; };
     std::vector<Spring> springs;
+    Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
 };
 
 struct SolveReport {

@@ -1,0 +1,17 @@
+#pragma once
+// Which models are worth having: nothing else is both cheaper and more accurate.
+
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+struct CostAndError {
+    double cost = 0, error = 0;
+};
+
+/// Indices of the points that no other point beats in one and equals or beats in the other, by rising cost. Of equal points the
+/// first. Points that are not finite are left out.
+[[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const CostAndError> points);
+
+}  // namespace seldinger
