@@ -19,7 +19,7 @@ struct FeedState {
     double advance = 0, turn = 0;   // at the accepted time [m], [rad]
     double debt = 0;                // rest length inside beyond what was fed [m]
     double edge = 0;                // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
-    double direction_sign = 1;      // of the last feed
+    double speed = 0;               // of the material at the inlet during the last step; not state [m/s]
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
     std::uint8_t on = 0;            // the wire is fed
     std::uint8_t inside = 0;        // it has left the rigid guide and is being solved

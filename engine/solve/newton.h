@@ -43,6 +43,7 @@ struct WireConstraints {
     std::vector<PointLoad> loads;
     struct Spring { int edge; double bary; Vec3 anchor; double stiffness; };
     std::vector<Spring> springs;
+    Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
 };
 
 struct SolveReport {
@@ -109,7 +110,7 @@ private:
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
     bool best_effort_ = false;
-    std::vector<std::uint8_t> evaluate_;  // [wires] takes part in the present evaluation of contact
+    std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
 };
 
 }  // namespace seldinger

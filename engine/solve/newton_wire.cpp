@@ -52,6 +52,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
             const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < n - 1 ? rod.spin_rate[i] : 0.0};
             for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
         }
+    if (problem.fed()) std::fill_n(&guess_[4 * (n - 1)], 3, 0.0);  // material moves through the inlet, the node does not
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
     if (move > move_limit) fraction = move_limit / move;

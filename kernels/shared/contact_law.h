@@ -213,10 +213,11 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     }
     const real fn = m.weight * per_metre;
     if (fn <= 0) return;
-    now->flags |= SEL_TOUCH_ACTIVE;
-    now->normal_force = fn;
     const real dfn = m.weight * slope;
     const vec3 g = touch.normal;
+    const real pushed = fn * size;  // |fn g|: between two facets the blended gradient g of the depth is a little shorter than 1
+    now->flags |= SEL_TOUCH_ACTIVE;
+    now->normal_force = pushed;
     out->force[0] += fn * g.x;
     out->force[1] += fn * g.y;
     out->force[2] += fn * g.z;
@@ -227,10 +228,10 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     out->sym[4] += fn * touch.bend[3];
     out->sym[5] += fn * touch.bend[4];
     out->sym[7] += fn * touch.bend[5];
-    out->normal_sum += fn;
+    out->normal_sum += pushed;
     out->contacts += 1;
-    add_friction(touch, n, m, mv, par, old, was_active, fn, dfn, now, out);
-    add_rolling(m, mv, old, was_active, touch.depth, fn, now, out);
+    add_friction(touch, n, m, mv, par, old, was_active, pushed, dfn * size, now, out);
+    add_rolling(m, mv, old, was_active, touch.depth, pushed, now, out);
 }
 
 SEL_END
