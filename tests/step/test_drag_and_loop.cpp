@@ -57,7 +57,8 @@ TEST_SUITE("step/drag_and_loop")
             MESSAGE("normal force " << least << " to " << largest << " N, (max - min)/mean "
                                     << (largest - least) / (sum / count));
             CHECK((largest - least) / (sum / count) <= 0.02);
-            CHECK(sum / count == about(0.0481049 * 0.15).epsilon(0.01));
+            // the facets beside the line of vertices lie up to 9 um higher than the rope's end is held: 20 N/m times that
+            CHECK(sum / count == about(0.0481049 * 0.15).epsilon(beside ? 0.04 : 0.01));
             CHECK(world.readings(0).friction == about(0.2 * world.readings(0).normal).epsilon(0.02));
         }
     }
@@ -163,7 +164,8 @@ TEST_SUITE("step/drag_and_loop")
         struct Case {
             double mu, strain;
         };
-        for (const Case& at : {Case{0.05, 0.0123804938}, Case{0.2, 0.1548673547}, Case{0.35, 0.3239935114}, Case{0.5, -1}}) {
+        for (const Case& at : {Case{0.05, 0.0123804938}, Case{0.1, 0.0468741782}, Case{0.2, 0.1548673547},
+                               Case{0.3, 0.2715634261}, Case{0.35, 0.3239935114}, Case{0.5, -1}}) {
             CAPTURE(at.mu);
             constexpr double length = 0.1, dt = 1e-3, radius = 0.4445e-3;
             WorldSetup setup;
