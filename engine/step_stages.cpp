@@ -10,6 +10,7 @@ namespace seldinger {
 
 namespace {
 
+constexpr double most_feed_parts = 4096;
 constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
 
 using Clock = std::chrono::steady_clock;
@@ -72,7 +73,9 @@ void begin_step(World::Impl& state)
     state.contact_in_solve = 0;
 }
 
-WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
+namespace {
+
+WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
     if (state.contact) state.contact->begin_step(state.rods);
     feed_and_constrain(state, h, mask);
@@ -113,7 +116,7 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
     if (depth == most_halvings) return failed;
     report.flags |= StepHalved;
     report.sub_steps = std::max(report.sub_steps, 2 << depth);
-    WireMask lost = advance(state, h / 2, failed, report, depth + 1), rest = failed;
+    WireMask lost = advance_or_halve(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!failed[w]) continue;
@@ -122,10 +125,12 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
         any_left = any_left || rest[w];
     }
     if (!any_left) return lost;
-    const WireMask lost_later = advance(state, h / 2, rest, report, depth + 1);
+    const WireMask lost_later = advance_or_halve(state, h / 2, rest, report, depth + 1);
     for (int w = 0; w < state.wire_count(); ++w) lost[w] = lost[w] || lost_later[w];
     return lost;
 }
+
+}  // namespace
 
 void find_equilibrium(World::Impl& state, StepReport& report)
 {
@@ -253,19 +258,69 @@ void adapt_wire(World::Impl& state, int w, double dt)
     state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
 }
 
+void adapt_one(World::Impl& state, int w, double dt)
+{
+    FeedState& feed = state.feeds[w];
+    if (feed.on && !feed.inside) return;
+    if (state.adapters[w].on)
+        adapt_wire(state, w, dt);
+    else if (feed.on)
+        adapt_base(state, w, BaseEdge::uniform(feed.edge));
+}
+
+// In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
+// base edge, of which there is at least half an edge, or the shortest one when nodes are adaptive.
+int feed_parts(const World::Impl& state, int w, double h)
+{
+    const FeedState& feed = state.feeds[w];
+    if (!feed.on) return 1;
+    const FeedSpec& spec = state.setup.wires[w].feed;
+    const double pushed = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, +1);
+    const double pulled = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, -1);
+    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (shortest / 2)) - 1e-9);
+    return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
+}
+
+WireMask advance_in_parts(World::Impl& state, int w, double h, int parts, StepReport& report)
+{
+    WireMask only(state.wire_count(), 0), lost;
+    only[w] = 1;
+    for (int k = 0; k < parts; ++k) {
+        if (k > 0) {
+            adapt_one(state, w, h / parts);
+            state.save_wire(w);
+        }
+        lost = advance_or_halve(state, h / parts, only, report, 0);
+        if (lost[w]) break;
+    }
+    report.sub_steps = std::max(report.sub_steps, parts);
+    return lost;
+}
+
 }  // namespace
+
+WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
+{
+    WireMask at_once = mask;
+    bool any_at_once = false, any_in_parts = false;
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (mask[w] && feed_parts(state, w, h) > 1) at_once[w] = 0;
+        any_at_once = any_at_once || at_once[w];
+        any_in_parts = any_in_parts || at_once[w] != mask[w];
+    }
+    WireMask lost(mask.size(), 0);
+    if (any_at_once) lost = advance_or_halve(state, h, at_once, report, 0);
+    if (!any_in_parts) return lost;
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w] && !at_once[w]) lost[w] = advance_in_parts(state, w, h, feed_parts(state, w, h), report)[w];
+    return lost;
+}
 
 void adapt_nodes(World::Impl& state, double dt)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < state.wire_count(); ++w) {
-        FeedState& feed = state.feeds[w];
-        if (feed.on && !feed.inside) continue;
-        if (state.adapters[w].on)
-            adapt_wire(state, w, dt);
-        else if (feed.on)
-            adapt_base(state, w, BaseEdge::uniform(feed.edge));
-    }
+    for (int w = 0; w < state.wire_count(); ++w) adapt_one(state, w, dt);
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
