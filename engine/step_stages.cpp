@@ -1,5 +1,6 @@
 #include "step_stages.h"
 
+#include "core/parallel.h"
 #include "vessel/repair.h"
 
 #include <algorithm>
@@ -18,9 +19,9 @@ using Clock = std::chrono::steady_clock;
 // Feeding and holds at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
 void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
 {
-    for (int w = 0; w < state.wire_count(); ++w) {
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
         state.live[w] = state.active[w] = mask[w];
-        if (!mask[w]) continue;
+        if (!mask[w]) return;
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
         const Vec3 before = momentum(state.rods.view(w));
@@ -30,7 +31,7 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
         state.holds[w].fill(t, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
         state.momentum_start[w] = {before, momentum(rod) - before};
-    }
+    });
 }
 
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
@@ -50,7 +51,12 @@ void start_acceleration(World::Impl& state)
 
 }  // namespace
 
-WireMask everyone(const World::Impl& state) { return WireMask(state.wire_count(), 1); }
+WireMask everyone(const World::Impl& state)
+{
+    WireMask mask(state.wire_count());
+    for (int w = 0; w < state.wire_count(); ++w) mask[w] = !state.retired[w];
+    return mask;
+}
 
 void clear_timers(World::Impl& state)
 {
@@ -69,11 +75,22 @@ void collect_timers(World::Impl& state, StepReport& report)
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
-    for (int w = 0; w < state.wire_count(); ++w) state.save_wire(w);
+    for_each_item(state.wire_count(), wire_grain, [&](int w) { state.save_wire(w); });
     state.contact_in_solve = 0;
+    state.wire_reports.assign(state.wire_count(), WireReport{});
 }
 
 namespace {
+
+/// Into the wire's own report and that of the step.
+void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1)
+{
+    for (WireReport* to : {&state.wire_reports[wire], static_cast<WireReport*>(&report)}) {
+        to->flags |= flags;
+        to->newton_iterations = std::max(to->newton_iterations, newton_iterations);
+        to->sub_steps = std::max(to->sub_steps, sub_steps);
+    }
+}
 
 WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
@@ -96,26 +113,24 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
-        report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
-        if (solved.best_effort) report.flags |= StepBestEffort;
+        note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;
         any_failed = true;
-        if (depth == most_halvings) report.flags |= solved.non_finite ? StepNonFinite : StepNotConverged;
+        if (depth == most_halvings) note(state, report, w, solved.non_finite ? StepNonFinite : StepNotConverged);
+        else note(state, report, w, StepHalved, 0, 2 << depth);
     }
     if (state.contact) state.contact->commit(done);
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (!done[w]) continue;
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        if (!done[w]) return;
         state.wire_time[w] += h;
         state.read_results(w, h);
-    }
+    });
     if (!any_failed) return failed;
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
     if (depth == most_halvings) return failed;
-    report.flags |= StepHalved;
-    report.sub_steps = std::max(report.sub_steps, 2 << depth);
     WireMask lost = advance_or_halve(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
@@ -141,7 +156,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->begin_step(state.rods);
     }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
+        state.live[w] = state.active[w] = all[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -154,10 +169,10 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     WireMask done = all;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        report.newton_iterations = std::max(report.newton_iterations, state.reports[w].iterations);
+        note(state, report, w, StepOk, state.reports[w].iterations);
         if (state.reports[w].converged) continue;
         done[w] = 0;
-        report.flags |= state.reports[w].non_finite ? StepNonFinite : StepNotConverged;
+        note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
         state.restore_wire(w);
     }
     if (state.contact) {
@@ -282,19 +297,24 @@ int feed_parts(const World::Impl& state, int w, double h)
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }
 
-WireMask advance_in_parts(World::Impl& state, int w, double h, int parts, StepReport& report)
+WireMask advance_in_parts(World::Impl& state, double h, int parts, WireMask going, StepReport& report)
 {
-    WireMask only(state.wire_count(), 0), lost;
-    only[w] = 1;
+    const WireMask asked = going;
     for (int k = 0; k < parts; ++k) {
-        if (k > 0) {
+        for (int w = 0; w < state.wire_count() && k > 0; ++w) {
+            if (!going[w]) continue;
             adapt_one(state, w, h / parts);
             state.save_wire(w);
         }
-        lost = advance_or_halve(state, h / parts, only, report, 0);
-        if (lost[w]) break;
+        const WireMask lost = advance_or_halve(state, h / parts, going, report, 0);
+        for (int w = 0; w < state.wire_count(); ++w) going[w] = going[w] && !lost[w];
     }
-    report.sub_steps = std::max(report.sub_steps, parts);
+    WireMask lost(asked.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!asked[w]) continue;
+        lost[w] = !going[w];
+        note(state, report, w, StepOk, 0, parts);
+    }
     return lost;
 }
 
@@ -302,25 +322,29 @@ WireMask advance_in_parts(World::Impl& state, int w, double h, int parts, StepRe
 
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
 {
-    WireMask at_once = mask;
-    bool any_at_once = false, any_in_parts = false;
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (mask[w] && feed_parts(state, w, h) > 1) at_once[w] = 0;
-        any_at_once = any_at_once || at_once[w];
-        any_in_parts = any_in_parts || at_once[w] != mask[w];
-    }
-    WireMask lost(mask.size(), 0);
-    if (any_at_once) lost = advance_or_halve(state, h, at_once, report, 0);
-    if (!any_in_parts) return lost;
+    std::vector<int> parts(mask.size(), 0);  // 0: not asked for, or done
+    int most = 0;
     for (int w = 0; w < state.wire_count(); ++w)
-        if (mask[w] && !at_once[w]) lost[w] = advance_in_parts(state, w, h, feed_parts(state, w, h), report)[w];
+        if (mask[w]) most = std::max(most, parts[w] = feed_parts(state, w, h));
+    if (most == 1) return advance_or_halve(state, h, mask, report, 0);
+    WireMask lost(mask.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {  // all that go in as many parts go together
+        const int here = parts[w];
+        if (here == 0) continue;
+        WireMask together(mask.size(), 0);
+        for (int other = w; other < state.wire_count(); ++other)
+            if (parts[other] == here) together[other] = 1, parts[other] = 0;
+        const WireMask now = advance_in_parts(state, h, here, together, report);
+        for (int other = 0; other < state.wire_count(); ++other) lost[other] = lost[other] || now[other];
+    }
     return lost;
 }
 
 void adapt_nodes(World::Impl& state, double dt)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < state.wire_count(); ++w) adapt_one(state, w, dt);
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (!state.retired[w]) adapt_one(state, w, dt);
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -364,11 +388,12 @@ void check_state(World::Impl& state, StepReport& report)
 {
     state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
     for (int w = 0; w < state.wire_count(); ++w) {
+        if (state.retired[w]) continue;
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) report.flags |= StepNonFinite;
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) note(state, report, w, StepNonFinite);
         if (needs_audit(state, w)) audit_outside(state, w);
-        if (state.results[w].contact.outside > 0) report.flags |= StepWallPenetration;
+        if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }
 }
 

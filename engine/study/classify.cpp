@@ -70,22 +70,23 @@ void FailureWatch::watch_force(double force)
 {
     seen_.hand_force = std::max(seen_.hand_force, std::abs(force));
     if (++forces_ > 2) {
-        jitter_sum_ += std::abs(force_1_ - (force_2_ + force) / 2);
+        window_.push_back(std::abs(force_1_ - (force_2_ + force) / 2));
         force_sum_ += std::abs(force_1_);
-        ++in_window_;
     }
     force_2_ = force_1_;
     force_1_ = force;
-    if (in_window_ == limits_.jitter_window) close_window();
+    if (static_cast<int>(window_.size()) == limits_.jitter_window) close_window();
 }
 
 void FailureWatch::close_window()
 {
-    const double ratio = jitter_sum_ / std::max(force_sum_, in_window_ * limits_.force_floor);
+    const auto quartile = window_.begin() + static_cast<std::ptrdiff_t>(window_.size()) * 3 / 4;
+    std::nth_element(window_.begin(), quartile, window_.end());
+    const double ratio = *quartile / std::max(force_sum_ / static_cast<double>(window_.size()), limits_.force_floor);
     seen_.jitter = std::max(seen_.jitter, ratio);
     if (ratio > limits_.jitter) note(Outcome::Jitter);
-    jitter_sum_ = force_sum_ = 0;
-    in_window_ = 0;
+    force_sum_ = 0;
+    window_.clear();
 }
 
 void FailureWatch::watch_energy(const WireReadings& now, double work, double carried_in)
@@ -118,8 +119,8 @@ Verdict FailureWatch::verdict() const
 {
     FailureWatch ended = *this;
     // what is left of the last window counts where it is long enough, or where there is no other
-    if (in_window_ >= least_window && (2 * in_window_ >= limits_.jitter_window || forces_ <= limits_.jitter_window + 2))
-        ended.close_window();
+    const int left = static_cast<int>(window_.size());
+    if (left >= least_window && (2 * left >= limits_.jitter_window || forces_ <= limits_.jitter_window + 2)) ended.close_window();
     Verdict verdict;
     verdict.first_step = ended.first_step_;
     verdict.readings = ended.seen_;

@@ -8,9 +8,9 @@
 //   overlap   deeper than twice the law's static indentation under the scene's load, or than the wire's radius
 //   jitter    step-to-step jitter of the hand force above 10 % of max(mean, 1 mN)
 //
-// Jitter of one step is |f_k - (f_{k-1} + f_{k+1})/2|: 0 on any ramp, the peak-to-peak value of a force that alternates. Its mean
-// over a window of steps is compared with the mean |f| of the same window, so that one honest jump (a tip let go) is no jitter:
-// it counts as jump/window.
+// Jitter of one step is |f_k - (f_{k-1} + f_{k+1})/2|: 0 on any ramp, the peak-to-peak value of a force that alternates. What a
+// quarter of the steps of a window exceed is compared with the mean |f| of the same window: honest jumps (a tip let go, a wire
+// set moving within one step) are no jitter unless they come every dozen steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
 // most S = (normal + friction) * overlap. What was made is the largest rise of B above the least B + S before it. It is a blow-up
@@ -22,6 +22,7 @@
 
 #include <array>
 #include <limits>
+#include <vector>
 
 namespace seldinger {
 
@@ -46,7 +47,7 @@ struct FailureReadings {
     long steps = 0;
     double overlap = 0;         // deepest [m]
     double outside = 0;         // farthest [m]
-    double jitter = 0;          // worst window: mean jitter / max(mean |f|, floor) [-]
+    double jitter = 0;          // worst window: upper quartile / max(mean |f|, floor) [-]
     double energy_made = 0;     // [J]
     double hand_force = 0;      // largest |f| [N]
     int sub_steps = 1;          // most in one step
@@ -86,10 +87,10 @@ private:
     FailureReadings seen_;
     std::array<long, 6> first_step_{-1, -1, -1, -1, -1, -1};
     WireReadings last_;
-    // jitter: the last two forces, and sums of the window
-    double force_1_ = 0, force_2_ = 0, jitter_sum_ = 0, force_sum_ = 0;
+    // jitter: the last two forces, and those of the window
+    double force_1_ = 0, force_2_ = 0, force_sum_ = 0;
     long forces_ = 0;
-    int in_window_ = 0;
+    std::vector<double> window_;
     // energy
     double work_ = 0, carried_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0;
     long iterations_ = 0;

@@ -97,18 +97,22 @@ void Refiner::judge()
     }
 }
 
-bool Refiner::good_enough(const PerObservable& wanted) const
+bool Refiner::nothing_to_gain(const PerObservable& wanted) const
 {
-    for (int k = 0; k < observable_count; ++k)
-        if (!(reference_.uncertainty[k] <= std::max(noise[k], std::isfinite(wanted[k]) ? wanted[k] : 0.0))) return false;
-    return true;
+    bool all_met = true, none_falls = true;
+    for (int k = 0; k < observable_count; ++k) {
+        if (std::isinf(wanted[k])) continue;
+        all_met = all_met && reference_.uncertainty[k] <= std::max(noise[k], wanted[k]);
+        none_falls = none_falls && reference_.convergence[k] == Convergence::NotFalling;
+    }
+    return all_met || none_falls;
 }
 
 const Reference& Refiner::refine_to(const PerObservable& wanted)
 {
     while (!stopped_ && !exhausted_) {
         const int levels = static_cast<int>(levels_.size());
-        if (levels >= how_.least_levels && good_enough(wanted)) break;
+        if (levels >= how_.least_levels && nothing_to_gain(wanted)) break;
         if (levels >= how_.most_levels || !add_level()) exhausted_ = !stopped_;
         judge();
     }

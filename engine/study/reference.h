@@ -60,7 +60,7 @@ public:
 private:
     [[nodiscard]] bool add_level();
     void judge();
-    [[nodiscard]] bool good_enough(const PerObservable& wanted) const;
+    [[nodiscard]] bool nothing_to_gain(const PerObservable& wanted) const;
 
     const StudyScene& scene_;
     Refinement how_;

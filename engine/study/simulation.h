@@ -49,6 +49,7 @@ struct Baseline {
     std::string name;  // as in Model::baseline
     std::function<std::unique_ptr<Simulation>(const StudyScene&, const Model&)> make;
     std::function<std::string(const Scene&)> why_not;  // empty when it can run the scene
+    bool own_step = false;                             // divides every step into as many of its own as it needs to be stable
 };
 
 /// @param baselines  searched for model.baseline. @throws Error BadScene: no baseline of that name, or the model cannot run

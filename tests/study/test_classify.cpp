@@ -79,6 +79,10 @@ TEST_SUITE("study/classify")
         CHECK(verdict.first_step[static_cast<int>(Outcome::Jitter)] == 52);  // 50 forces with a neighbour on either side
         CHECK(judge(alternating(0, 0.9e-4), 200).held());
         CHECK(judge(alternating(0, 1.1e-4), 200).outcome == Outcome::Jitter);
+        // spikes of the mean's own size: every 20 steps they are events, every 8 steps jitter
+        const auto spikes = [](int period) { return pushed([=](int k) { return k % period ? 0.2 : 0.4; }); };
+        CHECK(judge(spikes(20), 400).held());
+        CHECK(judge(spikes(8), 400).outcome == Outcome::Jitter);
         CHECK(judge(alternating(0.2, 0.03), 15).outcome == Outcome::Jitter);  // a run shorter than a window is judged whole
         CHECK(judge(alternating(0.2, 0.03), 5).held());                       // but five steps say nothing
     }
