@@ -110,6 +110,19 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     set_rest_shape(rod, wire, false);
 }
 
+double feed_travel(const FeedSpec& spec, double from, double until, int sign)
+{
+    double travel = 0, last = spec.at(from).advance;
+    const auto go_to = [&](double advance) {
+        travel += std::max(0.0, sign * (advance - last));
+        last = advance;
+    };
+    for (const FeedKey& key : spec.keys)
+        if (key.t > from && key.t < until) go_to(key.advance);
+    go_to(spec.at(until).advance);
+    return travel;
+}
+
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)
 {
     const int hub = rod.n - 1;
