@@ -1,5 +1,6 @@
 #include "step_stages.h"
 
+#include "core/parallel.h"
 #include "vessel/repair.h"
 
 #include <algorithm>
@@ -17,9 +18,9 @@ using Clock = std::chrono::steady_clock;
 // Feeding and holds at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
 void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
 {
-    for (int w = 0; w < state.wire_count(); ++w) {
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
         state.live[w] = state.active[w] = mask[w];
-        if (!mask[w]) continue;
+        if (!mask[w]) return;
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
         const Vec3 before = momentum(state.rods.view(w));
@@ -29,7 +30,7 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
         state.holds[w].fill(t, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
         state.momentum_start[w] = {before, momentum(rod) - before};
-    }
+    });
 }
 
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
@@ -49,7 +50,12 @@ void start_acceleration(World::Impl& state)
 
 }  // namespace
 
-WireMask everyone(const World::Impl& state) { return WireMask(state.wire_count(), 1); }
+WireMask everyone(const World::Impl& state)
+{
+    WireMask mask(state.wire_count());
+    for (int w = 0; w < state.wire_count(); ++w) mask[w] = !state.retired[w];
+    return mask;
+}
 
 void clear_timers(World::Impl& state)
 {
@@ -68,9 +74,24 @@ void collect_timers(World::Impl& state, StepReport& report)
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
-    for (int w = 0; w < state.wire_count(); ++w) state.save_wire(w);
+    for_each_item(state.wire_count(), wire_grain, [&](int w) { state.save_wire(w); });
     state.contact_in_solve = 0;
+    state.wire_reports.assign(state.wire_count(), WireReport{});
 }
+
+namespace {
+
+/// Into the wire's own report and that of the step.
+void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1)
+{
+    for (WireReport* to : {&state.wire_reports[wire], static_cast<WireReport*>(&report)}) {
+        to->flags |= flags;
+        to->newton_iterations = std::max(to->newton_iterations, newton_iterations);
+        to->sub_steps = std::max(to->sub_steps, sub_steps);
+    }
+}
+
+}  // namespace
 
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
@@ -93,26 +114,24 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
-        report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
-        if (solved.best_effort) report.flags |= StepBestEffort;
+        note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;
         any_failed = true;
-        if (depth == most_halvings) report.flags |= solved.non_finite ? StepNonFinite : StepNotConverged;
+        if (depth == most_halvings) note(state, report, w, solved.non_finite ? StepNonFinite : StepNotConverged);
+        else note(state, report, w, StepHalved, 0, 2 << depth);
     }
     if (state.contact) state.contact->commit(done);
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (!done[w]) continue;
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        if (!done[w]) return;
         state.wire_time[w] += h;
         state.read_results(w, h);
-    }
+    });
     if (!any_failed) return failed;
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
     if (depth == most_halvings) return failed;
-    report.flags |= StepHalved;
-    report.sub_steps = std::max(report.sub_steps, 2 << depth);
     WireMask lost = advance(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
@@ -136,7 +155,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->begin_step(state.rods);
     }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
+        state.live[w] = state.active[w] = all[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -149,10 +168,10 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     WireMask done = all;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        report.newton_iterations = std::max(report.newton_iterations, state.reports[w].iterations);
+        note(state, report, w, StepOk, state.reports[w].iterations);
         if (state.reports[w].converged) continue;
         done[w] = 0;
-        report.flags |= state.reports[w].non_finite ? StepNonFinite : StepNotConverged;
+        note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
         state.restore_wire(w);
     }
     if (state.contact) {
@@ -260,7 +279,7 @@ void adapt_nodes(World::Impl& state, double dt)
     const auto start = Clock::now();
     for (int w = 0; w < state.wire_count(); ++w) {
         FeedState& feed = state.feeds[w];
-        if (feed.on && !feed.inside) continue;
+        if (state.retired[w] || (feed.on && !feed.inside)) continue;
         if (state.adapters[w].on)
             adapt_wire(state, w, dt);
         else if (feed.on)
@@ -309,11 +328,12 @@ void check_state(World::Impl& state, StepReport& report)
 {
     state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
     for (int w = 0; w < state.wire_count(); ++w) {
+        if (state.retired[w]) continue;
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) report.flags |= StepNonFinite;
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) note(state, report, w, StepNonFinite);
         if (needs_audit(state, w)) audit_outside(state, w);
-        if (state.results[w].contact.outside > 0) report.flags |= StepWallPenetration;
+        if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }
 }
 

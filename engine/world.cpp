@@ -4,6 +4,7 @@
 
 #include "core/bytes.h"
 #include "core/error.h"
+#include "core/fnv1a.h"
 #include "device/enumerate.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
@@ -128,6 +129,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     reports.resize(count);
     active.assign(count, 1);
     live.assign(count, 1);
+    retired.assign(count, 0);
+    wire_reports.resize(count);
     wire_time.assign(count, 0.0);
     time_backup.assign(count, 0.0);
     momentum_start.resize(count);
@@ -184,7 +187,7 @@ void World::Impl::read_results(int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         if (clamps[c].node == hub && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
-    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire)) : -result.base_force.dot(rod.tangent(hub - 1));
+    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) : -result.base_force.dot(rod.tangent(hub - 1));
     result.kinetic = solver->kinetic_energy(wire);
     result.elastic = solver->elastic_energy(wire);
     result.gravitational = solver->potential_energy(wire);
@@ -204,6 +207,7 @@ World::World(World&&) noexcept = default;
 
 int World::wire_count() const { return impl_->wire_count(); }
 double World::time() const { return impl_->time; }
+double World::time(int wire) const { return impl_->wire_time[wire]; }
 long World::step_count() const { return impl_->steps; }
 const WorldSetup& World::setup() const { return impl_->setup; }
 RodView World::rod(int wire) const { return impl_->rods.view(wire); }
@@ -239,6 +243,10 @@ WireReadings World::readings(int wire) const
     return r;
 }
 
+const WireReport& World::report(int wire) const { return impl_->wire_reports[wire]; }
+void World::retire(int wire) { impl_->retired[wire] = 1; }
+bool World::retired(int wire) const { return impl_->retired[wire] != 0; }
+
 const std::vector<ContactRow>& World::contacts() const
 {
     impl_->rows.clear();
@@ -254,19 +262,34 @@ std::vector<Vec3> World::nodal_contact_force(int wire) const
 
 // A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
 // with (elastic, and its weight lifted by its own length).
-bool World::at_rest() const
+bool World::at_rest(int wire) const
 {
     if (impl_->setup.integrator.scheme == Scheme::Static) return true;
     if (impl_->steps == 0) return false;
-    for (int w = 0; w < impl_->wire_count(); ++w) {
-        const WireResult& result = impl_->results[w];
-        const RodView rod = impl_->rods.view(w);
-        double mass = 0;
-        for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
-        const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
-        if (result.kinetic > 1e-8 * scale) return false;
-    }
+    const WireResult& result = impl_->results[wire];
+    const RodView rod = impl_->rods.view(wire);
+    double mass = 0;
+    for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
+    const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
+    return result.kinetic <= 1e-8 * scale;
+}
+
+bool World::at_rest() const
+{
+    for (int w = 0; w < impl_->wire_count(); ++w)
+        if (!at_rest(w)) return false;
     return true;
+}
+
+void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
+{
+    const std::int32_t n = rods.node_count(wire);
+    put_bytes(bytes, &n, 1);
+    put_bytes(bytes, &wire_time[wire], 1);
+    put_bytes(bytes, &remesh_energy[wire], 1);
+    put_feed(bytes, feeds[wire]);
+    // views are of changeable arrays; these only read
+    for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
 }
 
 std::vector<std::uint8_t> World::save_state() const
@@ -276,14 +299,7 @@ std::vector<std::uint8_t> World::save_state() const
     put_bytes(bytes, &s.time, 1);
     const std::int64_t steps = s.steps;
     put_bytes(bytes, &steps, 1);
-    for (int w = 0; w < s.wire_count(); ++w) {
-        const std::int32_t n = s.rods.node_count(w);
-        put_bytes(bytes, &n, 1);
-        put_bytes(bytes, &s.wire_time[w], 1);
-        put_bytes(bytes, &s.remesh_energy[w], 1);
-        put_feed(bytes, s.feeds[w]);
-        for (const std::span<double>& array : s.rods.arrays(w)) put_bytes(bytes, array.data(), array.size());
-    }
+    for (int w = 0; w < s.wire_count(); ++w) s.put_wire(bytes, w);
     if (s.contact) s.contact->save(bytes);
     return bytes;
 }
@@ -312,11 +328,24 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
     if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
-std::string World::state_hash() const
+namespace {
+
+std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
+
+}  // namespace
+
+std::string World::state_hash() const { return hash_of(save_state()); }
+
+std::string World::state_hash(int wire) const
 {
-    std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
-    for (const std::uint8_t byte : save_state()) hash = (hash ^ byte) * 0x100000001b3ull;
-    return fmt::format("{:016x}", hash);
+    const Impl& s = *impl_;
+    std::vector<std::uint8_t> bytes;
+    put_bytes(bytes, &s.wire_time[wire], 1);  // alone, its time is the world's
+    const std::int64_t steps = s.steps;
+    put_bytes(bytes, &steps, 1);
+    s.put_wire(bytes, wire);
+    if (s.contact) s.contact->save_wire(bytes, wire);
+    return hash_of(bytes);
 }
 
 std::vector<std::pair<std::string, std::string>> World::model() const

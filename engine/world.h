@@ -52,6 +52,8 @@ struct World::Impl {
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
+    std::vector<std::uint8_t> retired;          // per wire: left out of every step
+    std::vector<WireReport> wire_reports;       // per wire, of the present step
     std::vector<std::vector<double>> backup;    // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
     std::vector<int> count_backup;
@@ -68,6 +70,7 @@ struct World::Impl {
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
+    void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
 };
 
 }  // namespace seldinger

@@ -3,6 +3,7 @@
 #include "contact/wall_law.h"
 #include "core/bytes.h"
 #include "core/error.h"
+#include "core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -56,12 +57,11 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
-    params_.reach = 0.1 * least;
     slack_ = 0.4 * least;
-    skin_ = params_.reach + slack_;
     cull_x_.assign(n, std::numeric_limits<double>::quiet_NaN());
     cull_y_ = cull_z_ = cull_x_;
     counts_.assign(n, 0);
+    listed_.assign(n, 0);
     to_find_.reserve(n);
     active_.reserve(n);
     const std::size_t most_edges = rods.total_capacity();
@@ -102,7 +102,7 @@ void CapsuleContact::warm_up()
 
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
-    find_.launch(at, items, par, real(skin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+    find_.launch(at, items, par, real(slack_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
                  wall_.vertices, candidates_, count_buffer_);
 }
 
@@ -120,26 +120,26 @@ device::Lane CapsuleContact::lane(std::size_t samples) const
 
 void CapsuleContact::begin_step(RodArrays& rods)
 {
-    for (int w = 0; w < rods.wire_count(); ++w) {
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
         for (int i = 0; i < rod.n; ++i)
             nodes_t0_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
         place_samples(samples_, w, rod, begin, true);
-    }
+    });
 }
 
 void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < rods.wire_count(); ++w) {
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
         place_samples(samples_, w, rod, begin, false);
         if (!live[w]) samples_.wires[w].live = 0;
         for (int i = 0; i < rod.n; ++i)
             nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
-    }
+    });
     list_stale_ = true;
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
@@ -207,7 +207,9 @@ void CapsuleContact::rebuild_active_list()
         sums_.wire_edges[w] = static_cast<int>(sums_.edge_node.size());
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
-            if (counts_[s] == 0) continue;
+            // once evaluated in this step, always: a record that an earlier trial wrote would pass for the last one's
+            if (counts_[s] == 0 && listed_[s] != wire.stamp) continue;
+            listed_[s] = wire.stamp;
             const std::uint32_t edge = samples_.places[s].edge;
             if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
                 sums_.edge_node.push_back(edge);
@@ -228,11 +230,11 @@ void CapsuleContact::rebuild_active_list()
 
 void CapsuleContact::set_nodes(const TrialState& trial)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         const int begin = rods_.node_begin(w);
         for (int i = begin; i < begin + rods_.node_count(w); ++i)
             nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
-    }
+    });
 }
 
 void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
@@ -278,11 +280,13 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
         std::swap(touches_t0_, touches_);
     } else {
         context_.enter(device::Lane::Light);
-        for (std::size_t w = 0; w < active.size(); ++w) {
-            const WireSamples& wire = samples_.wires[w];
-            const std::size_t record = 2 * sizeof(TouchState);
-            if (active[w])
-                context_.copy(device::Lane::Light, touches_, touches_t0_, wire.capacity * record, wire.begin * record);
+        constexpr std::size_t record = 2 * sizeof(TouchState);
+        for (std::size_t w = 0; w < active.size();) {  // neighbours go together
+            const std::size_t first = w;
+            std::size_t samples = 0;
+            for (; w < active.size() && active[w]; ++w) samples += samples_.wires[w].capacity;
+            context_.copy(device::Lane::Light, touches_, touches_t0_, samples * record, samples_.wires[first].begin * record);
+            while (w < active.size() && !active[w]) ++w;
         }
         context_.finish(device::Lane::Light);
     }
@@ -292,13 +296,14 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
 
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 {
-    const std::vector<TouchState> touches = living_touches();
+    const std::vector<TouchState> touches = living_touches(0, rods.wire_count());
     std::vector<ContactRow> rows;
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireSamples& wire = samples_.wires[w];
         const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
         int edge = 0;
-        for (int k = 0; k < wire.live; ++k) {
+        // by the records, not by `live`: in the last sub-step this wire may have had no part
+        for (int k = 0; k < wire.capacity; ++k) {
             const int s = wire.begin + k;
             while (edge < rod.n - 2 && wire.s[k] > rod.material_s[edge + 1]) ++edge;
             for (int side = 0; side < 2; ++side) {
@@ -339,30 +344,42 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
 }
 
 // Records that no contact of the last step wrote are leftovers: they have no say in what comes, nor may they in the bytes saved.
-std::vector<TouchState> CapsuleContact::living_touches()
+std::vector<TouchState> CapsuleContact::living_touches(int first_wire, int end_wire)
 {
-    std::vector<TouchState> touches(2 * samples_.models.size());
+    const int first = 2 * samples_.wires[first_wire].begin;
+    const int end = 2 * (samples_.wires[end_wire - 1].begin + samples_.wires[end_wire - 1].capacity);
+    std::vector<TouchState> touches(end - first);
     context_.enter(device::Lane::Light);
-    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
-    for (const WireSamples& wire : samples_.wires)
-        for (int k = 2 * wire.begin; k < 2 * (wire.begin + wire.capacity); ++k)
+    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches), first * sizeof(TouchState));
+    for (int w = first_wire; w < end_wire; ++w) {
+        const WireSamples& wire = samples_.wires[w];
+        for (int k = 2 * wire.begin - first; k < 2 * (wire.begin + wire.capacity) - first; ++k)
             if (touches[k].stamp + 1 != wire.stamp) std::memset(&touches[k], 0, sizeof touches[k]);
+    }
     return touches;
 }
 
 void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
 {
-    const std::vector<TouchState> touches = living_touches();
+    const std::vector<TouchState> touches = living_touches(0, static_cast<int>(samples_.wires.size()));
     put_bytes(bytes, touches.data(), touches.size());
     for (const WireSamples& wire : samples_.wires) put_bytes(bytes, &wire.stamp, 1);
 }
 
-// Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond `reach`).
+void CapsuleContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const std::vector<TouchState> touches = living_touches(wire, wire + 1);
+    put_bytes(bytes, touches.data(), touches.size());
+    put_bytes(bytes, &samples_.wires[wire].stamp, 1);
+}
+
+// Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond the reach).
 void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::vector<TouchState> touches(2 * samples_.models.size());
     take_bytes(bytes, end, touches.data(), touches.size());
     for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
+    std::fill(listed_.begin(), listed_.end(), 0);
     std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
     context_.enter(device::Lane::Light);
     context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));

@@ -20,12 +20,13 @@ public:
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:
     void find_candidates(bool all_live);
     void rebuild_active_list();
-    [[nodiscard]] std::vector<TouchState> living_touches();
+    [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
     void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
     void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par);
@@ -36,10 +37,12 @@ private:
     bool swept_;
     DeviceWall wall_;
     SampleSet samples_;
-    double skin_ = 0;   // candidates hold everything within radius + skin of where the sample was when they were found [m]
-    double slack_ = 0;  // how far a sample may move before they are found anew [m]
+    // Candidates hold everything within radius + reach + slack of where the sample was when they were found; it may move by at most
+    // the slack before they are found anew [m].
+    double slack_ = 0;
     std::vector<double> cull_x_, cull_y_, cull_z_;  // [samples] where; NaN: never
     std::vector<std::uint32_t> counts_, to_find_, active_, edge_first_;
+    std::vector<std::uint32_t> listed_;  // [samples] stamp of the last step in which the sample was evaluated
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer models_, places_, candidates_, count_buffer_, find_list_, active_list_, first_buffer_, forces_, barys_, edge_buffer_;

@@ -61,6 +61,8 @@ public:
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
     virtual void save(std::vector<std::uint8_t>& bytes) = 0;
+    /// What save() would write in a world of this wire alone.
+    virtual void save_wire(std::vector<std::uint8_t>& bytes, int wire) = 0;
     virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
 
     StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]

@@ -71,6 +71,12 @@ double line_stiffness(double modulus, double wire_radius, double lumen_radius)
     return 4.0 / 3.0 * modulus * std::sqrt(2 * effective_radius(wire_radius, lumen_radius));
 }
 
+double tip_stiffness(double line, double n, double wire_radius, double lumen_radius)
+{
+    const double beta = std::sqrt(pi) * std::tgamma(n + 0.5) / std::tgamma(n + 1);  // B(1/2, n + 1/2)
+    return line * 2 * pi * wire_radius / ((n + 0.5) * std::sqrt(2 * effective_radius(wire_radius, lumen_radius)) * beta);
+}
+
 double depth_under(double load, double stiffness, double exponent) { return std::pow(load / stiffness, 1 / exponent); }
 
 SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius,
@@ -101,12 +107,9 @@ SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, c
 {
     SampleModel m = line_sample(section, contact, wall, lumen_radius, 1.0);
     m.length = 0;
-    if (!contact.stiffness_from_wall) {
-        m.weight = 0;
-        return m;
-    }
-    m.stiffness = pi * foundation_modulus(wall) * section.radius;
-    m.exponent = 2;
+    m.stiffness = contact.stiffness_from_wall ? pi * foundation_modulus(wall) * section.radius
+                                              : tip_stiffness(m.stiffness, m.exponent, section.radius, lumen_radius);
+    m.exponent += 0.5;
     m.roll_arm = 0;  // a ball's end rolls on the line contact behind it
     set_scales(m, own_weight(section) * 10 * section.radius);  // ten radii of wire rest on the tip
     return m;

@@ -48,6 +48,10 @@ bool is_own(const std::string& name)
                        [&](std::string_view own) { return name == own || (name.starts_with(own) && name.ends_with(".tmp")); });
 }
 
+bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
+
+}  // namespace
+
 void remove_old_run(const fs::path& dir)
 {
     std::error_code error;
@@ -59,10 +63,6 @@ void remove_old_run(const fs::path& dir)
             throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(),
                                                        error.message()));
 }
-
-bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
-
-}  // namespace
 
 bool holds_a_run(const fs::path& dir)
 {
@@ -125,19 +125,8 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
 void Recorder::take_in(const World& world, const StepReport& report)
 {
     readings_ = world.readings(0);
-    const WireReadings& r = readings_;
-    tally_.contacts_max = std::max<std::int64_t>(tally_.contacts_max, r.contacts);
-    tally_.newton_max = std::max<std::int64_t>(tally_.newton_max, report.newton_iterations);
-    tally_.halved_steps += (report.flags & StepHalved) != 0;
-    tally_.outside_steps += (report.flags & StepWallPenetration) != 0;
-    tally_.overflow_steps += (report.flags & StepContactOverflow) != 0;
-    tally_.friction_max = std::max(tally_.friction_max, r.friction);
-    tally_.overlap_max = std::max(tally_.overlap_max, r.overlap);
-    tally_.outside_max = std::max(tally_.outside_max, r.outside);
-    const StageTimes& t = report.times;
-    StageTimes& sum = tally_.stages;
-    sum.detect += t.detect, sum.evaluate += t.evaluate, sum.reduce += t.reduce;
-    sum.solve += t.solve, sum.wall += t.wall, sum.adapt += t.adapt;
+    tally_.take_in(readings_, report);
+    tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;
 }

@@ -44,6 +44,7 @@ void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rod
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index)
 {
     state.on = 1;
+    rods.set_curvature(index, wire.curvature);
     state.point = spec.point;
     state.direction = spec.direction.normalized();
     // first director: the upright side of the wire as it lies in the guide

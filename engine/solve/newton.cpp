@@ -1,6 +1,7 @@
 #include "solve/newton.h"
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "solve/solver_work.h"
 
 #include <algorithm>
@@ -15,8 +16,9 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
         throw Error(ExitCode::BadScene, "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
                                         "method set scheme = \"explicit\"");
     for (int w = 0; w < rods.wire_count(); ++w)
-        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec.damping_stiffness > 0));
+        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
+    running_.resize(rods.wire_count());
     evaluate_.resize(rods.wire_count());
 }
 
@@ -39,28 +41,28 @@ void Solver::write_trial(int wire)
 void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
     const int wires = rods_.wire_count();
+    const auto any = [](const std::vector<std::uint8_t>& flags) { return std::find(flags.begin(), flags.end(), 1) != flags.end(); };
     for (;;) {
-        bool any_running = false, any_finite = false;
-        for (int w = 0; w < wires; ++w) {
+        for_each_item(wires, wire_grain, [&](int w) {
             NewtonWire& newton = work_[w]->newton;
             evaluate_[w] = 0;
-            if (!active[w] || !newton.running()) continue;
-            any_running = true;
+            running_[w] = active[w] && newton.running();
+            if (!running_[w]) return;
             write_trial(w);
             evaluate_[w] = newton.problem.update();
-            any_finite = any_finite || evaluate_[w];
-        }
-        if (!any_running) return;
-        if (contact && any_finite) contact->evaluate(trial_, h, evaluate_);
-        for (int w = 0; w < wires; ++w)
-            if (active[w] && work_[w]->newton.running()) work_[w]->newton.advance(evaluate_[w], contact, w);
+        });
+        if (!any(running_)) return;
+        if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
+        for_each_item(wires, wire_grain, [&](int w) {
+            if (running_[w]) work_[w]->newton.advance(evaluate_[w], contact, w);
+        });
     }
 }
 
 void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
-    for (int w = 0; w < rods_.wire_count(); ++w) {
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         WireProblem& problem = work_[w]->newton.problem;
         if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h);
         const RodView rod = rods_.view(w);
@@ -69,7 +71,7 @@ void Solver::begin(Motion motion, double h, std::span<const WireConstraints> con
         std::copy_n(rod.y.begin(), rod.n, trial_.y.begin() + at);
         std::copy_n(rod.z.begin(), rod.n, trial_.z.begin() + at);
         std::copy_n(rod.theta.begin(), rod.n - 1, trial_.theta.begin() + at);
-    }
+    });
 }
 
 /// Failure leaves the wire as it was: the trial and the frames are those of the accepted state again.
@@ -83,13 +85,13 @@ void Solver::restore(int wire)
 
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!active[w]) continue;
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
         if (newton.converged()) newton.problem.commit(spec_.newmark);
         else restore(w);
-    }
+    });
 }
 
 // ---- one step -------------------------------------------------------------------------------------------------------------
@@ -104,8 +106,9 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
-    for (int w = 0; w < rods_.wire_count(); ++w)
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
+    });
     iterate(h, contact, active);
     finish(active, reports);
 }

@@ -110,7 +110,7 @@ private:
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
     bool best_effort_ = false;
-    std::vector<std::uint8_t> evaluate_;  // [wires] takes part in the present evaluation of contact
+    std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
 };
 
 }  // namespace seldinger

@@ -16,7 +16,7 @@ constexpr double located = 1e-6;  // of the wire's radius: a position known to w
 
 }  // namespace
 
-NewtonWire::NewtonWire(int capacity, bool stiffness_damping) : problem(capacity, stiffness_damping)
+NewtonWire::NewtonWire(int capacity, const IntegratorSpec& spec) : problem(capacity, spec)
 {
     for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_, &scratch_})
         array->resize(4 * capacity);
@@ -282,7 +282,7 @@ void NewtonWire::new_direction(const ContactTerm* contact, int wire)
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
 {
     // after a step that had to be shortened, the symmetric tangent, which goes downhill
-    const bool sliding = contact && contact->unsymmetric(wire) && !shortened_;
+    const bool sliding = (problem.unsymmetric() || (contact && contact->unsymmetric(wire))) && !shortened_;
     safe_steps_ = shortened_ ? 0 : safe_steps_;
     shortened_ = false;
     unsymmetric_ = sliding || safe_steps_ >= 3;

@@ -3,8 +3,8 @@
 // take its own decision. Nothing here looks at another wire.
 //
 // Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one (and the exact one again, by LU,
-// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding friction
-// the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that
+// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding friction,
+// dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that
 // the *linear* equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by
 // phi lengthens it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is
 // far too stiff sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the
@@ -38,7 +38,7 @@ struct NewtonOptions {
 
 class NewtonWire {
 public:
-    NewtonWire(int capacity, bool stiffness_damping);
+    NewtonWire(int capacity, const IntegratorSpec& spec);
 
     /// Starts a solve of `problem`, begun by the caller; the first trial is set.
     void start(const NewtonOptions& options, double move_limit);

@@ -84,7 +84,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     for (int k = 0; k < 4; ++k) out.force[k] = 0;
     for (int k = 0; k < 10; ++k) out.sym[k] = 0;
     for (int k = 0; k < 12; ++k) out.skew[k] = 0;
-    out.depth = -(m.radius + par.reach);
+    out.depth = -(m.radius + m.reach);
     out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
     out.flags = 0;
     out.contacts = 0;
@@ -111,14 +111,14 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     }
     const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
     const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 0, candidates, count, vertices, rims);
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
     if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 1, candidates, count, vertices, rims);
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
     if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
     else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
     // both sides are blended alike: which of them is nearer may change without a jump
-    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
         const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];

@@ -26,6 +26,7 @@ typedef struct SampleModel {
     real weight;              // [m]; 1 for the tip's point law
     real length;              // metres of wire that it stands for in readings: weight, or 0 at the tip
     real radius;              // wire [m]
+    real reach;               // beyond the radius where a second wall is looked for [m]
     real stiffness;           // k: force per metre = k depth^n [N/m^(n+1)]
     real exponent;            // n
     real friction_stiffness;  // k_t per metre [N/m^2], constant in time (D9)
@@ -105,7 +106,6 @@ typedef struct ContactParams {
     real inv_dt;         // [1/s]; 0 in static equilibrium: no damping
     real blend;          // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;   // regularisation of `smooth` [m/s]
-    real reach;          // beyond the wire's radius where a second wall is looked for [m]
 } ContactParams;
 
 SEL_END

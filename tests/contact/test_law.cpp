@@ -44,7 +44,7 @@ struct OneSample {
         par.inv_dt = 1e3;
         par.blend = 0.002;
         par.smooth_speed = 1e-3;
-        par.reach = 0.1 * m.radius;
+        model.reach = 0.1 * m.radius;
     }
     void nodes(vec3 at, std::array<float, 6>& hi, std::array<double, 6>& lo) const
     {

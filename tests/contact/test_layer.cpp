@@ -62,6 +62,7 @@ SampleModel linear_law(double weight)
     SampleModel m{};
     m.weight = m.length = weight;
     m.radius = r;
+    m.reach = 0.1 * r;
     m.stiffness = 1e5;
     m.exponent = 1;
     m.friction_stiffness = 1e4;
@@ -110,7 +111,6 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
     const int samples = static_cast<int>(length / r);
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;
-    par.reach = 0.1 * r;
     par.blend = 0.002;
     double force = 0;
     for (int k = 0; k < samples; ++k) {

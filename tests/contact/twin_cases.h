@@ -60,7 +60,6 @@ struct Scene {
         par.inv_dt = 1000;
         par.blend = static_cast<real>(0.002);
         par.smooth_speed = static_cast<real>(1e-3);
-        par.reach = static_cast<real>(0.1 * 0.4445e-3);
     }
 
     void add_wire(uint n)
@@ -82,6 +81,7 @@ struct Scene {
         SampleModel m{};
         m.weight = m.length = static_cast<real>(k % 17 == 16 ? 0.0 : 4e-4);
         m.radius = static_cast<real>(k % 2 ? 0.4445e-3 : 0.35e-3);
+        m.reach = static_cast<real>(0.1 * 0.4445e-3);
         m.exponent = static_cast<real>(std::array{1.0, 1.5, 2.0}[k % 3]);
         m.stiffness = static_cast<real>(1.5e8 * std::pow(1e-6, 1.5 - m.exponent));
         m.friction_stiffness = static_cast<real>(1e5);
@@ -138,12 +138,12 @@ struct Found {
     std::vector<real> touching{};  // layer: L'
 };
 
-Found host_find(const Scene& s, const std::vector<uint>& list, real skin, uint slots)
+Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint slots)
 {
     Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
     for (uint sample : list) {
         const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + skin, s.nodes.data(),
+        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + s.models[sample].reach + slack, s.nodes.data(),
                                        s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
     }
     return out;
@@ -248,10 +248,10 @@ void find_case()
             for (const uint slots : {1u, 5u, 64u}) {  // the first two overflow: what does not fit is counted, not written
                 Scene s(n);
                 const std::vector<uint> list = up_to(n);
-                const real skin = static_cast<real>(2e-4);
+                const real slack = static_cast<real>(1.5e-4);
                 s.par.item_count = static_cast<uint>(n);
                 s.par.slots = slots;
-                const Found host = host_find(s, list, skin, slots);
+                const Found host = host_find(s, list, slack, slots);
                 Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
                     counts(context, lane, std::vector<uint>(n));
                 Guarded<SampleModel> models(context, lane, s.models);
@@ -259,7 +259,7 @@ void find_case()
                 Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
                 Guarded<real> lo(context, lane, s.lo);
                 Guarded<TreeNode> nodes(context, lane, s.nodes);
-                kernel.launch(lane, n, s.par, skin, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
+                kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
                               nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
@@ -420,12 +420,12 @@ void layer_evaluate_case()
 
 // every member that follows a change of type, and the last of each record
 #define SEL_LAYOUT(X)                                                                                                       \
-    X(SampleModel, length)                                                                                                  \
+    X(SampleModel, length) X(SampleModel, reach)                                                                                                 \
     X(SampleModel, roll_force) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(TouchState, point)      \
         X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym)           \
             X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque)  \
                 X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)       \
-                    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, reach) X(TreeNode, left_or_first) \
+                    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) \
                         X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
