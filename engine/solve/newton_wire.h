@@ -13,7 +13,7 @@
 // Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
 // either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk against d (the
 // natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
-// |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
+// |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
 // than contact has searched in one update. Between two evaluations of contact, which cost most of a step, the equations with
 // contact taken as linear are solved on by further back-substitutions (polish), so that what the next evaluation finds is
 // contact's own curvature only.
@@ -54,12 +54,16 @@ public:
 
 private:
     enum class Phase { Guess, Search, Done, Failed };
+    enum class Jump { None, Turns, Passed };
 
     void set_guess(double fraction);
     void retreat();
     void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
+    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact);
+    [[nodiscard]] double residual_along(std::span<const double> d) const;
+    [[nodiscard]] double smallest_radius() const;
     void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);
@@ -85,7 +89,7 @@ private:
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, unsymmetric_ = false, shortened_ = false;
     int safe_steps_ = 0;           // full steps in a row with the safe Hessian
-    int iterations_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0;
+    int iterations_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;

@@ -114,6 +114,8 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
     if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
         first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
+    if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
+    else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
     Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
     // both sides are blended alike: which of them is nearer may change without a jump
     if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
