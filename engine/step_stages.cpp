@@ -85,11 +85,13 @@ namespace {
 /// Into the wire's own report and that of the step.
 void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1)
 {
-    for (WireReport* to : {&state.wire_reports[wire], static_cast<WireReport*>(&report)}) {
-        to->flags |= flags;
-        to->newton_iterations = std::max(to->newton_iterations, newton_iterations);
-        to->sub_steps = std::max(to->sub_steps, sub_steps);
-    }
+    const auto add_to = [&](auto& to) {
+        to.flags |= flags;
+        to.newton_iterations = std::max(to.newton_iterations, newton_iterations);
+        to.sub_steps = std::max(to.sub_steps, sub_steps);
+    };
+    add_to(state.wire_reports[wire]);
+    add_to(report);
 }
 
 WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
