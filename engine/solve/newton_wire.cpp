@@ -125,7 +125,7 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (phase_ == Phase::Search) {
-        const Jump jump = jump_of_force(contact);
+        const Jump jump = jump_of_force(contact, wire);
         if (jump == Jump::Turns) {
             phase_ = Phase::Done;
             return;
@@ -202,23 +202,32 @@ double NewtonWire::smallest_radius() const
     return *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
 }
 
-/// When the trial is a millionth of the wire's radius (half a nanometre) or less from the base, and yet the force differs by more than a
-/// tenth: which facets of the wall are nearest has changed, and the force with them (in a neck as narrow as the wire, at the
-/// corner of three walls). No elastic or contact stiffness does that. Where the jump turns the force round, the
-/// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
-/// good a base as any.
-NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact)
+/// When no point of the wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base, and
+/// yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the wall are
+/// nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or
+/// contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is
+/// there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
+NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact, int wire)
 {
-    if (!contact || options_.shifted || alpha_ * problem.largest_move(direction_) > located * smallest_radius()) return Jump::None;
-    double change = 0, base = 0;
+    if (!contact || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (alpha_ * largest_surface_move(direction_) > located * smallest_radius()) return Jump::None;
+    double change = 0, base = contact->largest_force(wire);
     for (int i = 0; i < problem.size(); ++i) {
         if (problem.prescribed[i] || i % 4 == 3) continue;
         change = std::max(change, std::abs(problem.residual[i] - base_residual_[i]));
         base = std::max(base, std::abs(base_residual_[i]));
     }
-    if (change <= 0.1 * base || alpha_ == first_alpha_) return Jump::None;
+    if (change <= 0.1 * base) return Jump::None;
     if (residual_along(direction_) * slope_ < 0) return Jump::Turns;
     return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+}
+
+/// Of a node, or of the surface by spin [m].
+double NewtonWire::largest_surface_move(std::span<const double> d) const
+{
+    double largest = problem.largest_move(d);
+    for (int j = 0; j < problem.rod.n - 1; ++j) largest = std::max(largest, std::abs(d[4 * j + 3]) * problem.rod.radius[j]);
+    return largest;
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step

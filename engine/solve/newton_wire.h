@@ -61,9 +61,10 @@ private:
     void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
-    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact);
+    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact, int wire);
     [[nodiscard]] double residual_along(std::span<const double> d) const;
     [[nodiscard]] double smallest_radius() const;
+    [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);

@@ -126,24 +126,23 @@ TEST_SUITE("contact/sliding")
 
     // A wire of 1 g, pressed on by 20 mN, pulled by a spring of 10 N/m whose end moves at 5 mm/s: A = (mu_s - mu_d) N / k,
     // slip lasts (2/w)(pi - atan(A w/V)), w^2 = k/m, stick 2A/V; force falls from mu_s N to (2 mu_d - mu_s) N.
+    // The steady cycle is that of the formula; the first stroke begins from anchors as settled. Backward Euler damps a slip by
+    // pi w dt/2 = 0.4 %; the tip's own law (D6c), which a block has not, lets parts yield before others.
     TEST_CASE("analytic: pulled by a spring it sticks and slips with the period and stroke of the mass-spring model")
     {
-        constexpr double dt = 1e-4, k = 10, mass = 1e-3, load = 0.02, speed = 0.005, mu_static = 0.48, mu_sliding = 0.3;
+        constexpr double dt = 2.5e-5, length = 0.05, k = 10, mass = 1e-3, load = 0.02, speed = 0.005, mu_static = 0.48, mu_sliding = 0.3;
         const double amplitude = (mu_static - mu_sliding) * load / k, w = std::sqrt(k / mass);
         const double period = 2 / w * (std::numbers::pi - std::atan(amplitude * w / speed)) + 2 * amplitude / speed;
         const double stroke = period * speed;
-        WorldSetup setup = on_incline(0.05, 6, 0, mu_static, mu_sliding, dt);
+        WorldSetup setup = on_incline(length, 6, 0, mu_static, mu_sliding, dt);
         setup.gravity = {0, 0, -load / mass};
         WireSpec& wire = setup.wires[0].wire;
-        wire.shaft.density = mass / (0.05 * std::numbers::pi * radius * radius);
+        wire.shaft.density = mass / (length * std::numbers::pi * radius * radius);
         wire.place.base.z() = radius - own_depth(wire.shaft.density, load / mass);
-        // a block has no ends: the law is given as a number, and so without the tip's own
-        ContactSpec& contact = setup.wires[0].contact;
-        contact.stiffness_from_wall = false;
-        contact.stiffness = line_stiffness(foundation_modulus(VesselSpec{}), radius, INFINITY);
         LinkSpec spring;
-        spring.at = {WirePoint::Kind::Distance, 0.025};
-        spring.anchor = {0.025, 0, wire.place.base.z()};
+        spring.at = {WirePoint::Kind::Distance, length / 2};
+        const double anchor = length / 2;
+        spring.anchor = {anchor, 0, wire.place.base.z()};
         spring.stiffness = k;
         spring.move = {{0, 0, 0, 0}, {1, speed, 0, 0}};
         setup.wires[0].links = {spring};
@@ -152,10 +151,10 @@ TEST_SUITE("contact/sliding")
         std::vector<double> starts, at;  // of slips; where the wire stood
         bool slipping = false;
         double largest = 0, least = 1;
-        for (int n = 1; n <= 8000; ++n) {
+        for (int n = 1; n <= 32000; ++n) {
             REQUIRE_FALSE(step(world, dt).failed());
             const RodView rod = world.rod(0);
-            const double x = (rod.x[2] + rod.x[3]) / 2, pull = k * (0.025 + speed * n * dt - x);
+            const double x = (rod.x[2] + rod.x[3]) / 2, pull = k * (anchor + speed * n * dt - x);
             const bool moving = rod.vx[2] > 0.5 * speed;
             if (moving && !slipping) {
                 starts.push_back(n * dt);
@@ -169,7 +168,7 @@ TEST_SUITE("contact/sliding")
         }
         REQUIRE(starts.size() >= 4);
         CHECK(starts[0] == about(mu_static * load / (k * speed)).epsilon(0.02));
-        for (std::size_t n = 1; n < starts.size(); ++n) {
+        for (std::size_t n = 2; n < starts.size(); ++n) {
             CHECK(starts[n] - starts[n - 1] == about(period).epsilon(0.02));
             CHECK(at[n] - at[n - 1] == about(stroke).epsilon(0.02));
         }
