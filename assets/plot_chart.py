@@ -77,7 +77,7 @@ class Panel:
         costs, errors = [p[0] for p in self.points], [p[1] for p in self.points]
         floor = self.uncertainty if self.uncertainty > 0 else min(errors)
         low = min(min(errors), floor)
-        return (min(costs) / 3, max(costs) * 1.6), (low / 3, max(errors) * 2)
+        return (min(costs) / 6, max(costs) * 1.6), (low / 3, max(errors) * 2)
 
     def draw(self, axes, labels=True):
         axes.set_xscale("log")
@@ -131,12 +131,13 @@ class Panel:
         axes.plot(xs, ys, color="0.25", linewidth=1.1, zorder=1)
         if not labels:
             return
-        last = math.inf
+        (left, right), (bottom, top) = self.limits()
+        last = None
         for cost, error, row in front:
-            step = math.log10(last / error) if math.isfinite(last) else 1
-            if step < 0.06 and row is not front[-1][2]:
+            place = (math.log(cost / left) / math.log(right / left), math.log(error / bottom) / math.log(top / bottom))
+            if last and last[1] - place[1] < 0.05 and place[0] - last[0] < 0.3:
                 continue  # labels would lie on each other
-            last = error
+            last = place
             axes.annotate(row["model"], (cost, error), xytext=(-4, -3), textcoords="offset points", ha="right", va="top", fontsize=5.5,
                           color="0.2", zorder=7)
 

@@ -90,8 +90,12 @@ struct WireReport {
 };
 
 /// The worst of all wires, all flags together.
-struct StepReport : WireReport {
+struct StepReport {
+    unsigned flags = StepOk;
+    int newton_iterations = 0;
+    int sub_steps = 1;
     StageTimes times;
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
 };
 
 /// Per-wire readings of the accepted state.

@@ -11,6 +11,7 @@ namespace seldinger {
 
 namespace {
 
+constexpr double most_feed_parts = 4096;
 constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
 
 using Clock = std::chrono::steady_clock;
@@ -84,16 +85,16 @@ namespace {
 /// Into the wire's own report and that of the step.
 void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1)
 {
-    for (WireReport* to : {&state.wire_reports[wire], static_cast<WireReport*>(&report)}) {
-        to->flags |= flags;
-        to->newton_iterations = std::max(to->newton_iterations, newton_iterations);
-        to->sub_steps = std::max(to->sub_steps, sub_steps);
-    }
+    const auto add_to = [&](auto& to) {
+        to.flags |= flags;
+        to.newton_iterations = std::max(to.newton_iterations, newton_iterations);
+        to.sub_steps = std::max(to.sub_steps, sub_steps);
+    };
+    add_to(state.wire_reports[wire]);
+    add_to(report);
 }
 
-}  // namespace
-
-WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
+WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
     if (state.contact) state.contact->begin_step(state.rods);
     feed_and_constrain(state, h, mask);
@@ -132,7 +133,7 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
     if (depth == most_halvings) return failed;
-    WireMask lost = advance(state, h / 2, failed, report, depth + 1), rest = failed;
+    WireMask lost = advance_or_halve(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!failed[w]) continue;
@@ -141,10 +142,12 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
         any_left = any_left || rest[w];
     }
     if (!any_left) return lost;
-    const WireMask lost_later = advance(state, h / 2, rest, report, depth + 1);
+    const WireMask lost_later = advance_or_halve(state, h / 2, rest, report, depth + 1);
     for (int w = 0; w < state.wire_count(); ++w) lost[w] = lost[w] || lost_later[w];
     return lost;
 }
+
+}  // namespace
 
 void find_equilibrium(World::Impl& state, StepReport& report)
 {
@@ -299,19 +302,78 @@ void adapt_wire(World::Impl& state, int w, double dt)
         (void)where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; });
 }
 
+void adapt_one(World::Impl& state, int w, double dt)
+{
+    FeedState& feed = state.feeds[w];
+    if (feed.on && !feed.inside) return;
+    if (state.adapters[w].on)
+        adapt_wire(state, w, dt);
+    else if (feed.on)
+        (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
+}
+
+// In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
+// base edge, of which there is at least half an edge, or the shortest one when nodes are adaptive.
+int feed_parts(const World::Impl& state, int w, double h)
+{
+    const FeedState& feed = state.feeds[w];
+    if (!feed.on) return 1;
+    const FeedSpec& spec = state.setup.wires[w].feed;
+    const double pushed = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, +1);
+    const double pulled = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, -1);
+    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (shortest / 2)) - 1e-9);
+    return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
+}
+
+WireMask advance_in_parts(World::Impl& state, double h, int parts, WireMask going, StepReport& report)
+{
+    const WireMask asked = going;
+    for (int k = 0; k < parts; ++k) {
+        for (int w = 0; w < state.wire_count() && k > 0; ++w) {
+            if (!going[w]) continue;
+            adapt_one(state, w, h / parts);
+            state.save_wire(w);
+        }
+        const WireMask lost = advance_or_halve(state, h / parts, going, report, 0);
+        for (int w = 0; w < state.wire_count(); ++w) going[w] = going[w] && !lost[w];
+    }
+    WireMask lost(asked.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!asked[w]) continue;
+        lost[w] = !going[w];
+        note(state, report, w, StepOk, 0, parts);
+    }
+    return lost;
+}
+
 }  // namespace
+
+WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
+{
+    std::vector<int> parts(mask.size(), 0);  // 0: not asked for, or done
+    int most = 0;
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w]) most = std::max(most, parts[w] = feed_parts(state, w, h));
+    if (most == 1) return advance_or_halve(state, h, mask, report, 0);
+    WireMask lost(mask.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {  // all that go in as many parts go together
+        const int here = parts[w];
+        if (here == 0) continue;
+        WireMask together(mask.size(), 0);
+        for (int other = w; other < state.wire_count(); ++other)
+            if (parts[other] == here) together[other] = 1, parts[other] = 0;
+        const WireMask now = advance_in_parts(state, h, here, together, report);
+        for (int other = 0; other < state.wire_count(); ++other) lost[other] = lost[other] || now[other];
+    }
+    return lost;
+}
 
 void adapt_nodes(World::Impl& state, double dt)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < state.wire_count(); ++w) {
-        FeedState& feed = state.feeds[w];
-        if (state.retired[w] || (feed.on && !feed.inside)) continue;
-        if (state.adapters[w].on)
-            adapt_wire(state, w, dt);
-        else if (feed.on)
-            (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
-    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (!state.retired[w]) adapt_one(state, w, dt);
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
 

@@ -22,7 +22,7 @@ BarrierPath::BarrierPath(device::Context& context, const SampleSet& samples, int
 void BarrierPath::warm_up(device::Lane at, ContactParams none, const SampleBuffers& b)
 {
     clearance_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims,
-                      b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
+                      b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
     sweep_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims, base_.hi_buffer,
                   base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
 }
@@ -33,7 +33,7 @@ void BarrierPath::measure_gaps(device::Lane at, ContactParams par, const SampleB
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
     clearance_.launch(at, count, par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims,
-                      b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
+                      b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 

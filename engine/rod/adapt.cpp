@@ -1,6 +1,7 @@
 #include "rod/adapt.h"
 
 #include "core/check.h"
+#include "rod/curvature.h"
 #include "rod/rest_shape.h"
 #include "rod/split.h"
 #include "rod/transport.h"
@@ -32,11 +33,11 @@ void flag_kept(const RodView& rod, std::span<const double> distances, std::vecto
     }
 }
 
-/// Curvature binormal of node i from the accepted tangents, integrated.
-Vec3 binormal(const RodView& rod, int i)
+/// Integrated curvature between two tangents, as a vector along the binormal.
+Vec3 binormal(const RodView& rod, const Vec3& te, const Vec3& tf)
 {
-    const Vec3 te = rod.tangent(i - 1), tf = rod.tangent(i);
-    return (2 / one_plus_cos(te, tf)) * te.cross(tf);
+    const double chi = one_plus_cos(te, tf);
+    return (2 / chi * curvature_factor(curvature_q(rod.curvature), chi)) * te.cross(tf);
 }
 
 /// Rest curvature of node i in the world, integrated (the same signs as in rod/pair.h).
@@ -64,13 +65,13 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
     curvature_[0] = curvature_[hub] = shear_jump_[0] = shear_jump_[hub] = 0;
     moment_[0] = moment_[hub] = Vec3::Zero();
     for (int i = 1; i < hub; ++i) {
-        const Vec3 kb = binormal(rod, i);
+        const Vec3 kb = binormal(rod, rod.tangent(i - 1), rod.tangent(i));
         curvature_[i] = kb.norm() / rod.voronoi_length(i);
         moment_[i] = (rod.bend_stiffness[i] / rod.voronoi_length(i)) * (kb - rest_binormal(rod, i));
     }
     if (!hub_tangent.isZero()) {
         const Vec3 t = rod.tangent(hub - 1);
-        const Vec3 kappa = (2 / (one_plus_cos(t, hub_tangent) * rod.voronoi_length(hub))) * t.cross(hub_tangent);
+        const Vec3 kappa = binormal(rod, t, hub_tangent) / rod.voronoi_length(hub);
         curvature_[hub] = kappa.norm();
         moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
@@ -94,7 +95,7 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     }
     for (int i = from + 1; i < to; ++i) jump += shear_jump_[i];
     const double lever = std::min(rod.material_s[to], longest_lever);
-    const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa / 12);
+    const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8));
     const double square = lever * jump / (12 * stiffness);
     double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);

@@ -48,6 +48,7 @@ ClampSide clamp_side(const RodView& rod, const RodClamp& clamp, const RodFrames&
     (side == 0 ? pair.inv_e : pair.inv_f) = 1 / frames.edge_length[j];
     pair.chi = one_plus_cos(pair.te, pair.tf);
     pair.kb = (2 / pair.chi) * pair.te.cross(pair.tf);
+    pair.q = curvature_q(rod.curvature);
 
     RestBend& rest = result.rest;
     rest.kappa1 = result.share * rod.rest_kappa1[clamp.node];

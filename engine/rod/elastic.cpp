@@ -26,10 +26,10 @@ struct EdgeCoupling {  // C_j; xt: e_j with theta_{j+1}, tx: theta_j with e_{j+1
     double tt = 0;
 };
 
-Pair node_pair(const RodFrames& frames, int i)
+Pair node_pair(const RodView& rod, const RodFrames& frames, int i)
 {
     return {frames.tangent[i - 1], frames.tangent[i], 1 / frames.edge_length[i - 1], 1 / frames.edge_length[i],
-            frames.kb[i], frames.chi[i]};
+            frames.kb[i], frames.chi[i], curvature_q(rod.curvature)};
 }
 
 /// Natural curvature of inner node i with the frame that kappa is measured in.
@@ -64,7 +64,7 @@ void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFra
               PairTerms& out)
 {
     const ClampedNode clamped = clamped_at(clamps, i);
-    const Pair pair = node_pair(frames, i);
+    const Pair pair = node_pair(rod, frames, i);
     const double inv_cell = 1 / rod.voronoi_length(i);
     if (!clamped.bend) add_bend(pair, rod.bend_stiffness[i] * inv_cell, node_rest(rod, frames, i), mode, out);
     if (!clamped.twist) add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
@@ -249,11 +249,15 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 //   cell     d/da [B (kappa - k a)^2/(2a)] (da/dl)  = -B/2 ((kappa/a)^2 - k^2)/2,   k the natural curvature of the wire fed
 // The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
 // taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
-double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames)
+//
+// N is the force in the middle of the base edge. Of a length dl that comes in at the inlet x_hub, dl/2 becomes mass of either node of
+// the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before to hub.
+double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
     const int j = rod.n - 2;
     const double strain = stretch_strain(rod, frames, j);
     double force = -rod.stretch_stiffness[j] * strain * (1 + 0.5 * strain);
+    force += rod.mass[j + 1] * (1 + strain) * gravity.dot(frames.tangent[j]);
 
     const auto cell = [](double stiffness, double value, double rest, double length) {
         return -0.25 * stiffness * (value * value - rest * rest) / (length * length);

@@ -83,9 +83,11 @@ void initialise_frames(const RodView& rod, const Vec3& normal);
 /// differences). If rest_is_placed, rest_kappa and rest_twist come from the present shape (frames must be set).
 void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_placed);
 
-/// dE/d(rest length of the base edge) at fixed positions = axial hand force + bending/twist configurational terms [N],
+/// Work of the hand per length fed at fixed positions: d(elastic energy)/d(rest length of the base edge) = axial force +
+/// bending/twist configurational terms, and the weight along the wire of the half edge at the inlet, whose mass the hub carries [N];
 /// + when the hand pushes (design section 1; [Bosi14]). Clamps at the hub included.
-[[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames);
+[[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
+                                const Vec3& gravity);
 
 /// Torque that the clamp at `node` exerts on the wire about its tangent [N m] (+ = in the sense of increasing theta).
 [[nodiscard]] double clamp_torque(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int clamp);

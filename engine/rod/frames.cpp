@@ -2,6 +2,7 @@
 
 #include "core/check.h"
 #include "rod/clamp.h"
+#include "rod/curvature.h"
 #include "rod/elastic.h"
 #include "rod/transport.h"
 
@@ -51,7 +52,8 @@ bool update_node(const RodView& rod, const RodTrial& q, int i, RodFrames& frames
     const double twist = q.theta[i] - q.theta[i - 1] + ref_twist;
 
     // components in the midway frame: those in e's material frame, seen from half the twist further on
-    const double k1 = kb.dot(frames.m2[i - 1]), k2 = -kb.dot(frames.m1[i - 1]);
+    const double g = curvature_factor(curvature_q(rod.curvature), chi);
+    const double k1 = g * kb.dot(frames.m2[i - 1]), k2 = -g * kb.dot(frames.m1[i - 1]);
     const double c = std::cos(0.5 * twist), s = std::sin(0.5 * twist);
     frames.chi[i] = chi;
     frames.kb[i] = kb;

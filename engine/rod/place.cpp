@@ -114,6 +114,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centrelin
 {
     const int n = uniform_node_count(spec);
     rods.set_node_count(wire, n);
+    rods.set_curvature(wire, spec.curvature);
     const RodView rod = rods.view(wire);
     const WirePlacement& place = spec.place;
     const Curve curve = curve_of(place, spec.length, centreline);

@@ -7,6 +7,7 @@
 #include "rod/elastic.h"
 
 #include "core/check.h"
+#include "rod/curvature.h"
 #include "rod/rest_shape.h"
 #include "rod/transport.h"
 
@@ -53,11 +54,11 @@ void rest_from_shape(const RodView& rod, int i)
 {
     const Vec3 te = rod.tangent(i - 1), tf = rod.tangent(i);
     const double chi = one_plus_cos(te, tf);
-    const Vec3 kb = (2 / chi) * te.cross(tf);
+    const Vec3 curvature = (2 / chi * curvature_factor(curvature_q(rod.curvature), chi)) * te.cross(tf);
     const double twist = rod.theta[i] - rod.theta[i - 1] + rod.ref_twist[i];
     const Vec3 n1 = turned(rod.ref_d1(i - 1), te, rod.theta[i - 1] + 0.5 * twist);  // frame of kappa, see rod/pair.h
-    rod.rest_kappa1[i] = kb.dot(te.cross(n1));
-    rod.rest_kappa2[i] = -kb.dot(n1);
+    rod.rest_kappa1[i] = curvature.dot(te.cross(n1));
+    rod.rest_kappa2[i] = -curvature.dot(n1);
     rod.rest_twist[i] = twist;
 }
 

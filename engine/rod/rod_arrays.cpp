@@ -24,7 +24,7 @@ constexpr std::array members = {
 }  // namespace
 
 // A span that is added to RodView and forgotten above would silently stay out of checkpoints. (Spans are two words and
-// RodView opens with one int, padded to a word.)
+// RodView opens with two ints, one word.)
 static_assert(sizeof(RodView) == sizeof(void*) + members.size() * sizeof(std::span<double>),
               "every span of RodView is listed above");
 
@@ -36,6 +36,7 @@ RodArrays::RodArrays(std::span<const int> capacity)
         SEL_ASSERT(nodes >= 2);
         begin_.push_back(begin_.back() + nodes);
         count_.push_back(nodes);
+        curvature_.push_back(CurvatureMeasure::Angle);
     }
     for (std::vector<double>& array : storage_) array.assign(begin_.back(), 0.0);
 }
@@ -72,6 +73,7 @@ RodView RodArrays::view(int wire)
 {
     RodView rod;
     rod.n = count_[wire];
+    rod.curvature = curvature_[wire];
     for (int k = 0; k < array_count; ++k)
         rod.*members[k] = std::span<double>(storage_[k]).subspan(begin_[wire], rod.n);
     return rod;

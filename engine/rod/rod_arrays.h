@@ -14,6 +14,7 @@ namespace seldinger {
 /// Vectors are three separate arrays, as the kernels read them.
 struct RodView {
     int n = 0;  // nodes
+    CurvatureMeasure curvature = CurvatureMeasure::Angle;  // constant
     // constant while the node set stands; written by set_rest_shape / feed / adapt
     std::span<double> material_s;         // [n] node's arc length from the tip in the unstressed wire [m]
     std::span<double> rest_length;        // [n-1] edge [m]
@@ -73,6 +74,7 @@ public:
     /// overwrite; everything hubwards moves up by one. / Takes out node and edge `index`.
     void insert_node(int wire, int index);
     void erase_node(int wire, int index);
+    void set_curvature(int wire, CurvatureMeasure measure) { curvature_[wire] = measure; }
     [[nodiscard]] RodView view(int wire);
     /// All state and model bytes of a wire, for checkpoints and the state hash: one span per array, in a fixed order.
     [[nodiscard]] std::vector<std::span<double>> arrays(int wire);
@@ -80,6 +82,7 @@ public:
 private:
     static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
     std::vector<int> begin_, count_;        // [wires + 1], [wires]
+    std::vector<CurvatureMeasure> curvature_;  // [wires]
     std::vector<double> storage_[array_count];  // [total_capacity] each, in the order of RodView's members
 };
 

@@ -47,10 +47,14 @@ struct WirePlacement {
     double spin_rate = 0;              // initial [rad/s]
 };
 
+/// Integrated curvature of a node whose edges turn by phi (rod/curvature.h): phi itself, or 2 tan(phi/2) as published.
+enum class CurvatureMeasure { Angle, Tangent };
+
 struct WireSpec {
     double length = 0;                 // whole wire [m]
     int nodes = 0;                     // number over the whole length; 0 = adaptive
     double min_edge = 0.001, max_edge = 0.010;  // adaptive only [m]
+    CurvatureMeasure curvature = CurvatureMeasure::Angle;
     double edge_error = 2e-6;          // adaptive only: by how much one edge may put the tip wrong (rod/adapt.h) [m]
     WireSection shaft;                 // where no section says otherwise
     std::vector<WireSectionRange> sections;     // later ones win

@@ -1,17 +1,21 @@
 #include "scene/frames.h"
 
+#include "rod/curvature.h"
+
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace seldinger {
 namespace {
 
-/// |kb| / voronoi length, kb = 2 e x f / (|e||f| + e.f) (D2) [1/m].
+/// Curvature of (D2) per Voronoi length [1/m].
 double curvature_at(const RodView& rod, int node)
 {
     if (node == 0 || node == rod.n - 1) return 0;
     const Vec3 e = rod.pos(node) - rod.pos(node - 1), f = rod.pos(node + 1) - rod.pos(node);
-    return 2 * e.cross(f).norm() / ((e.norm() * f.norm() + e.dot(f)) * rod.voronoi_length(node));
+    const double chi = 1 + e.dot(f) / (e.norm() * f.norm());
+    return curvature_factor(curvature_q(rod.curvature), chi) * 2 * e.cross(f).norm() /
+           (chi * e.norm() * f.norm() * rod.voronoi_length(node));
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
 void Recorder::take_in(const World& world, const StepReport& report)
 {
     readings_ = world.readings(0);
-    tally_.take_in(readings_, report);
+    tally_.take_in(readings_, report.flags, report.newton_iterations);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;

@@ -18,10 +18,12 @@ struct Choice {
 
 inline constexpr Choice<Until> until_words[] = {{"time", Until::Time}, {"rest", Until::Rest}};
 inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", true}};
+inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle}, {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
 inline constexpr Choice<Scheme> scheme_words[] = {
     {"newton", Scheme::Newton}, {"linearised", Scheme::Linearised}, {"static", Scheme::Static}, {"explicit", Scheme::Explicit}};
+inline constexpr Choice<Spins> spins_words[] = {{"auto", Spins::Auto}, {"kept", Spins::Kept}};
 inline constexpr Choice<PlaceShape> place_words[] = {{"straight", PlaceShape::Straight}, {"arc", PlaceShape::Arc},
     {"ring", PlaceShape::Ring}, {"points", PlaceShape::Points}, {"centreline", PlaceShape::Centreline}};
 inline constexpr Choice<VesselShape> vessel_words[] = {{"tube", VesselShape::Tube}, {"arc", VesselShape::Arc},

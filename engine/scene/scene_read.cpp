@@ -16,13 +16,20 @@ constexpr long most_steps = 1'000'000'000;
 
 void read_integrator(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "integrator", {"scheme", "beta", "gamma", "tolerance", "damping_mass_1_s", "damping_stiffness_s"});
+    const TableReader t(table, "integrator", {"scheme", "beta", "gamma", "conserve", "spins", "tolerance", "damping_mass_1_s",
+                                              "damping_stiffness_s"});
     IntegratorSpec& spec = scene.integrator;
     t.choice("scheme", spec.scheme, scheme_words);
     // absent: backward Euler; one of the two alone: the other is the trapezoid's
     spec.newmark = t.number("beta", spec.beta, {0, 1, true, false, "a number above 0, at most 1"});
     // gamma below 1/2 feeds energy into every mode [Hughes87, sec. 9.1]
     spec.newmark |= t.number("gamma", spec.gamma, {0.5, 1, false, false, "a number from 0.5 to 1"});
+    t.flag("conserve", spec.conserve);
+    if (spec.conserve && spec.scheme != Scheme::Newton)
+        t.fail("conserve", "energy is conserved by the converged step only; set scheme = \"newton\" or take this out");
+    for (const auto key : {"beta", "gamma"})
+        if (spec.conserve) t.refuse(key, "is Newmark's, which conserve = true takes the place of; take one of the two out");
+    t.choice("spins", spec.spins, spins_words);
     t.number("tolerance", spec.tolerance, {0, 1, true, true, "a number above 0 and below 1"});
     t.number("damping_mass_1_s", spec.damping_mass, not_negative);
     t.number("damping_stiffness_s", spec.damping_stiffness, not_negative);

@@ -155,7 +155,7 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
     const TableReader t(
         table, "wire",
         {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
-         "stretch_n", "mu_static", "mu_sliding", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
+         "stretch_n", "mu_static", "mu_sliding", "curvature", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))
@@ -170,6 +170,7 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
     read_nodes(t, wire);
+    t.choice("curvature", wire.curvature, curvature_words);
 
     if (root.contains("feed")) refuse_placement(t);
     t.choice("rest", wire.place.rest_is_placed, rest_words);

@@ -113,6 +113,7 @@ void write_wire(std::string& out, const Scene& scene)
     else t.whole("nodes", wire.nodes);
     t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge);
     write_properties(t, wire.shaft, false);
+    t.word("curvature", word_of(curvature_words, wire.curvature));
     if (!scene.feed.on) {
         t.raw("place", place_text(wire.place)).word("rest", word_of(rest_words, wire.place.rest_is_placed));
         t.vector("velocity_m_s", wire.place.velocity).num("spin_rad_s", wire.place.spin_rate);
@@ -233,6 +234,7 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     TableText i(out, "[integrator]");
     i.word("scheme", word_of(scheme_words, integrator.scheme));
     if (integrator.newmark) i.num("beta", integrator.beta).num("gamma", integrator.gamma);
+    i.flag("conserve", integrator.conserve).word("spins", word_of(spins_words, integrator.spins));
     i.num("tolerance", integrator.tolerance).num("damping_mass_1_s", integrator.damping_mass);
     i.num("damping_stiffness_s", integrator.damping_stiffness);
     write_vessel(out, scene.vessel, folder);

@@ -35,7 +35,7 @@ struct RunTally {
     double row_time = 0;               // [s]
 
     /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
-    void take_in(const WireReadings& readings, const WireReport& report);
+    void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
 };
 static_assert(std::is_trivially_copyable_v<RunTally>);
 

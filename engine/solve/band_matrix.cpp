@@ -43,6 +43,11 @@ void BandMatrix::fix(int i)
     row(i)[half_bandwidth] = 1.0;
 }
 
+void BandMatrix::scale(double factor)
+{
+    for (int k = 0; k < size_ * stride; ++k) rows_[k] *= factor;
+}
+
 void BandMatrix::add_scaled(const BandMatrix& other, double factor)
 {
     SEL_ASSERT(other.size_ == size_);

@@ -37,6 +37,7 @@ public:
 
     /// Makes unknown i prescribed: row and column zero, unit diagonal.
     void fix(int i);
+    void scale(double factor);
     /// A += factor * other, of the same size.
     void add_scaled(const BandMatrix& other, double factor);
     /// y = A x

@@ -44,6 +44,7 @@ void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rod
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index)
 {
     state.on = 1;
+    rods.set_curvature(index, wire.curvature);
     state.point = spec.point;
     state.direction = spec.direction.normalized();
     // first director: the upright side of the wire as it lies in the guide
@@ -107,6 +108,19 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     state.debt -= drained;
     rod.material_s[hub] += fed - drained;
     set_rest_shape(rod, wire, false);
+}
+
+double feed_travel(const FeedSpec& spec, double from, double until, int sign)
+{
+    double travel = 0, last = spec.at(from).advance;
+    const auto go_to = [&](double advance) {
+        travel += std::max(0.0, sign * (advance - last));
+        last = advance;
+    };
+    for (const FeedKey& key : spec.keys)
+        if (key.t > from && key.t < until) go_to(key.advance);
+    go_to(spec.at(until).advance);
+    return travel;
 }
 
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)

@@ -31,6 +31,9 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
 /// Advances and turns the hub to time t [s] over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
 void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h);
 
+/// How far the wire travels forwards (sign +1) or back (-1) between two times, whatever it does in between [m].
+[[nodiscard]] double feed_travel(const FeedSpec& spec, double from, double until, int sign);
+
 /// Adds the inlet's clamp to the constraints of a fed wire.
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out);
 

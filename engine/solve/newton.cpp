@@ -22,7 +22,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
         throw Error(ExitCode::BadScene, "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
                                         "method set scheme = \"explicit\"");
     for (int w = 0; w < rods.wire_count(); ++w)
-        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec.damping_stiffness > 0));
+        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
     for (auto* mask : {&running_, &evaluate_, &solved_, &again_}) mask->resize(rods.wire_count());
 }

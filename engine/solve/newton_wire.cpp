@@ -11,10 +11,12 @@ constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and st
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_polish = 4;
 constexpr int most_kicks = 3;
+constexpr int most_jumps = 8;
+constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
 }  // namespace
 
-NewtonWire::NewtonWire(int capacity, bool stiffness_damping) : problem(capacity, stiffness_damping)
+NewtonWire::NewtonWire(int capacity, const IntegratorSpec& spec) : problem(capacity, spec)
 {
     for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_, &scratch_})
         array->resize(4 * capacity);
@@ -42,7 +44,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
     non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
-    iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = 0;
+    iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -138,9 +140,16 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (phase_ == Phase::Search && !acceptable()) {
-        if (at_kink(contact, wire)) phase_ = Phase::Done;
-        return;
+    if (phase_ == Phase::Search) {
+        const Jump jump = jump_of_force(contact, wire);
+        if (jump == Jump::Turns) {
+            phase_ = Phase::Done;
+            return;
+        }
+        if (jump == Jump::None && !acceptable()) {
+            if (at_kink(contact, wire)) phase_ = Phase::Done;
+            return;
+        }
     }
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(contact, wire)) phase_ = Phase::Done;
@@ -177,10 +186,8 @@ bool NewtonWire::at_prescribed() const
 /// The tests at the top of newton_wire.h; a shorter trial is set when they fail.
 bool NewtonWire::acceptable()
 {
-    double slope = 0;
-    for (int i = 0; i < problem.size(); ++i)
-        if (!problem.prescribed[i]) slope += problem.residual[i] * direction_[i];
-    const bool slope_falls = std::abs(slope) <= 0.9 * std::abs(slope_);
+    const double slope = residual_along(direction_);
+    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
     if (options_.gradient_flow) {
         if (slope_falls || slope <= 0) return true;
         raise_shift();
@@ -195,6 +202,48 @@ bool NewtonWire::acceptable()
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
     shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
     return false;
+}
+
+/// R.d over the free unknowns
+double NewtonWire::residual_along(std::span<const double> d) const
+{
+    double sum = 0;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) sum += problem.residual[i] * d[i];
+    return sum;
+}
+
+double NewtonWire::smallest_radius() const
+{
+    return *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
+}
+
+/// When no point of the wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base, and
+/// yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the wall are
+/// nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or
+/// contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is
+/// there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
+NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact, int wire)
+{
+    if (!contact || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (alpha_ * largest_surface_move(direction_) > located * smallest_radius()) return Jump::None;
+    double change = 0, base = contact->largest_force(wire);
+    for (int i = 0; i < problem.size(); ++i) {
+        if (problem.prescribed[i] || i % 4 == 3) continue;
+        change = std::max(change, std::abs(problem.residual[i] - base_residual_[i]));
+        base = std::max(base, std::abs(base_residual_[i]));
+    }
+    if (change <= 0.1 * base) return Jump::None;
+    if (residual_along(direction_) * slope_ < 0) return Jump::Turns;
+    return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+}
+
+/// Of a node, or of the surface by spin [m].
+double NewtonWire::largest_surface_move(std::span<const double> d) const
+{
+    double largest = problem.largest_move(d);
+    for (int j = 0; j < problem.rod.n - 1; ++j) largest = std::max(largest, std::abs(d[4 * j + 3]) * problem.rod.radius[j]);
+    return largest;
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
@@ -213,9 +262,8 @@ void NewtonWire::correct()
 bool NewtonWire::at_kink(const ContactTerm* contact, int wire) const
 {
     if (iterations_ < 4 || options_.shifted) return false;
-    const double smallest_radius = *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
     const double jump = contact ? 1e-3 * contact->largest_force(wire) : 0.0;
-    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= 1e-6 * smallest_radius &&
+    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= located * smallest_radius() &&
            at_prescribed();
 }
 
@@ -260,7 +308,7 @@ void NewtonWire::new_direction(const ContactTerm* contact, int wire)
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
 {
     // after a step that had to be shortened, the symmetric tangent, which goes downhill
-    const bool sliding = contact && contact->unsymmetric(wire) && !shortened_;
+    const bool sliding = (problem.unsymmetric() || (contact && contact->unsymmetric(wire))) && !shortened_;
     safe_steps_ = shortened_ ? 0 : safe_steps_;
     shortened_ = false;
     unsymmetric_ = sliding || safe_steps_ >= 3;
@@ -395,9 +443,7 @@ void NewtonWire::launch()
         non_finite_ = true;
         return;
     }
-    slope_ = 0;
-    for (int i = 0; i < problem.size(); ++i)
-        if (!problem.prescribed[i]) slope_ += problem.residual[i] * direction_[i];
+    slope_ = residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;

@@ -3,8 +3,8 @@
 // take its own decision. Nothing here looks at another wire.
 //
 // Direction. Exact Hessian where the matrix it gives is positive definite, else the safe one (and the exact one again, by LU,
-// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding friction
-// the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that
+// once the safe one has brought three full steps: near the root it converges where the safe one crawls). With sliding friction,
+// dead moments or energy-momentum steps the full, unsymmetric tangent and LU, which cost the same. The geometric stiffness of stretching is taken at the tension that
 // the *linear* equations of the previous iteration predict, not at the tension of the trial shape. A step that turns an edge by
 // phi lengthens it by phi^2/2, and EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is
 // far too stiff sideways and every step needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the
@@ -13,7 +13,7 @@
 // Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
 // either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk against d (the
 // natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
-// |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
+// |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
 // than contact has searched in one update. Between two evaluations of contact, which cost most of a step, the equations with
 // contact taken as linear are solved on by further back-substitutions (polish), so that what the next evaluation finds is
 // contact's own curvature only.
@@ -38,7 +38,7 @@ struct NewtonOptions {
 
 class NewtonWire {
 public:
-    NewtonWire(int capacity, bool stiffness_damping);
+    NewtonWire(int capacity, const IntegratorSpec& spec);
 
     /// Starts a solve of `problem`, begun by the caller; the first trial is set.
     void start(const NewtonOptions& options, double move_limit);
@@ -61,12 +61,17 @@ public:
 
 private:
     enum class Phase { Guess, Search, Done, Failed };
+    enum class Jump { None, Turns, Passed };
 
     void set_guess(double fraction);
     void retreat(double free_way);
     void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
+    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact, int wire);
+    [[nodiscard]] double residual_along(std::span<const double> d) const;
+    [[nodiscard]] double smallest_radius() const;
+    [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);
@@ -92,7 +97,7 @@ private:
     bool settling_ = false;  // taking the best trial instead of failing
     bool non_finite_ = false, unsymmetric_ = false, shortened_ = false, took_trial_ = false;
     int safe_steps_ = 0;           // full steps in a row with the safe Hessian
-    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0;
+    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;

@@ -7,7 +7,7 @@
 namespace seldinger {
 
 struct Solver::Work {
-    Work(int capacity, bool stiffness_damping) : newton(capacity, stiffness_damping) {}
+    Work(int capacity, const IntegratorSpec& spec) : newton(capacity, spec) {}
     NewtonWire newton;
 };
 

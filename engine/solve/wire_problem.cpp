@@ -1,5 +1,9 @@
 #include "solve/wire_problem.h"
 
+#include "rod/discrete_gradient.h"
+
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,15 +23,17 @@ void add_to_node(std::span<double> q, int i, const Vec3& value)
 
 }  // namespace
 
-WireProblem::WireProblem(int capacity, bool stiffness_damping)
-    : frames(capacity), matrix(4 * capacity), contact_tangent_(4 * capacity), damping_(stiffness_damping ? 4 * capacity : 0)
+WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
+    : frames(capacity), matrix(4 * capacity), start_frames_(spec.conserve ? capacity : 0), contact_tangent_(4 * capacity),
+      damping_(spec.damping_stiffness > 0 ? 4 * capacity : 0)
 {
     for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
                         &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_, &contact_gradient_})
         array->resize(4 * capacity);
     prescribed.resize(4 * capacity);
-    for (auto* array : {&tension_, &base_tension_, &base_longer_}) array->resize(capacity);
+    for (auto* array : {&tension_, &base_tension_, &base_longer_, &turned_}) array->resize(capacity);
     base_tangent_.resize(capacity);
+    base_direction_.resize(capacity);
     kept_reference_.resize(reference_count * capacity);
 }
 
@@ -38,6 +44,8 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     constraints_ = &constraints;
     clamps.assign(constraints.clamps.begin(), constraints.clamps.end());
     motion = kind;
+    conserving_ = spec.conserve && kind == Motion::Implicit;
+    end_share_ = conserving_ ? 0.5 : 1;
     h = step;
     const int n = rod.n;
     for (int i = 0; i < n; ++i) {
@@ -60,6 +68,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     prescribed_value[4 * n - 1] = start[4 * n - 1];
     for (int j = 0; j < n - 1; ++j)
         tension_[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+    start_usable_ = !conserving_ || update_frames(rod, trial_view(), clamps, start_frames_);
     set_kinematics(spec);
     set_external(gravity);
     set_scales(spec, gravity);
@@ -69,11 +78,21 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
 void WireProblem::set_kinematics(const IntegratorSpec& spec)
 {
     const int size = 4 * rod.n;
-    velocity_rate_ = acceleration_rate_ = 0;
+    velocity_rate_ = acceleration_rate_ = damping_rate_ = 0;
     std::fill_n(velocity_base_.begin(), size, 0.0);
     std::fill_n(acceleration_base_.begin(), size, 0.0);
     if (motion == Motion::Explicit) std::copy_n(start_velocity_.begin(), size, velocity_base_.begin());
     if (motion != Motion::Implicit) return;
+    damping_rate_ = 1 / h;
+    if (conserving_) {  // v+ = 2 (q - q_0)/h - v_0, a+ = (v+ - v_0)/h
+        velocity_rate_ = 2 / h;
+        acceleration_rate_ = 2 / (h * h);
+        for (int i = 0; i < size; ++i) {
+            velocity_base_[i] = -start_velocity_[i];
+            acceleration_base_[i] = -2 * start_velocity_[i] / h;
+        }
+        return;
+    }
     if (!spec.newmark) {  // backward Euler
         velocity_rate_ = 1 / h;
         acceleration_rate_ = 1 / (h * h);
@@ -83,6 +102,7 @@ void WireProblem::set_kinematics(const IntegratorSpec& spec)
     // D4 solved for a+ and v+
     acceleration_rate_ = 1 / (spec.beta * h * h);
     velocity_rate_ = spec.gamma * h * acceleration_rate_;
+    damping_rate_ = velocity_rate_;
     for (int i = 0; i < rod.n; ++i) {
         const double a[4] = {rod.ax[i], rod.ay[i], rod.az[i], i < rod.n - 1 ? rod.spin_acc[i] : 0.0};
         for (int c = 0; c < 4; ++c) {
@@ -159,7 +179,20 @@ RodTrial WireProblem::trial_view() const
     return {{s, n}, {s + n, n}, {s + 2 * n, n}, {s + 3 * n, n}};
 }
 
-bool WireProblem::update() { return update_frames(rod, trial_view(), clamps, frames); }
+// A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that turns
+// by more in one step than this is refused, as is a fold.
+constexpr double most_turned = 2.0;  // [rad]
+
+bool WireProblem::update()
+{
+    if (!start_usable_ || !update_frames(rod, trial_view(), clamps, frames)) return false;
+    if (!conserving_) return true;
+    for (int j = 0; j < rod.n - 1; ++j) {
+        turned_[j] = trial[4 * j + 3] - start[4 * j + 3];
+        if (!(std::abs(turned_[j]) < most_turned && std::abs(frames.twist[j] - start_frames_.twist[j]) < most_turned)) return false;
+    }
+    return true;
+}
 
 /// Of material through a prescribed unknown that stands still: the hub's of a fed wire.
 double WireProblem::flow(int i) const
@@ -172,6 +205,17 @@ double WireProblem::velocity(int i) const
 {
     if (motion == Motion::Implicit && prescribed[i]) return (trial[i] - start[i]) / h + flow(i);
     return velocity_rate_ * (trial[i] - start[i]) + velocity_base_[i];
+}
+
+/// Over the step when conserving, at its end otherwise.
+double WireProblem::mean_velocity(int i) const { return conserving_ ? (trial[i] - start[i]) / h : velocity(i); }
+
+bool WireProblem::unsymmetric() const
+{
+    if (conserving_) return true;
+    for (const auto& load : constraints_->loads)
+        if (!load.moment.isZero()) return true;
+    return false;
 }
 
 double WireProblem::acceleration(int i) const
@@ -210,13 +254,14 @@ void WireProblem::evaluate_host_residual()
     const int size = 4 * rod.n;
     const std::span<double> r(residual.data(), size);
     for (int i = 0; i < size; ++i)
-        r[i] = inertia[i] * (acceleration(i) + damping_mass_ * velocity(i)) - external_[i];
+        r[i] = inertia[i] * (acceleration(i) + damping_mass_ * mean_velocity(i)) - external_[i];
     if (damping_stiffness_ > 0) {
-        for (int i = 0; i < size; ++i) damped_velocity_[i] = damping_stiffness_ * velocity(i);
+        for (int i = 0; i < size; ++i) damped_velocity_[i] = damping_stiffness_ * mean_velocity(i);
         damping_.multiply(damped_velocity_, scratch_);
         for (int i = 0; i < size; ++i) r[i] += scratch_[i];
     }
-    add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
+    if (conserving_) add_discrete_gradient(rod, clamps, start_frames_, frames, turned_, r);
+    else add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
     add_loads();
 }
 
@@ -230,13 +275,13 @@ bool WireProblem::finish_residual()
 }
 
 // Springs, and dead moments. A moment m turns the edge that it acts on: a couple of forces +-(m x t)/|e| on its ends does the
-// work of m on the edge's rotation, and m.t that on its spin. (The tangent stiffness of this is not symmetric, small against
-// bending on the scale of an edge, m l/B, and left out.)
+// work of m on the edge's rotation, and m.t that on its spin.
 void WireProblem::add_loads()
 {
     const std::span<double> r(residual.data(), 4 * rod.n);
     for (const auto& spring : constraints_->springs) {
-        const Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
+        Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
+        if (conserving_) at = 0.5 * (at + (1 - spring.bary) * node_of(start, spring.edge) + spring.bary * node_of(start, spring.edge + 1));
         const Vec3 pull = spring.stiffness * (at - spring.anchor);
         add_to_node(r, spring.edge, (1 - spring.bary) * pull);
         add_to_node(r, spring.edge + 1, spring.bary * pull);
@@ -259,27 +304,71 @@ void WireProblem::add_springs_to(BandMatrix& target) const
             for (int b = 0; b < 2; ++b)
                 for (int c = 0; c < 3; ++c)
                     target.add(4 * (spring.edge + a) + c, 4 * (spring.edge + b) + c,
-                               spring.stiffness * weight[a] * weight[b]);
+                               end_share_ * spring.stiffness * weight[a] * weight[b]);
+    }
+}
+
+namespace {
+
+using Mat3 = Eigen::Matrix3d;
+
+/// A stiffness between the ends of edge j: K (dx_{j+1} - dx_j) is the force on node j + 1, and its opposite that on node j.
+void add_edge_block(BandMatrix& matrix, int j, const Mat3& k)
+{
+    for (int c = 0; c < 3; ++c)
+        for (int d = 0; d < 3; ++d) {
+            matrix.add(4 * j + c, 4 * j + d, k(c, d));
+            matrix.add(4 * j + 4 + c, 4 * j + 4 + d, k(c, d));
+            matrix.add(4 * j + c, 4 * j + 4 + d, -k(c, d));
+            matrix.add(4 * j + 4 + c, 4 * j + d, -k(c, d));
+        }
+}
+
+}  // namespace
+
+// d(m x t/|e|)/de = [m]x (1 - 2 t t^T)/|e|^2,  d(m.t)/de = (m - (m.t) t)/|e|.
+void WireProblem::add_moments_to(BandMatrix& target, bool symmetric) const
+{
+    for (const auto& load : constraints_->loads) {
+        if (load.moment.isZero()) continue;
+        const int j = load.edge;
+        const double length = frames.edge_length[j];
+        const Vec3 &t = frames.tangent[j], &m = load.moment;
+        Mat3 couple;
+        couple << 0, -m.z(), m.y(), m.z(), 0, -m.x(), -m.y(), m.x(), 0;
+        couple = couple * (Mat3::Identity() - 2 * t * t.transpose()) / (length * length);
+        const Vec3 spin = (m - m.dot(t) * t) / length;
+        add_edge_block(target, j, symmetric ? Mat3(-0.5 * (couple + couple.transpose())) : Mat3(-couple));
+        for (int c = 0; c < 3; ++c)
+            for (int end : {0, 1}) {
+                const double value = (end == 1 ? -spin[c] : spin[c]) * (symmetric ? 0.5 : 1.0);
+                target.add(4 * j + 3, 4 * (j + end) + c, value);
+                if (symmetric) target.add(4 * (j + end) + c, 4 * j + 3, value);
+            }
     }
 }
 
 // The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1), and max(N, 0) when safe. Puts the
-// predicted tension in place of N.
-void WireProblem::replace_tension(HessianMode mode)
+// predicted tension in place of N. Conserving, the force is N b with N = EA (m/l - 1), m the mean length and b the mean direction:
+// half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
+void WireProblem::replace_tension(HessianMode mode, bool symmetric)
 {
     const double least = mode == HessianMode::Safe ? 0.0 : -std::numeric_limits<double>::infinity();
     for (int j = 0; j < rod.n - 1; ++j) {
-        const double length = frames.edge_length[j];
-        const double change = (std::max(tension_[j], least) - std::max(actual_tension(j), least)) / length;
         const Vec3& t = frames.tangent[j];
-        for (int c = 0; c < 3; ++c)
-            for (int d = 0; d < 3; ++d) {
-                const double value = change * ((c == d ? 1.0 : 0.0) - t[c] * t[d]);
-                matrix.add(4 * j + c, 4 * j + d, value);
-                matrix.add(4 * j + 4 + c, 4 * j + 4 + d, value);
-                matrix.add(4 * j + c, 4 * j + 4 + d, -value);
-                matrix.add(4 * j + 4 + c, 4 * j + d, -value);
-            }
+        const double tension = std::max(tension_[j], least);
+        if (!conserving_) {
+            const double change = (tension - std::max(actual_tension(j), least)) / frames.edge_length[j];
+            add_edge_block(matrix, j, change * (Mat3::Identity() - t * t.transpose()));
+            continue;
+        }
+        const double axial = rod.stretch_stiffness[j] / rod.rest_length[j], sideways = tension / stretched_length(j);
+        const double strained = rod.stretch_stiffness[j] * (frames.edge_length[j] / rod.rest_length[j] - 1);
+        const double there = std::max(strained, least) / frames.edge_length[j];
+        Mat3 mean = tension_direction(j) * t.transpose();
+        if (symmetric) mean = 0.5 * (mean + mean.transpose().eval());
+        add_edge_block(matrix, j, 0.5 * ((axial - sideways) * mean - (axial - there) * t * t.transpose() +
+                                         (sideways - there) * Mat3::Identity()));
     }
 }
 
@@ -290,16 +379,18 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     const std::span<double> unused(scratch_.data(), size);
     std::fill(unused.begin(), unused.end(), 0.0);
     add_elastic(rod, clamps, frames, unused, &matrix, mode);
-    replace_tension(mode);
-    const double rate = acceleration_rate_ + damping_mass_ * velocity_rate_;
+    if (conserving_) matrix.scale(end_share_);
+    replace_tension(mode, symmetric);
+    const double rate = acceleration_rate_ + damping_mass_ * damping_rate_;
     for (int i = 0; i < size; ++i) matrix.add(i, i, rate * inertia[i]);
     add_springs_to(matrix);
+    add_moments_to(matrix, symmetric);
     if (contact) {
         contact_tangent_.reset(size);
         contact->add(wire, unused, &contact_tangent_, symmetric);
         matrix.add_scaled(contact_tangent_, 1);
     }
-    if (damping_stiffness_ > 0) matrix.add_scaled(damping_, damping_stiffness_ * velocity_rate_);
+    if (damping_stiffness_ > 0) matrix.add_scaled(damping_, damping_stiffness_ * damping_rate_);
 }
 
 double WireProblem::residual_norm() const
@@ -337,9 +428,20 @@ double WireProblem::largest_turn(std::span<const double> d) const
     return largest;
 }
 
+/// At the trial; conserving, the mean over the step, as of the next two.
+double WireProblem::stretched_length(int j) const
+{
+    return conserving_ ? 0.5 * (start_frames_.edge_length[j] + frames.edge_length[j]) : frames.edge_length[j];
+}
+
 double WireProblem::actual_tension(int j) const
 {
-    return rod.stretch_stiffness[j] * (frames.edge_length[j] / rod.rest_length[j] - 1);
+    return rod.stretch_stiffness[j] * (stretched_length(j) / rod.rest_length[j] - 1);
+}
+
+Vec3 WireProblem::tension_direction(int j) const
+{
+    return conserving_ ? mean_direction(start_frames_, frames, j) : frames.tangent[j];
 }
 
 void WireProblem::set_base()
@@ -347,14 +449,15 @@ void WireProblem::set_base()
     for (int j = 0; j < rod.n - 1; ++j) {
         base_tension_[j] = tension_[j];
         base_tangent_[j] = frames.tangent[j];
-        base_longer_[j] = frames.edge_length[j] - rod.rest_length[j];
+        base_direction_[j] = tension_direction(j);
+        base_longer_[j] = stretched_length(j) - rod.rest_length[j];
     }
 }
 
 void WireProblem::predict_tension(std::span<const double> d, double alpha)
 {
     for (int j = 0; j < rod.n - 1; ++j) {
-        const double longer = base_longer_[j] + base_tangent_[j].dot(node_of(d, j + 1) - node_of(d, j));
+        const double longer = base_longer_[j] + end_share_ * base_tangent_[j].dot(node_of(d, j + 1) - node_of(d, j));
         tension_[j] = (1 - alpha) * base_tension_[j] + alpha * rod.stretch_stiffness[j] / rod.rest_length[j] * longer;
     }
 }
@@ -362,7 +465,7 @@ void WireProblem::predict_tension(std::span<const double> d, double alpha)
 void WireProblem::correct_tension(std::span<const double> correction)
 {
     for (int j = 0; j < rod.n - 1; ++j) {
-        const double more = base_tangent_[j].dot(node_of(correction, j + 1) - node_of(correction, j));
+        const double more = end_share_ * base_tangent_[j].dot(node_of(correction, j + 1) - node_of(correction, j));
         tension_[j] = actual_tension(j) + rod.stretch_stiffness[j] / rod.rest_length[j] * more;
     }
 }
@@ -371,7 +474,7 @@ void WireProblem::mixed_residual(std::span<double> out) const
 {
     std::copy_n(residual.begin(), 4 * rod.n, out.begin());
     for (int j = 0; j < rod.n - 1; ++j) {
-        const Vec3 excess = (actual_tension(j) - tension_[j]) * (frames.tangent[j] - base_tangent_[j]);
+        const Vec3 excess = (actual_tension(j) - tension_[j]) * (tension_direction(j) - base_direction_[j]);
         add_to_node(out, j, excess);
         add_to_node(out, j + 1, -excess);
     }

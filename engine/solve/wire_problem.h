@@ -6,6 +6,11 @@
 // with v+ = velocity_rate (q - q_0) + v_base and a+ = acceleration_rate (q - q_0) + a_base, which covers backward Euler,
 // Newmark (D4) and statics (rates 0, bases 0). K_0 is the safe elastic Hessian at the start of the step. On a prescribed
 // unknown R is the force that the hold exerts on the wire.
+//
+// An energy-momentum step (IntegratorSpec::conserve) takes the means over the step: a+ is (v+ - v_0)/h with v+ + v_0 = 2 (q - q_0)/h,
+// dE/dq the discrete gradient between q_0 and q (rod/discrete_gradient.h), the velocity that damping sees (q - q_0)/h. Springs are
+// taken at the mean position, contact at the end of the step. Its tangent is half the Hessian at q; only stretching, whose stiffness
+// makes that too coarse where edges turn within a step, is differentiated exactly, and that is not symmetric.
 
 #include "solve/newton.h"
 
@@ -20,7 +25,7 @@ namespace seldinger {
 
 class WireProblem {
 public:
-    explicit WireProblem(int capacity, bool stiffness_damping);
+    WireProblem(int capacity, const IntegratorSpec& spec);
 
     /// Takes over the start of the step and the constraints at its end. No allocation once clamps have been seen.
     void begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
@@ -30,10 +35,12 @@ public:
     [[nodiscard]] bool update();
     /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
     [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
+    /// Whether dR/dq is not symmetric even without contact: energy-momentum steps, dead moments.
+    [[nodiscard]] bool unsymmetric() const;
     /// The same with contact taken as linear from where assemble_tangent last ran, `base`: costs no evaluation of contact.
     [[nodiscard]] bool evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base);
     /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed, with the geometric stiffness of the
-    /// predicted tension.
+    /// predicted tension. @param symmetric  its symmetric part, as far as it is not symmetric
     void assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire);
 
     /// Largest free residual [N]; moments divided by length_scale.
@@ -107,20 +114,29 @@ private:
     [[nodiscard]] bool finish_residual();
     void add_loads();
     void add_springs_to(BandMatrix& target) const;
-    void replace_tension(HessianMode mode);
+    void add_moments_to(BandMatrix& target, bool symmetric) const;
+    void replace_tension(HessianMode mode, bool symmetric);
     void restore_positions();
+    [[nodiscard]] double mean_velocity(int i) const;
+    [[nodiscard]] double stretched_length(int j) const;
+    [[nodiscard]] Vec3 tension_direction(int j) const;
 
     static constexpr int reference_count = 9;
     [[nodiscard]] std::array<std::span<double>, reference_count> reference_arrays() const;
 
     const WireConstraints* constraints_ = nullptr;
-    double velocity_rate_ = 0, acceleration_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
+    bool conserving_ = false, start_usable_ = true;
+    double end_share_ = 1;                       // of the end of the step in what the elastic force is taken from: 1/2 conserving
+    RodFrames start_frames_;                     // conserving: of q_0
+    double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
     mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
     std::vector<double> kept_reference_;         // [reference_count * capacity]
-    // [capacity] per edge: tension at the base and predicted for the trial [N], the base's tangents and elongation [m]
+    // [capacity] per edge: tension at the base and predicted for the trial [N], the base's elongation [m], its tangents and the
+    // directions of its tensions (conserving, the mean of start and trial; else the tangents)
     std::vector<double> base_tension_, tension_, base_longer_;
-    std::vector<Vec3> base_tangent_;
+    std::vector<Vec3> base_tangent_, base_direction_;
+    std::vector<double> turned_;                 // [capacity] conserving: turn of each edge's frame over the step [rad]
     std::vector<double> contact_gradient_;       // [4 capacity] at the last evaluation of contact
     BandMatrix contact_tangent_;                 // at the last assemble_tangent
     BandMatrix damping_;

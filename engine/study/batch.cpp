@@ -101,7 +101,7 @@ void BatchWorld::settle_all(std::vector<BatchRow>& rows)
     (void)settle(*world_);
     for (int w = 0; w < world_->wire_count(); ++w) {
         const bool failed = world_->report(w).failed();
-        if (!failed) runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w));
+        if (!failed) runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w).flags, world_->report(w).newton_iterations);
         if (failed || scene_.integrator.scheme == Scheme::Static) finish(w, failed ? RunStatus::Stopped : RunStatus::Done, rows);
     }
 }
@@ -122,7 +122,7 @@ std::vector<BatchRow> BatchWorld::step()
             continue;
         }
         run.tally.steps++;
-        run.tally.take_in(world_->readings(w), own);
+        run.tally.take_in(world_->readings(w), own.flags, own.newton_iterations);
         bool done = run.tally.steps >= scene_.steps();
         if (scene_.until == Until::Rest) {
             run.tally.rest_steps = world_->at_rest(w) ? run.tally.rest_steps + 1 : 0;

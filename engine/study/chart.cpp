@@ -27,6 +27,7 @@ RunPlan plan_of(const ChartOptions& options, const Benchmark& benchmark)
     plan.repeats = budget.repeats;
     plan.repeat_wall = budget.repeat_wall;
     plan.wall_limit = budget.wall_limit;
+    plan.end_on_blow_up = false;  // a method that makes energy is charted with the error that this leads to
     plan.stop = options.stop;
     return plan;
 }
@@ -42,36 +43,8 @@ double error_of(const ChartPoint& point, Observable which) { return at(point.err
 CostAndError cost_and_error(const SceneChart& chart, const ChartPoint& point, Observable which)
 {
     const double error = std::max(error_of(point, which), at(chart.reference.uncertainty, which));
-    return {point.run.cost.wall, point.sound() ? error : std::numeric_limits<double>::quiet_NaN()};
-}
-
-void compare(SceneChart& chart, const std::vector<Trajectory>& trajectories)
-{
-    for (std::size_t i = 0; i < chart.points.size(); ++i)
-        chart.points[i].errors = trajectory_errors(trajectories[i], chart.reference.values, chart.benchmark.window);
-    for (const Observable which : chart.benchmark.charted) {
-        if (!chart.reference.usable(which)) continue;
-        const auto k = static_cast<std::size_t>(which);
-        std::vector<CostAndError> points;
-        for (ChartPoint& point : chart.points) {
-            points.push_back(cost_and_error(chart, point, which));
-            point.resolved[k] = error_of(point, which) >= resolved_by * chart.reference.uncertainty[k];
-            point.front[k] = false;
-        }
-        for (const std::size_t i : pareto_front(points)) chart.points[i].front[k] = true;
-    }
-}
-
-/// A tenth of the smallest error charted; infinite for what is not charted.
-PerObservable wanted_uncertainty(const SceneChart& chart)
-{
-    PerObservable wanted;
-    wanted.fill(std::numeric_limits<double>::infinity());
-    for (const Observable which : chart.benchmark.charted) {
-        for (const ChartPoint& point : chart.points)
-            if (point.sound()) at(wanted, which) = std::min(at(wanted, which), error_of(point, which) / resolved_by);
-    }
-    return wanted;
+    const bool says_something = error < at(chart.scale, which);
+    return {point.run.cost.wall, point.sound() && says_something ? error : std::numeric_limits<double>::quiet_NaN()};
 }
 
 /// How large the observables are, to set errors beside.
@@ -89,6 +62,36 @@ PerObservable scale_of(const Trajectory& values, const Window& window)
     for (double& value : sum) value = count > 0 ? std::sqrt(value / count) : 0;
     at(sum, Observable::Tip) = at(sum, Observable::Shape) = values.wire_length;
     return sum;
+}
+
+void compare(SceneChart& chart, const std::vector<Trajectory>& trajectories)
+{
+    chart.scale = scale_of(chart.reference.values, chart.benchmark.window);
+    for (std::size_t i = 0; i < chart.points.size(); ++i)
+        chart.points[i].errors = trajectory_errors(trajectories[i], chart.reference.values, chart.benchmark.window);
+    for (const Observable which : chart.benchmark.charted) {
+        if (!chart.reference.usable(which)) continue;
+        const auto k = static_cast<std::size_t>(which);
+        std::vector<CostAndError> points;
+        for (ChartPoint& point : chart.points) {
+            points.push_back(cost_and_error(chart, point, which));
+            point.resolved[k] = error_of(point, which) >= resolved_by * chart.reference.uncertainty[k];
+            point.front[k] = false;
+        }
+        for (const std::size_t i : pareto_front(points, chart.reference.uncertainty[k])) chart.points[i].front[k] = true;
+    }
+}
+
+/// A tenth of the smallest error charted; infinite for what is not charted.
+PerObservable wanted_uncertainty(const SceneChart& chart)
+{
+    PerObservable wanted;
+    wanted.fill(std::numeric_limits<double>::infinity());
+    for (const Observable which : chart.benchmark.charted) {
+        for (const ChartPoint& point : chart.points)
+            if (point.sound()) at(wanted, which) = std::min(at(wanted, which), error_of(point, which) / resolved_by);
+    }
+    return wanted;
 }
 
 /// One scene: its models, then its reference, refined until it is a tenth of the smallest error.
@@ -142,7 +145,7 @@ public:
             }
             if (refiner.stopped()) return false;
         }
-        chart_.scale = scale_of(chart_.reference.values, chart_.benchmark.window);
+
         chart_.finished = true;
         return true;
     }

@@ -31,7 +31,8 @@ struct ChartPoint {
     std::array<bool, observable_count> resolved{};  // the error is at least ten times the reference's uncertainty
     std::array<bool, observable_count> front{};     // nothing cheaper is as accurate
 
-    /// Complete, and the wire stayed in one piece and inside: what may stand on the front.
+    /// Complete, and the wire stayed in one piece and inside: what may stand on the front, unless it is as wrong as saying
+    /// nothing (its error exceeds SceneChart::scale).
     [[nodiscard]] bool sound() const;
 };
 
@@ -39,7 +40,7 @@ struct SceneChart {
     Benchmark benchmark;
     std::string title;
     Reference reference;
-    PerObservable scale{};           // rms of the reference's own values over the window (tip: path travelled) [SI]; 0: unknown
+    PerObservable scale{};           // rms of the reference's own forces over the window; of lengths, the wire's length [SI]
     std::vector<ChartPoint> points;  // that were run
     std::vector<ChartModel> refused;
     bool finished = false;  // every model run and the reference as good as it gets

@@ -4,8 +4,10 @@
 #include "study/result_table.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 namespace seldinger {
@@ -48,8 +50,9 @@ std::string summary_of(const SceneChart& chart, Observable which)
         text += fmt::format("    {:9.3g} s/s  {:>10}{}  {}\n", point->run.cost.wall, pretty(point->errors.rms[k], which),
                             point->resolved[k] ? " " : "~", point->model.model.name);
     for (const ChartPoint* point : published) {
+        if (!point->run.complete) continue;  // it has no error; chart_summary() says what became of it
         text += fmt::format("    {:9.3g} s/s  {:>10}   {} ({})", point->run.cost.wall, pretty(point->errors.rms[k], which),
-                            point->model.model.name, point->run.complete ? name(point->run.outcome) : "not finished");
+                            point->model.model.name, name(point->run.outcome));
         const Standing stands = standing(chart, *point, which);
         if (std::isfinite(stands.cost_ratio))
             text += fmt::format(", {:.3g} x the cost of the front at its error", stands.cost_ratio);
@@ -57,6 +60,19 @@ std::string summary_of(const SceneChart& chart, Observable which)
             text += fmt::format(", {:.3g} x the error of the front at its cost", stands.error_ratio);
         text += "\n";
     }
+    return text;
+}
+
+/// Models that share a reason share a line.
+std::string left_out(const SceneChart& chart)
+{
+    std::map<std::string, std::string> names;
+    for (const ChartModel& model : chart.refused) {
+        std::string& list = names[model.refused];
+        list += (list.empty() ? "" : ", ") + model.model.name;
+    }
+    std::string text;
+    for (const auto& [reason, list] : names) text += fmt::format("  left out: {}: {}\n", list, reason);
     return text;
 }
 
@@ -145,8 +161,7 @@ std::string chart_summary(const ChartResult& result)
                 text += fmt::format("  {}: {}{}\n", point.model.model.name, name(point.run.outcome),
                                     point.run.complete ? "" : fmt::format(" at {:.3g} s", point.run.failed_at));
         }
-        for (const ChartModel& model : chart.refused)
-            text += fmt::format("  {}: left out: {}\n", model.model.name, model.refused);
+        text += left_out(chart);
     }
     return text;
 }

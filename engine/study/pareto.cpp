@@ -6,7 +6,7 @@
 
 namespace seldinger {
 
-std::vector<std::size_t> pareto_front(std::span<const CostAndError> points)
+std::vector<std::size_t> pareto_front(std::span<const CostAndError> points, double gain)
 {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -17,7 +17,7 @@ std::vector<std::size_t> pareto_front(std::span<const CostAndError> points)
     std::vector<std::size_t> front;
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t i : order) {
-        if (points[i].error >= least) continue;
+        if (!(points[i].error < least - gain)) continue;
         least = points[i].error;
         front.push_back(i);
     }

@@ -12,6 +12,7 @@ struct CostAndError {
 
 /// Indices of the points that no other point beats in one and equals or beats in the other, by rising cost. Of equal points the
 /// first. Points that are not finite are left out.
-[[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const CostAndError> points);
+/// @param gain  a dearer point is worth having only when its error is smaller by more than this: what errors are uncertain by
+[[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const CostAndError> points, double gain = 0);
 
 }  // namespace seldinger

@@ -47,8 +47,14 @@ Convergence judge_movements(const std::vector<double>& moved, double smallest)
     return Convergence::Falling;
 }
 
-Refiner::Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder)
-    : scene_(scene), how_(std::move(how)), plan_(std::move(plan)), window_(window), folder_(std::move(folder))
+Refiner::Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder,
+                 std::vector<Baseline> baselines)
+    : scene_(scene),
+      how_(std::move(how)),
+      plan_(std::move(plan)),
+      window_(window),
+      folder_(std::move(folder)),
+      baselines_(std::move(baselines))
 {
     plan_.repeats = 1;
     plan_.wall_limit = std::numeric_limits<double>::infinity();
@@ -64,13 +70,13 @@ bool Refiner::add_level()
         return true;
     }
     if (level > 0 && spent_ + cost_of_a_level * last_wall_ > how_.wall_limit && level >= how_.least_levels) return false;
-    const ModelRun run = run_model(scene_, refined(how_.coarsest, level), plan_);
+    const ModelRun run = run_model(scene_, refined(how_.coarsest, level), plan_, baselines_);
     last_wall_ = run.cost.wall * std::max(run.simulated, scene_.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
     spent_ += last_wall_;
     stopped_ = run.stopped;
     if (!run.complete) {
         if (!stopped_)
-            reference_.note =
+            reference_.note = failure_ =
                 fmt::format("refinement {} failed at {:.3g} s: {}", level, run.failed_at, name(run.verdict.outcome));
         return false;
     }
@@ -116,7 +122,7 @@ const Reference& Refiner::refine_to(const PerObservable& wanted)
         if (levels >= how_.most_levels || !add_level()) exhausted_ = !stopped_;
         judge();
     }
-    if (reference_.note.empty() && reference_.levels > 0) {
+    if (failure_.empty() && reference_.levels > 0) {
         const Model finest = refined(how_.coarsest, reference_.levels - 1);
         reference_.note = fmt::format("{} refinements, the last with {} nodes and {:.3g} ms", reference_.levels, *finest.nodes,
                                       1e3 * *finest.dt);

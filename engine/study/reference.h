@@ -48,7 +48,9 @@ struct Reference {
 class Refiner {
 public:
     /// @param folder  empty: nothing is kept
-    Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder = {});
+    /// @param baselines  for a model to refine that is one of them
+    Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder = {},
+            std::vector<Baseline> baselines = {});
 
     /// Runs levels until every observable's uncertainty is at most `wanted` of it (NaN or 0: as good as can be), the last level
     /// is reached, the budget is spent, or it is plain that the results do not converge. May be called again with less.
@@ -67,10 +69,12 @@ private:
     RunPlan plan_;
     Window window_;
     std::filesystem::path folder_;
+    std::vector<Baseline> baselines_;
     std::vector<Trajectory> levels_;
     Reference reference_;
     double spent_ = 0, last_wall_ = 0;  // [s]
     bool stopped_ = false, exhausted_ = false;
+    std::string failure_;  // why a level could not be run
 };
 
 /// How a sequence of movements goes on. NotFalling: the last refinement moved the result by more than 0.8 of the one before, or,

@@ -75,7 +75,7 @@ public:
     OneRun(const StudyScene& scene, const Scene& changed, const RunPlan& plan, std::unique_ptr<Simulation> simulation)
         : plan_(plan),
           simulation_(std::move(simulation)),
-          watch_(changed, scene.setup, plan.limits, *simulation_),
+          watch_(changed, scene.setup, plan.limits, plan.end_on_blow_up, *simulation_),
           average_(changed.wire.length),
           dt_(changed.dt),
           settles_(changed.start_settled || changed.integrator.scheme == Scheme::Static),

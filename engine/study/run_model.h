@@ -18,6 +18,7 @@ struct RunPlan {
     double repeat_wall = std::numeric_limits<double>::infinity();  // no repeat is begun once the steps of all took this [s]
     double wall_limit = std::numeric_limits<double>::infinity();   // of the steps of one run [s]; it then stops, incomplete
     FailureLimits limits;                                          // radius infinite: the wire's own
+    bool end_on_blow_up = true;  // energy made from nothing ends the run; values that are not finite do in any case
     std::function<bool()> stop;  // asked between samples; true ends the run, incomplete. May be empty
 };
 

@@ -46,10 +46,12 @@ FailureLimits completed(FailureLimits limits, const Scene& scene)
 
 }  // namespace
 
-RunWatch::RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, const Simulation& start)
+RunWatch::RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, bool end_on_blow_up,
+                   const Simulation& start)
     : scene_(scene),
       setup_(setup),
       watch_(completed(limits, scene), start.readings()),
+      end_on_blow_up_(end_on_blow_up),
       last_(start.readings()),
       tip_(start.shape().front()),
       base_(start.shape().back())
@@ -85,7 +87,8 @@ bool RunWatch::after_step(const Simulation& simulation, const StepReport& report
     tip_ = shape.front();
     base_ = shape.back();
     t_ = t;
-    return !report.failed() && !watch_.verdict().had(Outcome::BlowUp);
+    const bool finite = std::isfinite(now.kinetic + now.elastic + now.hand_force) && tip_.allFinite();
+    return !report.failed() && finite && !(end_on_blow_up_ && watch_.verdict().had(Outcome::BlowUp));
 }
 
 }  // namespace seldinger

@@ -12,9 +12,9 @@ public:
     /// holds
     ///               elsewhere than at tip and base) energy is not judged
     /// @param limits  radius 0 or infinite: the wire's own
-    RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, const Simulation& start);
+    RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, bool end_on_blow_up, const Simulation& start);
 
-    /// After every step. @return false when the run is over: not finite, gave up, or more energy than was put in
+    /// After every step. @return false when the run is over: not finite, gave up, or, if told so, more energy than was put in
     bool after_step(const Simulation& simulation, const StepReport& report, double t);
     [[nodiscard]] Verdict verdict() const { return watch_.verdict(); }
 
@@ -24,6 +24,7 @@ private:
     const Scene& scene_;
     const WorldSetup& setup_;
     FailureWatch watch_;
+    bool end_on_blow_up_;
     WireReadings last_;
     Vec3 tip_, base_;
     double turned_ = 0, t_ = 0;

@@ -42,18 +42,19 @@ SEL_KERNEL void contact_multipliers(const ContactParams par, __global const Samp
 
 // Nearest gap at the start of a step, for the barrier's start.
 //   item    one entry of `list` (samples with candidates)
-//   reads   models, places; candidates, counts; the wall; hi, lo [nodes][3]      writes  gaps [item_count] [m]
+//   reads   models, places; candidates, counts; the wall; hi, lo [nodes][3]; touches_t0 [samples][2]      writes  gaps [item_count] [m]
 SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* restrict list,
                                   __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                   __global const uint* restrict candidates, __global const uint* restrict counts,
                                   __global const float* restrict vertices, __global const uint* restrict rims,
-                                  __global const float* restrict hi, __global const real* restrict lo, __global real* restrict gaps)
+                                  __global const float* restrict hi, __global const real* restrict lo,
+                                  __global const TouchState* restrict touches_t0, __global real* restrict gaps)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        gaps[item] = sample_gap(axis_point(places[s].edge, places[s].bary, hi, lo), models[s], par, candidates + (ulong)s * par.slots,
-                                counts[s], vertices, rims);
+        gaps[item] = sample_gap(axis_point(places[s].edge, places[s].bary, hi, lo), models[s], par, touches_t0[2 * s],
+                                touches_t0[2 * s + 1], places[s].stamp, candidates + (ulong)s * par.slots, counts[s], vertices, rims);
     }
 }
 

@@ -8,7 +8,10 @@
 //     whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once,
 //     with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest point
 //     is never blended: there n_j would be tilted by nothing but the edge's offset.
-//   * touch 1: the nearest point whose normal faces touch 0 (n_0 . n_1 < 0): the opposite wall of a narrow lumen.
+//   * touch 1: the nearest point of the opposite wall of a narrow lumen. Which facets are of the one side and which of the other is
+//     told by an axis: a facet whose normal looks against it is of the other side. The axis is the normal of touch 0 when contact
+//     begins, and its last normal from then on: it stands still during a step, so that the forces of both sides are continuous even
+//     where the lumen is as narrow as the wire and walls all round push at once.
 //   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
 //     through an opening), unless it is the nearest of all and the sample touched the wall from inside in the last step: then
 //     the axis has passed the wall, the depth is r + distance and the normal points back.
@@ -22,6 +25,7 @@ SEL_BEGIN
 typedef struct Touch {
     vec3 normal;    // into the lumen; unit up to blending
     vec3 to_wall;   // from the axis point to the wall's [m]
+    vec3 side;      // facets whose normal looks along it are of this side of the lumen, the others of the opposite one
     real depth;     // overlap [m], negative when apart
     real bend[6];   // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
     uint triangle;
@@ -79,6 +83,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
     touch.to_wall = make_vec3(0, 0, 0);
+    touch.side = make_vec3(0, 0, 0);
     touch.found = 0;
     touch.outside = 0;
     touch.triangle = 0;
@@ -125,6 +130,9 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     if (!first->found || first->outside || first->depth < -reach) return second;
     const vec3 n0 = first->normal, facet0 = triangle_normal(load_triangle(vertices, first->triangle, origin));
     const real depth0 = first->depth;
+    const real along = dot3(n0, first->side);
+    first->side = along == 0 ? n0 : (along > 0 ? 1 : -1) * first->side;
+    second.side = -first->side;
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
@@ -141,7 +149,7 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         const real d = sqrt(d2);
         const vec3 n = (1 / d) * v;
         const real depth = radius - d;
-        if (dot3(n, n0) < 0) {
+        if (dot3(n, first->side) < 0) {
             if (depth > second_depth) {
                 second_depth = depth;
                 second.found = 1;

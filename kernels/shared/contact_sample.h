@@ -73,6 +73,29 @@ SEL_FN int same_side(TouchState touch, vec3 normal)
     return touch.normal[0] * normal.x + touch.normal[1] * normal.y + touch.normal[2] * normal.z > 0;
 }
 
+typedef struct TouchPair {
+    Touch first, second;  // the nearer side of the lumen, and the opposite one
+} TouchPair;
+
+// What a sample touches. a, b: its records; lives: of the last step
+SEL_FN TouchPair touches_of(AxisPoint at, SampleModel m, ContactParams par, TouchState a, int a_lives, TouchState b, int b_lives,
+                            SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
+                            SEL_GLOBAL const uint* rims)
+{
+    TouchPair out;
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
+    if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
+    if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
+    else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    // both sides are blended alike: which of them is nearer may change without a jump
+    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    out.first = first;
+    out.second = second;
+    return out;
+}
+
 SEL_FN HardState no_hard_state(void)
 {
     HardState none;
@@ -130,12 +153,8 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     }
     const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
     const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
-    if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
-    // both sides are blended alike: which of them is nearer may change without a jump
-    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    const TouchPair touching = touches_of(at, m, par, a, a_lives, b, b_lives, candidates, count, vertices, rims);
+    const Touch first = touching.first, second = touching.second;
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
         const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;

@@ -69,18 +69,15 @@ SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uin
     return next;
 }
 
-// Nearest gap of a sample [m], blended as contact has it; `reach` when nothing is nearer.
-SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, SEL_GLOBAL const uint* candidates, uint count,
-                       SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// Nearest gap of a sample [m], as contact has it; its reach when nothing is nearer. a, b: its records
+SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, TouchState a, TouchState b, uint stamp,
+                       SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
-    if (!first.found) return m.reach;
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
-    real depth = first.depth;
-    if (second.found) {
-        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
-        depth = max_r(depth, second.depth);
-    }
+    const TouchPair touching =
+        touches_of(at, m, par, a, a.stamp + 1 == stamp, b, b.stamp + 1 == stamp, candidates, count, vertices, rims);
+    real depth = -m.reach;
+    if (touching.first.found) depth = max_r(depth, touching.first.depth);
+    if (touching.second.found) depth = max_r(depth, touching.second.depth);
     return -depth;
 }
 

@@ -419,7 +419,8 @@ void sweep_case()
             const SamplePlace p = s.places[at];
             const AxisPoint now = axis_point(p.edge, p.bary, s.hi.data(), s.lo.data());
             const AxisPoint was = axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data());
-            gaps[k] = sample_gap(now, s.models[at], s.par, candidates, found.counts[at], s.wall.vertices.data(), s.wall.rims.data());
+            gaps[k] = sample_gap(now, s.models[at], s.par, s.touches_t0[2 * at], s.touches_t0[2 * at + 1], p.stamp, candidates,
+                                 found.counts[at], s.wall.vertices.data(), s.wall.rims.data());
             ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.wall.vertices.data(),
                                    s.wall.rims.data());
             near_wall += gaps[k] < s.models[at].reach;
@@ -433,8 +434,9 @@ void sweep_case()
         Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
         Guarded<real> lo(context, lane, s.lo), lo_t0(context, lane, s.lo_t0), gap_out(context, lane, std::vector<real>(n)),
             way_out(context, lane, std::vector<real>(n));
+        Guarded<TouchState> t0(context, lane, s.touches_t0);
         clearance.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), gap_out.buffer());
+                         vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(), gap_out.buffer());
         sweep.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                      vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(), way_out.buffer());
         CAPTURE(n);

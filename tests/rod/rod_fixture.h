@@ -3,6 +3,7 @@
 
 #include "rod/elastic.h"
 #include "rod/transport.h"
+#include "support/approx.h"
 
 #include <Eigen/Dense>
 #include <random>
@@ -10,6 +11,8 @@
 #include <vector>
 
 namespace seldinger::testing {
+
+using test::about;
 
 /// Trial configuration that owns its numbers.
 struct OwnedTrial {

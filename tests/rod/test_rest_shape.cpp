@@ -45,24 +45,24 @@ TEST_CASE("analytic: cells across a jump add compliance, mass and natural curvat
     const RodView& rod = wire.rod;
 
     // node 2 at 0.2 stands for 0.15..0.25, edge 1 for 0.1..0.2; 0.02 and 0.07 of them are tip
-    CHECK(rod.bend_stiffness[2] == doctest::Approx(0.1 / (0.02 / 1e-3 + 0.08 / 1.0)));
-    CHECK(rod.twist_stiffness[2] == doctest::Approx(0.1 / (0.02 / 2e-3 + 0.08 / 0.8)));
-    CHECK(rod.rest_kappa1[2] == doctest::Approx(20 * 0.02));
-    CHECK(rod.rest_kappa2[2] == doctest::Approx(-5 * 0.02));
-    CHECK(rod.stretch_stiffness[1] == doctest::Approx(0.1 / (0.07 / 10 + 0.03 / 100)));
-    CHECK(rod.rest_length[1] == doctest::Approx(0.1));
+    CHECK(rod.bend_stiffness[2] == about(0.1 / (0.02 / 1e-3 + 0.08 / 1.0)));
+    CHECK(rod.twist_stiffness[2] == about(0.1 / (0.02 / 2e-3 + 0.08 / 0.8)));
+    CHECK(rod.rest_kappa1[2] == about(20 * 0.02));
+    CHECK(rod.rest_kappa2[2] == about(-5 * 0.02));
+    CHECK(rod.stretch_stiffness[1] == about(0.1 / (0.07 / 10 + 0.03 / 100)));
+    CHECK(rod.rest_length[1] == about(0.1));
     // tip and hub: their half cell
-    CHECK(rod.rest_kappa1[0] == doctest::Approx(20 * 0.05));
-    CHECK(rod.bend_stiffness[0] == doctest::Approx(1e-3));
+    CHECK(rod.rest_kappa1[0] == about(20 * 0.05));
+    CHECK(rod.bend_stiffness[0] == about(1e-3));
     CHECK(rod.rest_kappa1[4] == 0);
 
     const double line_tip = 4000 * std::numbers::pi * 0.25e-6, line_shaft = 8000 * std::numbers::pi * 1e-6;
     double mass = 0, inertia = 0;
     for (int i = 0; i < 5; ++i) mass += rod.mass[i];
     for (int j = 0; j < 4; ++j) inertia += rod.spin_inertia[j];
-    CHECK(mass == doctest::Approx(0.17 * line_tip + 0.23 * line_shaft));
-    CHECK(inertia == doctest::Approx(0.5 * (0.17 * line_tip * 0.25e-6 + 0.23 * line_shaft * 1e-6)));
-    CHECK(rod.mass[2] == doctest::Approx(0.02 * line_tip + 0.08 * line_shaft));
+    CHECK(mass == about(0.17 * line_tip + 0.23 * line_shaft));
+    CHECK(inertia == about(0.5 * (0.17 * line_tip * 0.25e-6 + 0.23 * line_shaft * 1e-6)));
+    CHECK(rod.mass[2] == about(0.02 * line_tip + 0.08 * line_shaft));
 }
 
 TEST_CASE("property: a wire at rest where it was placed carries nothing, with its ends clamped too")

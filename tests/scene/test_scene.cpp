@@ -49,6 +49,7 @@ min_edge_m = 0.0011
 max_edge_m = 0.0099
 mu_static = 0.3
 mu_sliding = 0.25
+curvature = "tangent"
 place = { shape = "arc", base = [0.1, 0.2, 0.3], direction = [1.0, 0.3, 0.0], normal = [0.0, 0.0, 2.0], bend_radius_m = 0.7 }
 rest = "placed"
 velocity_m_s = [0.01, 0.02, 0.03]
@@ -66,6 +67,7 @@ poisson = 0.2
 scheme = "linearised"
 beta = 0.3
 gamma = 0.6
+spins = "kept"
 tolerance = 1e-8
 damping_mass_1_s = 0.7
 damping_stiffness_s = 1e-5
@@ -170,6 +172,9 @@ void check_same_rest(const Scene& a, const Scene& b)
     CHECK(a.integrator.newmark == b.integrator.newmark);
     CHECK(a.integrator.beta == b.integrator.beta);
     CHECK(a.integrator.gamma == b.integrator.gamma);
+    CHECK(a.integrator.conserve == b.integrator.conserve);
+    CHECK(a.integrator.spins == b.integrator.spins);
+    CHECK(a.wire.curvature == b.wire.curvature);
     CHECK(a.integrator.tolerance == b.integrator.tolerance);
     CHECK(a.integrator.damping_mass == b.integrator.damping_mass);
     CHECK(a.integrator.damping_stiffness == b.integrator.damping_stiffness);
@@ -309,6 +314,9 @@ TEST_SUITE("scene/scene")
         CHECK(s.wire.shaft.mu_sliding == 0.10);
         CHECK(s.integrator.scheme == Scheme::Newton);
         CHECK_FALSE(s.integrator.newmark);
+        CHECK_FALSE(s.integrator.conserve);
+        CHECK(s.integrator.spins == Spins::Auto);
+        CHECK(s.wire.curvature == CurvatureMeasure::Angle);
         CHECK(s.integrator.damping_mass == 0);
         CHECK(s.vessel.shape == VesselShape::None);
         CHECK(s.contact.detection == Detection::Swept);
@@ -334,6 +342,8 @@ TEST_SUITE("scene/scene")
         CHECK(s.wire.place.velocity == Vec3(0.01, 0.02, 0.03));
         CHECK(s.integrator.scheme == Scheme::Linearised);
         CHECK(s.integrator.newmark);
+        CHECK(s.integrator.spins == Spins::Kept);
+        CHECK(s.wire.curvature == CurvatureMeasure::Tangent);
         CHECK(s.vessel.shape == VesselShape::Arc);
         CHECK(s.vessel.angle == 77.7 * std::numbers::pi / 180);
         CHECK(s.contact.detection == Detection::Layer);

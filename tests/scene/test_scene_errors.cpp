@@ -145,13 +145,16 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({fed, {"feed.direction=[0, 0, 0]"}, "feed.direction: expected a direction"});
         check_mistake({good, {"integrator.gamma=0.4"}, "integrator.gamma: expected"});
         check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
+        check_mistake({good, {"integrator.conserve=1"}, "integrator.conserve: expected true or false"});
+        check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: is Newmark's"});
+        check_mistake({good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
     }
 
     TEST_CASE("property: a word that is none of the choices is answered with the choices")
     {
         check_mistake(
             {good, {"contact.detection=rays"}, "expected one of \"swept\", \"capsule\", \"layer\", \"nodes\", got 'rays'"});
-        for (const auto key : {"scene.until", "scene.start", "wire.rest", "integrator.scheme", "contact.normal",
+        for (const auto key : {"scene.until", "scene.start", "wire.rest", "wire.curvature", "integrator.scheme", "integrator.spins", "contact.normal",
                                "contact.friction", "vessel.shape"})
             check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});
         check_mistake({good, {"contact.stiffness=soft"}, "contact.stiffness: expected \"from-wall\" or a number"});

@@ -52,7 +52,7 @@ TEST_CASE("property: a moving hold follows its keys and velocity, and stays wher
         CHECK(clamp.turns == doctest::Approx(e.turn));
         // +z turned about the tangent from tip to base, -x: towards +y
         CHECK(clamp.director.y() == doctest::Approx(std::sin(e.turn)));
-        CHECK(clamp.tangent.x() == doctest::Approx(-1));
+        CHECK(clamp.tangent.x() == about(-1));
     }
 }
 
@@ -66,8 +66,8 @@ TEST_CASE("property: a load is shared by the nodes of its edge and grows over it
     rig.fill(1);
     REQUIRE(rig.constraints[0].loads.size() == 1);
     CHECK(rig.constraints[0].loads[0].edge == 3);
-    CHECK(rig.constraints[0].loads[0].bary == doctest::Approx(0.25));
-    CHECK(rig.constraints[0].loads[0].force.z() == doctest::Approx(0.5));
+    CHECK(rig.constraints[0].loads[0].bary == about(0.25));
+    CHECK(rig.constraints[0].loads[0].force.z() == about(0.5));
     rig.fill(INFINITY);
     CHECK(rig.constraints[0].loads[0].force.z() == 2);
 }
@@ -83,13 +83,13 @@ TEST_CASE("property: points stay on the material when nodes come and go") {
     rig.hold({middle}, {load});
     CHECK(rig.constraints[0].prescribed[0].first == 24);
     CHECK(rig.holds[0].offset(0) < 1e-12);
-    CHECK(rig.holds[0].held_distances()[0] == doctest::Approx(0.06));
+    CHECK(rig.holds[0].held_distances()[0] == about(0.06));
     rig.rods.set_node_count(0, 21);
     place_nodes(rig.rods.view(0), rig.wire);
     rig.fill(0);
     CHECK(rig.constraints[0].prescribed[0].first == 48);
     CHECK(rig.constraints[0].loads[0].edge == 11);
-    CHECK(rig.constraints[0].loads[0].bary == doctest::Approx(0.5));
+    CHECK(rig.constraints[0].loads[0].bary == about(0.5));
 }
 
 // the tangent of an arc's first edge is that of its middle; the clamp must hold the arc's own, to second order
@@ -126,8 +126,8 @@ TEST_CASE("property: feed keys are piecewise linear and constant outside") {
     CHECK(feed.at(1).advance == 0);
     feed.keys = {{1, 0, 0}, {2, 0.1, 3}, {4, 0.1, 6}};
     CHECK(feed.at(0).advance == 0);
-    CHECK(feed.at(1.5).advance == doctest::Approx(0.05));
-    CHECK(feed.at(3).turn == doctest::Approx(4.5));
+    CHECK(feed.at(1.5).advance == about(0.05));
+    CHECK(feed.at(3).turn == about(4.5));
     CHECK(feed.at(9).turn == 6);
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("analytic: a link holds a free wire against a load, and a dead moment 
     linked.hold({}, {tip_load({0.01, 0, 0})}, {link});
     linked.integrate_with({});
     REQUIRE(linked.settle());
-    CHECK(linked.tip().x() == doctest::Approx(0.102).epsilon(1e-6));
+    CHECK(linked.tip().x() == about(0.102).epsilon(1e-6));
 
     // M = B/R: a quarter circle, tip at (R, 0, R); second order in the edge length
     WireSpec spec = nitinol(0.1);
@@ -153,7 +153,7 @@ TEST_CASE("analytic: a link holds a free wire against a load, and a dead moment 
     bent.hold({clamp_base()}, {moment});
     bent.integrate_with({});
     REQUIRE(bent.settle());
-    CHECK(bent.tip().x() == doctest::Approx(radius).epsilon(0.002));
-    CHECK(bent.tip().z() == doctest::Approx(radius).epsilon(0.002));
+    CHECK(bent.tip().x() == about(radius).epsilon(0.002));
+    CHECK(bent.tip().z() == about(radius).epsilon(0.002));
 }
 }

@@ -79,11 +79,11 @@ TEST_CASE("analytic: the trapezoid's period error is (w h)^2/12, second order, a
         const Oscillation o = swing(trapezoid(), h, 3);
         const double expected = 2 * pi / omega * omega * h / (2 * std::atan(omega * h / 2));
         // higher modes are excited at 1e-3 by the difference of discrete and continuous shape
-        CHECK(o.period == doctest::Approx(expected).epsilon(2e-4));
-        CHECK(o.energy_ratio == doctest::Approx(1).epsilon(1e-3));
+        CHECK(o.period == about(expected).epsilon(2e-4));
+        CHECK(o.energy_ratio == about(1).epsilon(1e-3));
         error[k] = o.period - 2 * pi / omega;
     }
-    CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.15));
+    CHECK(std::log2(error[0] / error[1]) == about(2).epsilon(0.15));
 }
 
 // one mode: 1/(1 + w^2 h^2) per step in energy: the damping per period is first order in h
@@ -93,10 +93,10 @@ TEST_CASE("analytic: backward Euler damps by 1/(1 + w^2 h^2) a step, first order
         const double h = 2 * pi / omega / (k == 0 ? 100 : 200);
         const Oscillation o = swing({}, h, 2);
         const double expected = std::pow(1 / (1 + std::pow(omega * h, 2)), o.period / h);
-        CHECK(o.energy_ratio == doctest::Approx(expected).epsilon(5e-3));
+        CHECK(o.energy_ratio == about(expected).epsilon(5e-3));
         lost[k] = -std::log(o.energy_ratio);
     }
-    CHECK(std::log2(lost[0] / lost[1]) == doctest::Approx(1).epsilon(0.05));
+    CHECK(std::log2(lost[0] / lost[1]) == about(1).epsilon(0.05));
 }
 
 TEST_CASE("property: a free wire falls as a stone does, without bending") {
@@ -112,12 +112,12 @@ TEST_CASE("property: a free wire falls as a stone does, without bending") {
         for (int k = 0; k < steps; ++k) REQUIRE(rig.step(h));
         const Vec3 p = momentum(rig.rod());
         // residual below 1e-6 of the weight at each step
-        CHECK(p.z() == doctest::Approx(-mass * 9.81 * steps * h).epsilon(1e-6));
+        CHECK(p.z() == about(-mass * 9.81 * steps * h).epsilon(1e-6));
         CHECK(std::abs(p.x()) < 1e-6 * std::abs(p.z()));
-        CHECK(rig.rod().z[0] == doctest::Approx(rig.rod().z[20]).epsilon(1e-9));
+        CHECK(rig.rod().z[0] == about(rig.rod().z[20]).epsilon(1e-9));
         // backward Euler falls n (n + 1)/2 h^2 g, the trapezoid exactly t^2/2 g
         const double fall = 9.81 * h * h * (newmark ? steps * steps : steps * (steps + 1)) / 2;
-        CHECK(-rig.rod().z[0] == doctest::Approx(fall).epsilon(1e-6));
+        CHECK(-rig.rod().z[0] == about(fall).epsilon(1e-6));
     }
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("property: the hold's impulse is the wire's change of momentum") {
     }
     // prescribed positions are met exactly, and their velocity follows
     CHECK(rig.rod().z[20] == 0.05 * rig.time);
-    CHECK(rig.rod().vz[20] == doctest::Approx(0.05).epsilon(1e-9));
+    CHECK(rig.rod().vz[20] == about(0.05).epsilon(1e-9));
 }
 
 TEST_CASE("analytic: mass damping slows a free wire by 1/(1 + c h) a step") {
@@ -163,7 +163,7 @@ TEST_CASE("analytic: mass damping slows a free wire by 1/(1 + c h) a step") {
     rig.integrate_with(spec);
     for (int k = 0; k < 10; ++k) REQUIRE(rig.step(1e-3));
     // the tolerance, 1e-6 B/L^2, is 5.5e-9 N; over a node's mass and 10 ms, 1e-5 m/s
-    CHECK(rig.rod().vy[5] == doctest::Approx(0.3 / std::pow(1.05, 10)).epsilon(1e-4));
+    CHECK(rig.rod().vy[5] == about(0.3 / std::pow(1.05, 10)).epsilon(1e-4));
 }
 
 // a mode with stiffness damping c_k has the damping ratio w c_k/2: energy falls by exp(-w^2 c_k T) a period
@@ -171,7 +171,7 @@ TEST_CASE("analytic: stiffness damping of the first mode") {
     IntegratorSpec spec = trapezoid();
     spec.damping_stiffness = 2e-4;
     const Oscillation o = swing(spec, 2 * pi / omega / 60, 2);
-    CHECK(-std::log(o.energy_ratio) == doctest::Approx(omega * omega * spec.damping_stiffness * o.period).epsilon(0.01));
+    CHECK(-std::log(o.energy_ratio) == about(omega * omega * spec.damping_stiffness * o.period).epsilon(0.01));
 }
 
 TEST_CASE("property: a wire of two nodes is a bar: it falls, spins and keeps its length") {
@@ -181,9 +181,9 @@ TEST_CASE("property: a wire of two nodes is a bar: it falls, spins and keeps its
     rig.rod().spin_rate[0] = 3;
     rig.integrate_with({}, {0, 0, -9.81});
     for (int k = 0; k < 20; ++k) REQUIRE(rig.step(1e-3));
-    CHECK((rig.tip() - rig.rod().pos(1)).norm() == doctest::Approx(0.01).epsilon(1e-4));
-    CHECK(rig.rod().spin_rate[0] == doctest::Approx(3).epsilon(1e-3));
-    CHECK(rig.rod().vz[0] == doctest::Approx(-9.81 * 0.02).epsilon(1e-6));
+    CHECK((rig.tip() - rig.rod().pos(1)).norm() == about(0.01).epsilon(1e-4));
+    CHECK(rig.rod().spin_rate[0] == about(3).epsilon(1e-3));
+    CHECK(rig.rod().vz[0] == about(-9.81 * 0.02).epsilon(1e-6));
     CHECK(rig.rod().vy[0] * rig.rod().vx[0] != 0);  // it has turned
 }
 

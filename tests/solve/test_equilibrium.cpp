@@ -45,8 +45,8 @@ TEST_CASE("analytic: elastica under a dead tip load, from straight in one solve"
         CAPTURE(c.alpha);
         SolveReport report;
         const auto [dx, dy] = elastica_tip(100, c.alpha, &report);
-        CHECK(dx == doctest::Approx(c.dx).epsilon(0.001));
-        CHECK(dy == doctest::Approx(c.dy).epsilon(0.001));
+        CHECK(dx == about(c.dx).epsilon(0.001));
+        CHECK(dy == about(c.dy).epsilon(0.001));
         CHECK(report.residual <= report.tolerance);
         MESSAGE("alpha " << c.alpha << ": " << report.iterations << " iterations, " << report.evaluations << " evaluations");
     }
@@ -54,7 +54,7 @@ TEST_CASE("analytic: elastica under a dead tip load, from straight in one solve"
 
 TEST_CASE("analytic: the error of the elastica falls with the square of the edge length") {
     const double coarse = elastica_tip(20, 2).second - 0.4934575, fine = elastica_tip(40, 2).second - 0.4934575;
-    CHECK(std::log2(std::abs(coarse / fine)) == doctest::Approx(2).epsilon(0.1));
+    CHECK(std::log2(std::abs(coarse / fine)) == about(2).epsilon(0.1));
 }
 
 TEST_CASE("analytic: heavy cantilever up to Gamma = 1000") {
@@ -69,11 +69,11 @@ TEST_CASE("analytic: heavy cantilever up to Gamma = 1000") {
         REQUIRE(rig.settle());
         const double sag = -rig.tip().z() / rig.tip().x();
         // second order: 1e-4 at Gamma = 1, 6e-3 where the wire turns down within three edges of the clamp
-        CHECK(sag == doctest::Approx(c.sag).epsilon(c.gamma > 100 ? 0.02 : 0.002));
+        CHECK(sag == about(c.sag).epsilon(c.gamma > 100 ? 0.02 : 0.002));
         // the hold carries the weight
         double mass = 0;
         for (int i = 0; i < rig.rod().n; ++i) mass += rig.rod().mass[i];
-        CHECK(rig.solver->reaction(0, 4 * 100 + 2) == doctest::Approx(9.81 * mass).epsilon(1e-5));
+        CHECK(rig.solver->reaction(0, 4 * 100 + 2) == about(9.81 * mass).epsilon(1e-5));
         MESSAGE("Gamma " << c.gamma << ": " << rig.reports[0].iterations << " iterations, sag error " << sag / c.sag - 1);
     }
 }
@@ -90,7 +90,7 @@ TEST_CASE("analytic: torque of a straight wire turned at its base with the tip's
         rig.integrate_with({});
         REQUIRE(rig.settle());
         const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
-        CHECK(torque == doctest::Approx(spec.shaft.twist_stiffness * angle / 0.3).epsilon(1e-9));
+        CHECK(torque == about(spec.shaft.twist_stiffness * angle / 0.3).epsilon(1e-9));
     }
 }
 

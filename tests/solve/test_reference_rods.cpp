@@ -40,10 +40,31 @@ Curve hook(double straight_part, double radius)
 
 struct Clamped {
     double theta, moment, tension, extra_slack;
+    double envelope;  // largest error of f, see helical()
 };
 
+/// Largest deviation from f = (cos(theta) - cos(theta_0))/(1 - cos(theta_0)) = tanh^2(s/s*) of a localised helix; theta_0 and the
+/// place of the crest are the wire's own, which may sit anywhere along the line.
+double envelope_error(const RodView& rod, double theta_0, double s_star)
+{
+    double weight = 0, centre = 0;
+    const auto dip = [&](int j) { return (1 + rod.tx[j]) / (1 - std::cos(theta_0)); };  // 1 - f, tangents point to the hub
+    const auto middle = [&](int j) { return 0.5 * (rod.material_s[j] + rod.material_s[j + 1]); };
+    for (int j = 0; j < rod.n - 1; ++j) {
+        weight += dip(j);
+        centre += dip(j) * middle(j);
+    }
+    centre /= weight;
+    double worst = 0;
+    for (int j = 0; j < rod.n - 1; ++j) {
+        const double f = std::pow(std::tanh((middle(j) - centre) / s_star), 2);
+        worst = std::max(worst, std::abs(1 - dip(j) - f));
+    }
+    return worst;
+}
+
 /// Clamped at both ends, turned by `rotation`, then brought together by `slack`. Nothing breaks the symmetry but equilibrium().
-Clamped helical(const WireSpec& spec, int edges, double rotation, double slack)
+Clamped helical(const WireSpec& spec, int edges, double rotation, double slack, double s_star = 1)
 {
     Rig rig(spec, edges + 1);
     HoldSpec base = clamp_base(), tip = clamp_tip();
@@ -56,6 +77,10 @@ Clamped helical(const WireSpec& spec, int edges, double rotation, double slack)
         rig.fill(k <= turns ? k / double(turns) : 1 + (k - turns) / double(approach));
         rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
         CAPTURE(k);
+        CAPTURE(edges);
+        CAPTURE(rig.reports[0].residual);
+        CAPTURE(rig.reports[0].tolerance);
+        CAPTURE(rig.reports[0].iterations);
         REQUIRE(rig.reports[0].converged);
     }
     Clamped result{};
@@ -63,6 +88,7 @@ Clamped helical(const WireSpec& spec, int edges, double rotation, double slack)
     result.moment = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
     result.tension = rig.solver->reaction(0, 0);
     result.extra_slack = result.tension * spec.length / spec.shaft.stretch_stiffness;
+    result.envelope = envelope_error(rig.rod(), result.theta, s_star);
     return result;
 }
 
@@ -79,10 +105,13 @@ double out_of_plane(const RodView& rod)
     return off;
 }
 
-/// A frictionless tube of no clearance round the arc of radius R in the xz plane that begins at the origin along +x.
+/// A frictionless tube of no clearance: straight from the origin along +x for `lead`, then round an arc of radius R towards +z.
 class ArcGuide : public ContactTerm {
 public:
-    ArcGuide(RodArrays& rods, double radius, double stiffness) : rods_(rods), radius_(radius), stiffness_(stiffness) {}
+    ArcGuide(RodArrays& rods, double lead, double radius, double stiffness)
+        : rods_(rods), lead_(lead), radius_(radius), stiffness_(stiffness)
+    {
+    }
     void evaluate(const TrialState& trial, double, std::span<const std::uint8_t>) override { state_ = trial; }
     bool admissible(int) const override { return true; }
     bool unsymmetric(int) const override { return false; }
@@ -92,7 +121,8 @@ public:
     {
         for (int i = 0; i < rods_.node_count(wire); ++i) {
             const int at = rods_.node_begin(wire) + i;
-            const Vec3 from_centre(state_.x[at], 0, state_.z[at] - radius_);
+            const bool curved = state_.x[at] > lead_;
+            const Vec3 from_centre(curved ? state_.x[at] - lead_ : 0, 0, state_.z[at] - radius_);
             const double rho = from_centre.norm();
             const Vec3 outward = from_centre / rho;
             const Vec3 off = (rho - radius_) * outward + Vec3(0, state_.y[at], 0);
@@ -101,13 +131,14 @@ public:
             const Vec3 along = outward.cross(Vec3::UnitY());
             for (int c = 0; c < 3; ++c)
                 for (int d = 0; d < 3; ++d)
-                    jacobian->add(4 * i + c, 4 * i + d, stiffness_ * ((c == d) - radius_ / rho * along[c] * along[d]));
+                    jacobian->add(4 * i + c, 4 * i + d,
+                                  stiffness_ * ((c == d) - (curved ? radius_ / rho : 1) * along[c] * along[d]));
         }
     }
 
 private:
     RodArrays& rods_;
-    double radius_, stiffness_;
+    double lead_, radius_, stiffness_;
     TrialState state_;
 };
 
@@ -115,31 +146,51 @@ struct Lag {
     double proximal, distal, torque;  // [deg], [deg], [N m]
 };
 
-/// Turns the base of a naturally curved wire in a curved tube by 5 degrees at a time; distal angles where asked.
-void check_whip(double natural, double length, const std::vector<Lag>& expected)
+/// Turns the base of a wire in a tube by `step` degrees at a time, straight for `lead`, then naturally curved for `length` in a bend of
+/// 5 cm; distal angles where asked. The reference bends its wire up to the very end, by a couple there; the last half edge of a chain
+/// has no curvature (a free end has none), so it is added to the length. So is the h/8 that a jump of curvature costs: chords that end
+/// half an edge before and after it turn by kappa h/8 and 7 kappa h/8 at nodes whose cells are curved not at all and all along. The guide must hold against the couple's forces B kappa/h,
+/// 1 N: with k = 1e8 N/m under a node the wire leaves it over (4 B h/k)^(1/4) = 0.2 mm, less than an edge; a softer guide leaves a
+/// longer end straight and the torque low by as much.
+/// @return where the tip snapped forward by more than 90 degrees [deg], 0: nowhere
+double check_whip(double natural, double lead, double length, int edges, int step, const std::vector<Lag>& expected)
 {
-    WireSpec spec = uniform(length, 5.5e-5, 4.23e-5, 5000);
-    spec.shaft.rest_curvature = {natural, 0};
-    Rig rig(spec, 121, 1, arc_towards_z(0.05));
+    const double lost = lead > 0 ? 0.625 : 0.5;  // edges
+    length += lost * (lead + length) / (edges - lost);
+    WireSpec spec = uniform(lead + length, 5.5e-5, 4.23e-5, 5000);
+    WireSection curved = spec.shaft;
+    curved.rest_curvature = {natural, 0};
+    spec.sections.push_back({0, length, curved});
+    const Curve arc = arc_towards_z(0.05);
+    const auto along = [&](double s) { return s < lead ? Vec3(s, 0, 0) : Vec3(Vec3(lead, 0, 0) + arc(s - lead)); };
+    Rig rig(spec, edges + 1, 1, along);
     HoldSpec base = clamp_base();
     base.turn = {{0, 0}, {360, 2 * pi}};
     rig.hold({base});
     rig.integrate_with({});
-    ArcGuide guide(rig.rods, 0.05, 1e4);
+    ArcGuide guide(rig.rods, lead, 0.05, 1e8);
     std::size_t next = 0;
-    for (int degrees = 0; degrees <= 320 && next < expected.size(); degrees += 5) {
+    double worst_angle = 0, worst_torque = 0, before = 0, snap = 0;
+    for (int degrees = 0; degrees <= 320 && next < expected.size(); degrees += step) {
         CAPTURE(degrees);
         rig.fill(degrees);
         rig.solver->equilibrium(rig.constraints, &guide, rig.active, rig.reports);
         REQUIRE(rig.reports[0].converged);
-        if (degrees != static_cast<int>(expected[next].proximal)) continue;
         const double distal = rig.rod().theta[0] * 180 / pi;
+        if (distal - before > 90) snap = degrees - 0.5 * step;
+        before = distal;
+        if (degrees != static_cast<int>(expected[next].proximal)) continue;
         CHECK(std::abs(distal - expected[next].distal) < 3);
         const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
-        CHECK(torque == doctest::Approx(expected[next].torque).epsilon(0.02));
+        CHECK(torque == about(expected[next].torque).epsilon(0.01));
+        worst_angle = std::max(worst_angle, std::abs(distal - expected[next].distal));
+        worst_torque = std::max(worst_torque, std::abs(torque / expected[next].torque - 1));
         ++next;
     }
     CHECK(next == expected.size());
+    MESSAGE("natural curvature " << natural << " 1/m after " << lead << " m: distal angle within " << worst_angle
+                                 << " degrees, torque within " << worst_torque << ", snap at " << snap);
+    return snap;
 }
 
 }  // namespace
@@ -159,7 +210,7 @@ TEST_CASE("analytic: a 45 degree bend loaded out of its plane, second order in t
         MESSAGE((k == 0 ? 25 : 50) << " edges: error " << error[k] << " m in " << rig.reports[0].iterations << " iterations");
     }
     CHECK(error[1] < 0.005 * 78.5);
-    CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.15));
+    CHECK(std::log2(error[0] / error[1]) == about(2).epsilon(0.15));
 }
 
 struct Hook {
@@ -197,7 +248,7 @@ TEST_CASE("analytic: shaped tips straightened by a load at the tip, and their co
         rig.hold({clamp_base()}, {tip_load({0, 0, small})});
         rig.integrate_with({});
         REQUIRE(rig.settle());
-        CHECK(rig.tip().z() / small == doctest::Approx(h.compliance).epsilon(0.03));
+        CHECK(rig.tip().z() / small == about(h.compliance).epsilon(0.03));
     }
 }
 
@@ -225,7 +276,7 @@ TEST_CASE("analytic: Greenhill's torque, clamped ends, no tension") {
         // and takes two turns with it: the torque left is that of the angle less 4 pi
         const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
         const double left = part < 1 ? angle : angle - 4 * pi;
-        CHECK(torque == doctest::Approx(spec.shaft.twist_stiffness * left / 0.2).epsilon(1e-3));
+        CHECK(torque == about(spec.shaft.twist_stiffness * left / 0.2).epsilon(1e-3));
     }
 }
 
@@ -254,7 +305,7 @@ TEST_CASE("analytic: Michell's ring leaves its plane at the critical twist") {
             const double off = out_of_plane(rig.rod());
             if (part < 1) {
                 CHECK(off < 1e-3 * radius);  // the cut ring is not quite the whole one: chords of an arc with its rest lengths
-                CHECK(torque == doctest::Approx(flat).epsilon(1e-3));
+                CHECK(torque == about(flat).epsilon(1e-3));
             } else {
                 CHECK((off > 0.05 * radius || torque < 0.5 * flat));
             }
@@ -262,35 +313,68 @@ TEST_CASE("analytic: Michell's ring leaves its plane at the critical twist") {
     }
 }
 
-// van der Heijden & Thompson 2000; Bergou 2008: 27 turns. Stretch adds T L/EA to the slack, here below 1e-3 of it. With 200
-// edges the wire turns by kappa l = 0.24 an edge at the crest, and 2 tan(phi/2) is stiffer than phi there: 6 % in theta, four
-// times less with 400.
+// van der Heijden & Thompson 2000; Bergou 2008: 27 turns. Stretch adds T L/EA to the slack, here below 1e-3 of it.
+//
+// The tangents of a localised helix wind round a loop on the sphere by delta = M h/(B (1 + cos theta)) an edge, and the polygon that
+// the edges make of it has too little area for its length. To second order the discrete energy (f = phi + a phi^3) is high by
+//     B (k sin(theta) delta)^2 [cos^2(theta) + 2 cos(theta) + 24 a sin^2(theta)]/24  per length,  k = delta/h,
+// of which tension and torque leave little to compare with: 1/s*^2 = T/B - M^2/(4 B^2) is a fifth of either term. In the limit of a
+// small loop the chain is exactly 1/s*^2 = cos(x)(T/B - 2 (1/cos(x) - 1)/h^2), tan(x) = M h/(2 B): M^2/(4 B^2) falls short by x^2/4,
+// 6 % of 1/s*^2 with 200 edges and 27 turns. Measured there: theta 2.2 % (6.1 % with 2 tan(phi/2)), T 2.1 % (4.5 %), and 2 % of theta
+// from 210 edges on. 15 turns: 1.1 % with 200.
 TEST_CASE("analytic: localised helical buckling of a clamped, twisted wire brought together") {
     const WireSpec spec = uniform(9.29, 1.345, 0.789, 2e6);
-    const Clamped coarse = helical(spec, 200, 169.64600329384882, 0.3), c = helical(spec, 400, 169.64600329384882, 0.3);
+    const Clamped coarse = helical(spec, 160, 169.64600329384882, 0.3);
+    const Clamped c = helical(spec, 240, 169.64600329384882, 0.3, 0.3816536652944767);
     const double theta = 0.9185498494452109;
+    MESSAGE("240 edges: theta " << c.theta / theta - 1 << ", M " << std::abs(c.moment) / 14.252015654526478 - 1 << ", T "
+                                << c.tension / 46.98850028536553 - 1 << ", envelope " << c.envelope);
     CHECK(c.extra_slack < 0.001 * 0.3);
-    CHECK(c.theta == doctest::Approx(theta).epsilon(0.02));
-    CHECK(std::abs(c.moment) == doctest::Approx(14.252015654526478).epsilon(0.002));
-    CHECK(c.tension == doctest::Approx(46.98850028536553).epsilon(0.03));
-    CHECK(std::log2((coarse.theta - theta) / (c.theta - theta)) == doctest::Approx(2).epsilon(0.1));
+    CHECK(c.theta == about(theta).epsilon(0.02));
+    CHECK(std::abs(c.moment) == about(14.252015654526478).epsilon(0.002));
+    CHECK(c.tension == about(46.98850028536553).epsilon(0.03));
+    CHECK(c.envelope < 0.03);
+    CHECK(std::log((coarse.theta - theta) / (c.theta - theta)) / std::log(1.5) == about(2).epsilon(0.05));
+}
+
+TEST_CASE("analytic: the same with a tenth of the slack per length, as it is often published") {
+    const Clamped c = helical(uniform(100, 1.345, 0.789, 2e5), 240, 169.64600329384882, 3, 4.596127045975827);
+    CHECK(c.extra_slack < 0.001 * 3);
+    CHECK(c.theta == about(0.8316766827860418).epsilon(0.02));
+    CHECK(std::abs(c.moment) == about(1.3253831233413325).epsilon(0.002));
+    CHECK(c.tension == about(0.3901835913451139).epsilon(0.03));
+    CHECK(c.envelope < 0.03);
 }
 
 TEST_CASE("analytic: the same for a 0.014 inch guidewire, 15 turns, 200 edges") {
-    const Clamped c = helical(uniform(0.3, 0.00011, 8.5e-5, 1e4), 200, 94.24777960769379, 0.012);
-    CHECK(c.theta == doctest::Approx(0.798023905594933).epsilon(0.03));
-    CHECK(std::abs(c.moment) == doctest::Approx(0.02625134747365281).epsilon(0.02));
-    CHECK(c.tension == doctest::Approx(1.8446146352757284).epsilon(0.03));
+    const Clamped c = helical(uniform(0.3, 0.00011, 8.5e-5, 1e5), 200, 94.24777960769379, 0.012, 0.019877801401654117);
+    CHECK(c.extra_slack < 0.001 * 0.012);
+    CHECK(c.theta == about(0.798023905594933).epsilon(0.02));
+    CHECK(std::abs(c.moment) == about(0.02625134747365281).epsilon(0.002));
+    CHECK(c.tension == about(1.8446146352757284).epsilon(0.03));
+    CHECK(c.envelope < 0.03);
 }
 
 // C psi'' = B kappa kappa0 sin psi in a frictionless bend; elliptic closed form
 TEST_CASE("analytic: a curved wire turned in a curved tube lags, and whips past the critical length") {
-    check_whip(5, 0.1, {{30, 17.566068715751218, 0.0002015967250812158}, {60, 36.1611342302977, 0.00037817318712058496},
+    const double none = check_whip(5, 0, 0.1, 120, 5, {{30, 17.566068715751218, 0.0002015967250812158}, {60, 36.1611342302977, 0.00037817318712058496},
                         {90, 57.169899833968415, 0.0005022571720563817}, {120, 83.05572830723817, 0.0005375003084609049},
                         {150, 119.61329235635102, 0.00041597670161065627}, {170, 156.7023652865001, 0.00017569959804561135}});
-    check_whip(20, 0.12, {{45, 5.89142947216473, 0.0007316435876713627}, {90, 12.33513652359464, 0.0013484189753868129},
+    CHECK(none == 0);
+    const double snap = check_whip(20, 0, 0.12, 120, 5, {{45, 5.89142947216473, 0.0007316435876713627}, {90, 12.33513652359464, 0.0013484189753868129},
                           {135, 20.14243636942776, 0.0017502671644237168}, {180, 31.028545592204473, 0.001859054060308135},
                           {225, 51.32951361474465, 0.0015744905216453667}, {270, 347.66486347640546, -0.0013484189753868187},
                           {315, 354.1085705278353, -0.0007316435876713342}});
+    CHECK(std::abs(snap - 243.681923813701) < 8);
+}
+
+// the same tip behind 0.3 m of straight shaft, which stores the turn: snaps at 240.55 degrees, from 112.4 to 324.6. Half a degree
+// before, where the last row but one is, angle and torque change without bound with the coupling B kappa kappa0 L1: 1 % of torque
+// there is 0.15 % of coupling, a twentieth of an edge.
+TEST_CASE("analytic: torque transmitted along a straight shaft to a curved tip, up to its whip and beyond") {
+    const double snap = check_whip(10, 0.3, 0.03, 330, 1, {{60, 17.09420821385427, 0.00010064651132710457}, {120, 35.57131967213457, 0.00019802173135404326},
+                                    {180, 58.12727173927001, 0.00028576597464357483}, {240, 107.02520578467627, 0.00031155904118151945},
+                                    {300, 342.90579178614564, -0.00010064651132710507}});
+    CHECK(std::abs(snap - 240.55271174602225) < 8);
 }
 }

@@ -3,6 +3,7 @@
 
 #include "solve/constraints.h"
 #include "solve/newton.h"
+#include "support/approx.h"
 
 #include <doctest/doctest.h>
 
@@ -14,6 +15,8 @@
 #include <vector>
 
 namespace seldinger::testing {
+
+using test::about;
 
 constexpr double pi = std::numbers::pi;
 
@@ -88,6 +91,7 @@ struct Rig {
     {
         for (int w = 0; w < wires; ++w) {
             rods.set_node_count(w, nodes);
+            rods.set_curvature(w, spec.curvature);
             place_nodes(rods.view(w), spec, curve, rest_is_placed);
         }
     }

@@ -140,7 +140,7 @@ TEST_CASE("property: pushed in, pulled out: nodes go again, and what is inside i
     const RodView rod = world.rod(0);
     const FeedState& feed = world.impl().feeds[0];
     CHECK(most > 2 * rod.n);
-    CHECK(rod.material_s[rod.n - 1] == doctest::Approx(feed.advance + feed.debt).epsilon(1e-9));
+    CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.debt).epsilon(1e-9));
     CHECK(std::abs(feed.debt) < 1e-6);  // drained by feeding either way
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("property: a wire that is not fed keeps its length, its held node and 
     const RodView rod = world.rod(0);
     check_edges(rod, spec, false);
     // paid to e^-t/0.05 s of the last change, and the last was long ago
-    CHECK(rod.material_s[rod.n - 1] == doctest::Approx(0.2).epsilon(1e-6));
+    CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));
     CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].debt) < 1e-12);
     // the load bends its surroundings, the straight rest is left alone
     CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);

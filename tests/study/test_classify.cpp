@@ -21,7 +21,12 @@ const FailureLimits limits{.radius = 0.4e-3, .static_indentation = 10e-6};  // t
 Verdict judge(const History& history, int steps, unsigned flags = StepOk)
 {
     FailureWatch watch(limits, history(0));
-    for (int k = 1; k <= steps; ++k) watch.observe({.flags = flags, .newton_iterations = k % 3}, history(k));
+    for (int k = 1; k <= steps; ++k) {
+        StepReport report;
+        report.flags = flags;
+        report.newton_iterations = k % 3;
+        watch.observe(report, history(k));
+    }
     return watch.verdict();
 }
 

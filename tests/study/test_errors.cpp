@@ -105,6 +105,7 @@ TEST_SUITE("study/pareto")
         const std::vector<CostAndError> points = {{3, 1},   {1, 5},     {2, 5}, {2, 3},    {4, 1},
                                                   {nan, 0}, {0.5, nan}, {2, 3}, {10, 0.5}, {9, 2}};
         CHECK(pareto_front(points) == std::vector<std::size_t>{1, 3, 0, 8});
+        CHECK(pareto_front(points, 1.0) == std::vector<std::size_t>{1, 3, 0});  // 1 to 0.5 is no gain of more than 1
         CHECK(pareto_front({}).empty());
     }
 

@@ -1,6 +1,7 @@
 // The reference: whether refinements converge, how far, and that finished ones are not run again.
 
 #include "study/reference.h"
+#include "study/scripted_simulation.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
@@ -105,5 +106,34 @@ TEST_SUITE("study/reference")
         CHECK(again.refine_to(as_good_as_can_be).levels == 5);
         CHECK_FALSE(again.stopped());
         CHECK(again.reference().usable(Observable::Tip));
+    }
+
+    TEST_CASE("property: a scene whose answer jumps with every refinement is found out, and the search ends early")
+    {
+        int runs = 0;
+        Baseline jumping;
+        jumping.name = "scripted";
+        jumping.why_not = [](const Scene&) { return std::string(); };
+        jumping.make = [&runs](const StudyScene&, const Model& model) {
+            ++runs;
+            const double side = std::lround(std::log2(1e-3 / *model.dt)) % 2 ? 0.01 : -0.01;  // left or right at a fork
+            return std::make_unique<ScriptedSimulation>([side](double) {
+                Moment m;
+                m.shape[0].y() = side;
+                return m;
+            });
+        };
+        const StudyScene scene = scripted_scene(0.1);
+        Refinement how = from(11, 1e-3, 6);
+        how.coarsest.baseline = "scripted";
+        PerObservable wanted;
+        wanted.fill(std::numeric_limits<double>::infinity());
+        at(wanted, Observable::Tip) = 0;
+        Refiner refiner(scene, how, {}, {}, {}, {jumping});
+        const Reference& reference = refiner.refine_to(wanted);
+        CHECK(reference.convergence[0] == Convergence::NotFalling);
+        CHECK_FALSE(reference.usable(Observable::Tip));
+        CHECK(at(reference.uncertainty, Observable::Tip) == about(0.02).epsilon(1e-9));
+        CHECK(runs == 3);
     }
 }
