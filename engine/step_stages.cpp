@@ -249,6 +249,37 @@ BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
     return limits;
 }
 
+void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes)
+{
+    const WireSpec& spec = state.setup.wires[w].wire;
+    NodeAdapter& adapter = state.adapters[w];
+    constrain_now(state, w);
+    const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
+    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps,
+                                         spec.place.rest_is_placed && !state.feeds[w].on);
+    constrain_now(state, w);
+    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
+    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
+    state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
+}
+
+// A law that never overlaps takes no change of nodes that would put the wire into the wall: it waits until the wire has moved on.
+// @param change  returns whether it did anything     @return whether something was done, and stands
+template <class Change>
+bool where_clear(World::Impl& state, int w, Change change)
+{
+    if (!state.contact || !state.contact->never_overlaps()) return change();
+    state.save_wire(w);
+    state.nodal_backup = state.results[w].nodal_contact;
+    const double energy = state.remesh_energy[w];
+    if (!change()) return false;
+    if (state.contact->is_clear(state.rods, w)) return true;
+    state.restore_wire(w);
+    state.results[w].nodal_contact = state.nodal_backup;
+    state.remesh_energy[w] = energy;
+    return false;
+}
+
 void adapt_wire(World::Impl& state, int w, double dt)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
@@ -262,17 +293,13 @@ void adapt_wire(World::Impl& state, int w, double dt)
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
-    if (fed && adapt_base(state, w, base_limits(state, w, demands))) demands.may_refine = demands.may_merge = false;
+    if (fed && where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, demands)); }))
+        demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
-    constrain_now(state, w);
-    const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt +=
-        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
-    constrain_now(state, w);
-    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
-    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
-    state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
+    if (!state.contact || !state.contact->never_overlaps()) return change_nodes(state, w, changes);
+    for (std::size_t k = 0; k < changes.size(); ++k)
+        (void)where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; });
 }
 
 void adapt_one(World::Impl& state, int w, double dt)
@@ -282,7 +309,7 @@ void adapt_one(World::Impl& state, int w, double dt)
     if (state.adapters[w].on)
         adapt_wire(state, w, dt);
     else if (feed.on)
-        adapt_base(state, w, BaseEdge::uniform(feed.edge));
+        (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
 }
 
 // In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the

@@ -58,6 +58,7 @@ struct World::Impl {
     std::vector<FeedState> feed_backup;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
+    std::vector<Vec3> nodal_backup;             // of the wire whose nodes are being changed
     std::vector<MomentumStart> momentum_start;  // per wire, of the present sub-step
     std::vector<WireResult> results;            // per wire
     std::vector<ContactRow> rows;               // what contacts() last returned

@@ -33,7 +33,11 @@ inline constexpr double weight_gravity = 9.81;
 /// Depth [m] at which k depth^n carries `load`.
 [[nodiscard]] double depth_under(double load, double stiffness, double exponent);
 
-/// Everything that the kernels need for a sample of `weight` metres on this section.
+/// SEL_NORMAL_* of a law.
+[[nodiscard]] uint kernel_law(NormalLaw law);
+
+/// Everything that the kernels need for a sample of `weight` metres on this section; lengths of hard laws as `contact` has them
+/// (make_samples fills in what the user left open).
 [[nodiscard]] SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
                                       double lumen_radius, double weight);
 

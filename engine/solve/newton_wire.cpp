@@ -44,7 +44,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
     non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
-    iterations_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
+    iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -86,10 +86,25 @@ void NewtonWire::set_guess(double fraction)
     }
 }
 
-/// The trial cannot be: nearer to the last state that could.
-void NewtonWire::retreat()
+void NewtonWire::resume()
 {
-    if (phase_ == Phase::Search) return shorten(0.3 * alpha_);
+    phase_ = Phase::Guess;
+    guess_fraction_ = 0;
+    shift_ = 0;
+    shortened_ = false;
+    first_iteration_ = iterations_;
+}
+
+void NewtonWire::stop_short()
+{
+    settling_ = options_.best_effort;
+    phase_ = settling_ ? Phase::Done : Phase::Failed;
+}
+
+/// The trial cannot be: nearer to the last state that could. @param free_way  of the way from there, as far as contact knows
+void NewtonWire::retreat(double free_way)
+{
+    if (phase_ == Phase::Search) return shorten((free_way < 1 ? std::clamp(0.9 * free_way, 0.05, 0.5) : 0.3) * alpha_);
     if (guess_fraction_ == 0) {
         give_up();
         return;
@@ -102,11 +117,12 @@ void NewtonWire::retreat()
 void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
 {
     ++evaluations_;
+    took_trial_ = false;
     const bool usable = finite && (!contact || contact->admissible(wire));
     if (!usable || !problem.evaluate_residual(contact, wire)) {
         non_finite_ = non_finite_ || !finite;
         if (settling_) phase_ = Phase::Failed;
-        else retreat();
+        else retreat(finite && contact ? contact->free_way(wire) : 1);
         return;
     }
     norm_ = problem.residual_norm();
@@ -135,7 +151,7 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
             return;
         }
     }
-    if (iterations_ >= options_.max_iterations) {
+    if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(contact, wire)) phase_ = Phase::Done;
         else give_up();
         return;
@@ -276,6 +292,7 @@ void NewtonWire::take_base()
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());
     phase_ = Phase::Search;
+    took_trial_ = true;
     ++iterations_;
 }
 

@@ -27,7 +27,7 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
 
 // Forces of active samples.
 //   item    one entry of `list` (samples with candidates, ordered by wire and edge)
-//   reads   ... and touches_t0 [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
+//   reads   ... and touches_t0, hard [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
 SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
                                  __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                  __global const uint* restrict candidates, __global const uint* restrict counts,
@@ -36,13 +36,14 @@ SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* r
                                  __global const real* restrict theta, __global const float* restrict hi_t0,
                                  __global const real* restrict lo_t0, __global const real* restrict theta_t0,
                                  __global const TouchState* restrict touches_t0, __global TouchState* restrict touches,
-                                 __global SampleForce* restrict forces, __global real* restrict barys)
+                                 __global SampleForce* restrict forces, __global real* restrict barys,
+                                 __global const HardState* restrict hard)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         forces[item] = evaluate_sample(s, par, models[s], places[s], candidates + (ulong)s * par.slots, counts[s], vertices, rims,
-                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches);
+                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
         barys[item] = places[s].bary;
     }
 }
