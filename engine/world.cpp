@@ -101,6 +101,15 @@ std::string describe_nodes(const WireSetup& setup)
                        1e3 * spec.max_edge, 1e6 * spec.edge_error);
 }
 
+// Of wire 0, as all of model() is.
+std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrator)
+{
+    if (integrator.spins == Spins::Kept) return "solved for (asked for)";
+    const Solver::SpinRecord& record = s.solver->spin_record(0);
+    return fmt::format("left out of {} of {} solves (straight, isotropic, no torque: their equations held to the tolerance)",
+                       record.without, record.steps);
+}
+
 }  // namespace
 
 World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(setup))
@@ -288,6 +297,9 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     put_bytes(bytes, &wire_time[wire], 1);
     put_bytes(bytes, &remesh_energy[wire], 1);
     put_feed(bytes, feeds[wire]);
+    const Solver::SpinRecord& spins = solver->spin_record(wire);
+    const std::int32_t waits[2] = {spins.wait, spins.last_wait};
+    put_bytes(bytes, waits, 2);
     // views are of changeable arrays; these only read
     for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
 }
@@ -322,6 +334,10 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         take_bytes(at, end, &s.wire_time[w], 1);
         take_bytes(at, end, &s.remesh_energy[w], 1);
         take_feed(at, end, s.feeds[w]);
+        std::int32_t waits[2] = {};
+        take_bytes(at, end, waits, 2);
+        s.solver->spin_record(w).wait = waits[0];
+        s.solver->spin_record(w).last_wait = waits[1];
         for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
     if (s.contact) s.contact->restore(at, end);
@@ -358,7 +374,11 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const IntegratorSpec& integrator = s.setup.integrator;
     list.emplace_back("scheme", fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
                                             integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
-                                                               : "backward Euler"));
+                                            : integrator.conserve ? "energy-momentum (asked for)"
+                                                                  : "backward Euler"));
+    if (integrator.scheme == Scheme::Newton || integrator.scheme == Scheme::Linearised)
+        list.emplace_back("spins", describe_spins(s, integrator));
+    list.emplace_back("curvature", wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
     if (!s.contact) {
         list.emplace_back("contact", "none (no vessel)");
         return list;

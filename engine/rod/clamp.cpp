@@ -25,7 +25,7 @@ bool update_clamp(const RodView& rod, const RodTrial& trial, const RodClamp& cla
         const int edge = clamp_edge(rod, clamp.node, side);
         if (edge < 0) continue;
         if (!(one_plus_cos(clamp.tangent, frames.tangent[edge]) > fold_limit)) return false;
-        if (!clamp.spin) continue;
+        if (!clamp.spin || !frames.spins) continue;
         const double last = side == 0 ? rod.clamp_twist_a[clamp.node] : rod.clamp_twist_b[clamp.node];
         ref = clamp_reference(clamp, side, frames.tangent[edge], frames.d1[edge], last);
         twist = side == 0 ? clamp.turns - trial.theta[edge] + ref : trial.theta[edge] - clamp.turns + ref;
@@ -50,6 +50,8 @@ ClampSide clamp_side(const RodView& rod, const RodClamp& clamp, const RodFrames&
     pair.kb = (2 / pair.chi) * pair.te.cross(pair.tf);
     pair.q = curvature_q(rod.curvature);
 
+    result.spins = frames.spins;
+    if (!frames.spins) return result;
     RestBend& rest = result.rest;
     rest.kappa1 = result.share * rod.rest_kappa1[clamp.node];
     rest.kappa2 = result.share * rod.rest_kappa2[clamp.node];
@@ -79,7 +81,7 @@ double clamp_energy(const RodView& rod, const RodClamp& clamp, const ClampSide& 
 void add_clamp(const RodView& rod, const RodClamp& clamp, const ClampSide& side, HessianMode mode, PairTerms& out)
 {
     if (clamp.direction) add_bend(side.pair, rod.bend_stiffness[clamp.node] / side.half, side.rest, mode, out);
-    if (clamp.spin)
+    if (clamp.spin && side.spins)
         add_twist(side.pair, rod.twist_stiffness[clamp.node] / side.half,
                   side.twist - side.share * rod.rest_twist[clamp.node], mode, out);
 }

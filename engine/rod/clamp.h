@@ -14,6 +14,7 @@ struct ClampSide {
     double half = 0;      // a [m]
     double share = 0;     // of the node's rest curvature and twist that lies on this side
     double twist = 0;     // tau between clamp and edge, 0 without spin [rad]
+    bool spins = true;    // RodFrames::spins; else no rest and no twist
     RestBend rest;
 };
 

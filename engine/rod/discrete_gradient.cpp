@@ -206,7 +206,7 @@ void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps,
             const double inv_cell = 1 / rod.voronoi_length(j);
             Stencil s;
             s.bend = clamped.bend ? 0 : rod.bend_stiffness[j] * inv_cell;
-            s.twist_stiffness = clamped.twist ? 0 : rod.twist_stiffness[j] * inv_cell;
+            s.twist_stiffness = clamped.twist || !after.spins ? 0 : rod.twist_stiffness[j] * inv_cell;
             s.rest_kappa1 = rod.rest_kappa1[j];
             s.rest_kappa2 = rod.rest_kappa2[j];
             s.rest_twist = rod.rest_twist[j];
@@ -226,7 +226,7 @@ void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps,
             const ClampSide now = clamp_side(rod, clamp, after, k, side);
             Stencil s;
             s.bend = clamp.direction ? rod.bend_stiffness[clamp.node] / now.half : 0;
-            s.twist_stiffness = clamp.spin ? rod.twist_stiffness[clamp.node] / now.half : 0;
+            s.twist_stiffness = clamp.spin && after.spins ? rod.twist_stiffness[clamp.node] / now.half : 0;
             s.rest_kappa1 = now.rest.kappa1;
             s.rest_kappa2 = now.rest.kappa2;
             s.rest_twist = now.share * rod.rest_twist[clamp.node];

@@ -67,7 +67,7 @@ void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFra
     const Pair pair = node_pair(rod, frames, i);
     const double inv_cell = 1 / rod.voronoi_length(i);
     if (!clamped.bend) add_bend(pair, rod.bend_stiffness[i] * inv_cell, node_rest(rod, frames, i), mode, out);
-    if (!clamped.twist) add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
+    if (!clamped.twist && frames.spins) add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
 }
 
 void add_vector(double* to, const Vec3& v)
@@ -200,6 +200,7 @@ PairTerms clamp_terms(const RodView& rod, std::span<const RodClamp> clamps, cons
 
 double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames)
 {
+    SEL_ASSERT(frames.spins);
     double energy = 0;
     for (int j = 0; j < rod.n - 1; ++j) {
         const double strain = stretch_strain(rod, frames, j);
@@ -254,6 +255,7 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 // the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before to hub.
 double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
+    SEL_ASSERT(frames.spins);
     const int j = rod.n - 2;
     const double strain = stretch_strain(rod, frames, j);
     double force = -rod.stretch_stiffness[j] * strain * (1 + 0.5 * strain);

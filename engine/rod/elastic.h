@@ -35,6 +35,9 @@ struct RodClamp {
 /// Scratch of one wire at a trial configuration; allocated once for the capacity.
 struct RodFrames {
     explicit RodFrames(int capacity = 0, int clamp_capacity = 16);
+    // False: the wire is straight by nature and isotropic, and its spin angles stay as they are: its gradient and Hessian need
+    // neither directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
+    bool spins = true;
     std::vector<Vec3> tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
     std::vector<double> edge_length;            // [n-1] [m]
     // [n], 0 at tip and hub; kappa in the frame midway between the edges' material frames (rod/pair.h), twist unbounded [rad]

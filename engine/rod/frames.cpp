@@ -29,11 +29,12 @@ bool update_edge(const RodView& rod, const RodTrial& q, int j, RodFrames& frames
     const Vec3 before = rod.tangent(j), now = edge / length;
     const double chi = one_plus_cos(before, now);
     if (!(chi > fold_limit)) return false;
-    const Vec3 d1 = parallel_transport(rod.ref_d1(j), before, now, chi), d2 = now.cross(d1);
-    const double c = std::cos(q.theta[j]), s = std::sin(q.theta[j]);
-
     frames.edge_length[j] = length;
     frames.tangent[j] = now;
+    if (!frames.spins) return true;
+
+    const Vec3 d1 = parallel_transport(rod.ref_d1(j), before, now, chi), d2 = now.cross(d1);
+    const double c = std::cos(q.theta[j]), s = std::sin(q.theta[j]);
     frames.d1[j] = d1;
     frames.m1[j] = c * d1 + s * d2;
     frames.m2[j] = c * d2 - s * d1;
@@ -47,6 +48,10 @@ bool update_node(const RodView& rod, const RodTrial& q, int i, RodFrames& frames
     const double chi = one_plus_cos(te, tf);
     if (!(chi > fold_limit)) return false;
     const Vec3 kb = (2 / chi) * te.cross(tf);
+    frames.chi[i] = chi;
+    frames.kb[i] = kb;
+    if (!frames.spins) return true;
+
     const Vec3 carried = parallel_transport(frames.d1[i - 1], te, tf, chi);
     const double ref_twist = unwrap(signed_angle(carried, frames.d1[i], tf), rod.ref_twist[i]);
     const double twist = q.theta[i] - q.theta[i - 1] + ref_twist;
@@ -55,12 +60,18 @@ bool update_node(const RodView& rod, const RodTrial& q, int i, RodFrames& frames
     const double g = curvature_factor(curvature_q(rod.curvature), chi);
     const double k1 = g * kb.dot(frames.m2[i - 1]), k2 = -g * kb.dot(frames.m1[i - 1]);
     const double c = std::cos(0.5 * twist), s = std::sin(0.5 * twist);
-    frames.chi[i] = chi;
-    frames.kb[i] = kb;
     frames.ref_twist[i] = ref_twist;
     frames.twist[i] = twist;
     frames.kappa1[i] = c * k1 + s * k2;
     frames.kappa2[i] = c * k2 - s * k1;
+    return true;
+}
+
+/// Whether nothing in the wire is fixed to its material frames.
+[[maybe_unused]] bool has_no_frame(const RodView& rod)
+{
+    for (int i = 0; i < rod.n; ++i)
+        if (rod.rest_kappa1[i] != 0 || rod.rest_kappa2[i] != 0 || rod.rest_twist[i] != 0) return false;
     return true;
 }
 
@@ -77,6 +88,7 @@ bool update_frames(const RodView& rod, const RodTrial& trial, std::span<const Ro
 {
     SEL_ASSERT(rod.n >= 2 && rod.n <= static_cast<int>(frames.kb.size()));
     SEL_ASSERT(clamps.size() <= frames.clamp_node.size());
+    SEL_VALIDATE(frames.spins || has_no_frame(rod));
     clear_end(frames, 0);
     clear_end(frames, rod.n - 1);
     for (int j = 0; j < rod.n - 1; ++j) {
@@ -91,6 +103,7 @@ bool update_frames(const RodView& rod, const RodTrial& trial, std::span<const Ro
 
 void accept_frames(const RodView& rod, const RodTrial& trial, const RodFrames& frames)
 {
+    SEL_ASSERT(frames.spins);
     const int n = rod.n;
     std::copy_n(trial.x.begin(), n, rod.x.begin());
     std::copy_n(trial.y.begin(), n, rod.y.begin());

@@ -99,19 +99,21 @@ inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), st
 
 }  // namespace
 
-int BandMatrix::factor_ldlt()
+template <int active>
+int BandMatrix::factor_ldlt_of()
 {
     load_upper();
     const int nodes = size_ / node_size;
     for (int i = 0; i < size_; ++i) {
         const double diagonal = std::abs(at(i, i));
-        factor_[i / 4].inverse_diagonal[i % 4] = 1.0 / (diagonal > 0 ? diagonal : row_scale(i));
+        factor_[i / 4].inverse_diagonal[i % 4] = i % 4 < active ? 1.0 / (diagonal > 0 ? diagonal : row_scale(i)) : 0.0;
+        factor_[i / 4].inverse_pivot[i % 4] = 0.0;
     }
     int raised = 0;
     for (int b = 0; b < nodes; ++b) {
         NodeFactor &f = factor_[b], &f1 = factor_[b + 1], &f2 = factor_[b + 2];
         Vec4d near[4], far[4];  // rows of the following two nodes' columns, scaled by the pivot
-        for (int p = 0; p < 4; ++p) {
+        for (int p = 0; p < active; ++p) {
             double pivot = f.upper[p][p];
             for (int c = 0; c <= p; ++c) f.upper[p][c] = 0.0;  // so that the solve can use whole blocks
             const Vec4d own = block(f.upper[p]), row1 = block(f.upper[p] + 4), row2 = block(f.upper[p] + 8);
@@ -125,7 +127,7 @@ int BandMatrix::factor_ldlt()
             }
             const double inverse = 1.0 / pivot;
             f.inverse_pivot[p] = inverse;
-            for (int q = p + 1; q < 4; ++q) {
+            for (int q = p + 1; q < active; ++q) {
                 const double multiplier = f.upper[p][q] * inverse;
                 block(f.upper[q]) -= multiplier * own;
                 block(f.upper[q] + 4) -= multiplier * row1;
@@ -134,9 +136,9 @@ int BandMatrix::factor_ldlt()
             near[p] = row1 * inverse;
             far[p] = row2 * inverse;
         }
-        for (int t = 0; t < 4; ++t) {
+        for (int t = 0; t < active; ++t) {
             Vec4d a = block(f1.upper[t]), c = block(f1.upper[t] + 4), d = block(f2.upper[t]);
-            for (int p = 0; p < 4; ++p) {
+            for (int p = 0; p < active; ++p) {
                 a -= near[p][t] * block(f.upper[p] + 4);
                 c -= near[p][t] * block(f.upper[p] + 8);
                 d -= far[p][t] * block(f.upper[p] + 8);
@@ -161,7 +163,8 @@ inline double sum(const Vec4d& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 
 }  // namespace
 
-void BandMatrix::solve_ldlt(std::span<double> rhs_to_x)
+template <int active>
+void BandMatrix::solve_ldlt_of(std::span<double> rhs_to_x)
 {
     SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
     const int nodes = size_ / node_size;
@@ -171,7 +174,7 @@ void BandMatrix::solve_ldlt(std::span<double> rhs_to_x)
     for (int b = 0; b < nodes; ++b) {
         const NodeFactor& f = factor_[b];
         Vec4d own = block(x + 4 * b), near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
-        for (int p = 0; p < 4; ++p) {
+        for (int p = 0; p < active; ++p) {
             const double z = own[p] * f.inverse_pivot[p];
             own -= z * block(f.upper[p]);
             near -= z * block(f.upper[p] + 4);
@@ -184,12 +187,12 @@ void BandMatrix::solve_ldlt(std::span<double> rhs_to_x)
     std::fill_n(x + size_, 8, 0.0);
     for (int b = nodes - 1; b >= 0; --b) {
         const NodeFactor& f = factor_[b];
-        double own[4], from_others[4];
+        double own[4] = {}, from_others[4];
         const Vec4d near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
-        for (int p = 0; p < 4; ++p) from_others[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
-        for (int p = 3; p >= 0; --p) {
+        for (int p = 0; p < active; ++p) from_others[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
+        for (int p = active - 1; p >= 0; --p) {
             double inner = from_others[p];
-            for (int c = p + 1; c < 4; ++c) inner += f.upper[p][c] * own[c];
+            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
             own[p] = x[4 * b + p] - f.inverse_pivot[p] * inner;
         }
         std::memcpy(x + 4 * b, own, sizeof own);
@@ -197,7 +200,8 @@ void BandMatrix::solve_ldlt(std::span<double> rhs_to_x)
     std::copy_n(x, size_, rhs_to_x.begin());
 }
 
-bool BandMatrix::factor_lu()
+template <int active>
+bool BandMatrix::factor_lu_of()
 {
     load_upper();
     load_lower();
@@ -205,7 +209,7 @@ bool BandMatrix::factor_lu()
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b) {
         NodeFactor& f = factor_[b];
-        for (int p = 0; p < 4; ++p) {
+        for (int p = 0; p < active; ++p) {
             const double pivot = f.upper[p][p];
             if (!(std::abs(pivot) > pivot_floor * row_scale(4 * b + p))) return false;
             negative_pivots_ += pivot < 0;
@@ -213,7 +217,7 @@ bool BandMatrix::factor_lu()
             f.inverse_pivot[p] = inverse;
             Vec4d own = block(f.upper[p]);
             for (int c = 0; c <= p; ++c) own[c] = 0.0;  // multipliers and the pivot itself
-            for (int q = p + 1; q < 4; ++q) {
+            for (int q = p + 1; q < active; ++q) {
                 const double multiplier = f.upper[q][p] * inverse;
                 block(f.upper[q]) -= multiplier * own;
                 block(f.upper[q] + 4) -= multiplier * block(f.upper[p] + 4);
@@ -222,14 +226,14 @@ bool BandMatrix::factor_lu()
             }
             block(f.lower[p]) *= inverse;
             block(f.lower[p] + 4) *= inverse;
-            for (int q = p + 1; q < 4; ++q) {
+            for (int q = p + 1; q < active; ++q) {
                 block(f.lower[q]) -= f.upper[p][q] * block(f.lower[p]);
                 block(f.lower[q] + 4) -= f.upper[p][q] * block(f.lower[p] + 4);
             }
         }
         NodeFactor &f1 = factor_[b + 1], &f2 = factor_[b + 2];
-        for (int t = 0; t < 4; ++t)
-            for (int p = 0; p < 4; ++p) {
+        for (int t = 0; t < active; ++t)
+            for (int p = 0; p < active; ++p) {
                 block(f1.upper[t]) -= f.lower[p][t] * block(f.upper[p] + 4);
                 block(f1.upper[t] + 4) -= f.lower[p][t] * block(f.upper[p] + 8);
                 block(f1.lower[t]) -= f.upper[p][4 + t] * block(f.lower[p] + 4);
@@ -239,7 +243,8 @@ bool BandMatrix::factor_lu()
     return true;
 }
 
-void BandMatrix::solve_lu(std::span<double> rhs_to_x)
+template <int active>
+void BandMatrix::solve_lu_of(std::span<double> rhs_to_x)
 {
     SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
     const int nodes = size_ / node_size;
@@ -249,8 +254,8 @@ void BandMatrix::solve_lu(std::span<double> rhs_to_x)
     for (int b = 0; b < nodes; ++b) {
         const NodeFactor& f = factor_[b];
         double* own = x + 4 * b;
-        for (int p = 0; p < 4; ++p) {
-            for (int q = p + 1; q < 4; ++q) own[q] -= f.upper[q][p] * own[p];
+        for (int p = 0; p < active; ++p) {
+            for (int q = p + 1; q < active; ++q) own[q] -= f.upper[q][p] * own[p];
             block(own + 4) -= own[p] * block(f.lower[p]);
             block(own + 8) -= own[p] * block(f.lower[p] + 4);
         }
@@ -259,13 +264,23 @@ void BandMatrix::solve_lu(std::span<double> rhs_to_x)
     for (int b = nodes - 1; b >= 0; --b) {
         const NodeFactor& f = factor_[b];
         double* own = x + 4 * b;
-        for (int p = 3; p >= 0; --p) {
+        for (int p = active; p < 4; ++p) own[p] = 0.0;
+        for (int p = active - 1; p >= 0; --p) {
             double inner = sum(block(f.upper[p] + 4) * block(own + 4) + block(f.upper[p] + 8) * block(own + 8));
-            for (int c = p + 1; c < 4; ++c) inner += f.upper[p][c] * own[c];
+            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
             own[p] = (own[p] - inner) * f.inverse_pivot[p];
         }
     }
     std::copy_n(x, size_, rhs_to_x.begin());
 }
+
+template int BandMatrix::factor_ldlt_of<3>();
+template int BandMatrix::factor_ldlt_of<4>();
+template void BandMatrix::solve_ldlt_of<3>(std::span<double>);
+template void BandMatrix::solve_ldlt_of<4>(std::span<double>);
+template bool BandMatrix::factor_lu_of<3>();
+template bool BandMatrix::factor_lu_of<4>();
+template void BandMatrix::solve_lu_of<3>(std::span<double>);
+template void BandMatrix::solve_lu_of<4>(std::span<double>);
 
 }  // namespace seldinger

@@ -22,6 +22,9 @@ public:
 
     explicit BandMatrix(int max_size = 0);
     void reset(int size);  // size = 4 n unknowns, <= max_size; zero entries
+    /// Whether every node's fourth unknown takes part in factors and solutions (default). If not it is 0 in any solution, and what the
+    /// matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
+    void set_fourth(bool takes_part) { fourth_ = takes_part; }
     [[nodiscard]] int size() const { return size_; }
 
     /// A(i, j) += value; |i - j| <= half_bandwidth, nodes at most two apart. Assembly fills both halves, also when symmetric.
@@ -48,14 +51,14 @@ public:
     /// some entry c_kj of the reduced row) is raised, at least to a_kk: the result is always positive definite, its entries
     /// stay bounded, and the step along a raised pivot is as small as the diagonal alone would make it.
     /// [Gill81, sec. 4.4.2.2] with the bound taken per entry, so that it does not depend on units. @return pivots raised
-    int factor_ldlt();
-    void solve_ldlt(std::span<double> rhs_to_x);
+    int factor_ldlt() { return fourth_ ? factor_ldlt_of<4>() : factor_ldlt_of<3>(); }
+    void solve_ldlt(std::span<double> rhs_to_x) { fourth_ ? solve_ldlt_of<4>(rhs_to_x) : solve_ldlt_of<3>(rhs_to_x); }
     /// LU with the full, unsymmetric matrix without pivoting (diagonally strong by inertia or stiffness). Takes the place
     /// of an LDL^T. @return false when a pivot vanishes against its row's scale; the caller falls back to factor_ldlt
-    [[nodiscard]] bool factor_lu();
+    [[nodiscard]] bool factor_lu() { return fourth_ ? factor_lu_of<4>() : factor_lu_of<3>(); }
     /// Negative pivots of the last factor_lu(): none when the symmetric part is positive definite.
     [[nodiscard]] int negative_pivots() const { return negative_pivots_; }
-    void solve_lu(std::span<double> rhs_to_x);
+    void solve_lu(std::span<double> rhs_to_x) { fourth_ ? solve_lu_of<4>(rhs_to_x) : solve_lu_of<3>(rhs_to_x); }
 
     /// Rounding leaves a pivot that should be 0 at about 1e-15 of its diagonal; the weakest honest one (the inertia of a
     /// stiff fine wire at a long step, m/h^2 against EA/l) is about 1e-11 of it.
@@ -71,11 +74,18 @@ private:
         double inverse_diagonal[4];  // 1 / |a_kk| of the matrix itself
     };
 
+    // `active`: unknowns of a node that take part. Blocks stay four wide: with three, the fourth lane carries numbers that reach no
+    // other lane, since its pivots' inverses are 0.
+    template <int active> int factor_ldlt_of();
+    template <int active> void solve_ldlt_of(std::span<double> rhs_to_x);
+    template <int active> bool factor_lu_of();
+    template <int active> void solve_lu_of(std::span<double> rhs_to_x);
     void load_upper();
     void load_lower();
     [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero
 
     int size_ = 0, negative_pivots_ = 0;
+    bool fourth_ = true;
     std::vector<double> rows_, scratch_;
     std::vector<NodeFactor> factor_;  // two more than nodes, so that the last ones need no special case
 };

@@ -24,7 +24,8 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
     for (int w = 0; w < rods.wire_count(); ++w)
         work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
-    for (auto* mask : {&running_, &evaluate_, &solved_, &again_}) mask->resize(rods.wire_count());
+    for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
+    spin_records_.resize(rods.wire_count());
 }
 
 Solver::~Solver() = default;
@@ -83,12 +84,14 @@ void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<
     }
 }
 
-void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active)
+void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
+                   bool may_leave_spins)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         WireProblem& problem = work_[w]->newton.problem;
-        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h);
+        const bool leave = may_leave_spins && spin_records_[w].wait == 0;
+        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, leave);
         const RodView rod = rods_.view(w);
         const int at = rods_.node_begin(w);
         std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
@@ -103,6 +106,7 @@ void Solver::restore(int wire)
 {
     WireProblem& problem = work_[wire]->newton.problem;
     problem.trial = problem.start;
+    if (problem.without_spins()) problem.take_spins_in();
     (void)problem.update();
     write_trial(wire);
 }
@@ -126,7 +130,7 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     SEL_ASSERT(h > 0);
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
-    begin(Motion::Implicit, h, constraints, active);
+    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Auto);
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
@@ -134,7 +138,36 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
         if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
     });
     iterate_with_multipliers(h, contact, active);
+    check_spins(h, constraints, contact, active, options);
     finish(active, reports);
+}
+
+/// Steps solved without spin angles stand if these angles' equations hold; the others are solved again with them.
+void Solver::check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+                         std::span<const std::uint8_t> active, const NewtonOptions& options)
+{
+    bool any = false;
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        with_spins_[w] = 0;
+        if (!active[w]) continue;
+        NewtonWire& newton = work_[w]->newton;
+        SpinRecord& record = spin_records_[w];
+        ++record.steps;
+        if (record.wait > 0) --record.wait;
+        if (!newton.problem.without_spins() || !newton.converged()) continue;
+        if (newton.problem.spins_hold(contact, w)) {
+            record.last_wait = 0;
+            ++record.without;
+            write_trial(w);
+            continue;
+        }
+        record.wait = record.last_wait = std::min(std::max(2 * record.last_wait, 1), 256);
+        with_spins_[w] = 1;
+        any = true;
+        newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
+        newton.start(options, move_limit(contact, w));
+    }
+    if (any) iterate_with_multipliers(h, contact, with_spins_);
 }
 
 double Solver::move_limit(const ContactTerm* contact, int wire)

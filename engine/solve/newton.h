@@ -10,6 +10,8 @@
 
 namespace seldinger {
 
+struct NewtonOptions;  // solve/newton_wire.h
+
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
     std::vector<double> x, y, z, theta;
@@ -79,6 +81,14 @@ public:
     void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
               std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
+    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which they
+    /// were wanted, twice as many as the last time are solved with them before it is tried again.
+    struct SpinRecord {
+        std::int64_t steps = 0, without = 0;
+        std::int32_t wait = 0, last_wait = 0;
+    };
+    [[nodiscard]] SpinRecord& spin_record(int wire) { return spin_records_[wire]; }
+
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
     void set_best_effort(bool on) { best_effort_ = on; }
 
@@ -102,7 +112,10 @@ public:
 
 private:
     struct Work;
-    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active);
+    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
+               bool may_leave_spins = false);
+    void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+                     std::span<const std::uint8_t> active, const NewtonOptions& options);
     void iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
     void iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
     void finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports);
@@ -121,6 +134,8 @@ private:
     bool best_effort_ = false;
     std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
     std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
+    std::vector<std::uint8_t> with_spins_;  // [wires] to be solved again, with spin angles
+    std::vector<SpinRecord> spin_records_;
 };
 
 }  // namespace seldinger

@@ -307,8 +307,10 @@ void NewtonWire::new_direction(const ContactTerm* contact, int wire)
 
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
 {
-    // after a step that had to be shortened, the symmetric tangent, which goes downhill
-    const bool sliding = (problem.unsymmetric() || (contact && contact->unsymmetric(wire))) && !shortened_;
+    // after a step that had to be shortened, the symmetric tangent, which goes downhill; but not where symmetric means wrong: half of
+    // EA on the edges' mean directions and half on those of their ends
+    const bool loaded = problem.unsymmetric() || (contact && contact->unsymmetric(wire));
+    const bool sliding = loaded && (!shortened_ || problem.conserving());
     safe_steps_ = shortened_ ? 0 : safe_steps_;
     shortened_ = false;
     unsymmetric_ = sliding || safe_steps_ >= 3;
@@ -335,10 +337,16 @@ int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int
     if (moves) problem.matrix.multiply(part(scratch_), part(coupling_));
     else std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i)
-        if (problem.prescribed[i]) problem.matrix.fix(i);
-    if (unsymmetric_) return problem.matrix.factor_lu() ? problem.matrix.negative_pivots() : size;
+        if (problem.prescribed[i] && !(problem.without_spins() && i % 4 == 3)) problem.matrix.fix(i);
     add_shift(shift_);
-    return problem.matrix.factor_ldlt();
+    return factorise_matrix();
+}
+
+/// The matrix as it stands. @return as factorise_with
+int NewtonWire::factorise_matrix()
+{
+    if (!unsymmetric_) return problem.matrix.factor_ldlt();
+    return problem.matrix.factor_lu() ? problem.matrix.negative_pivots() : problem.size();
 }
 
 void NewtonWire::add_shift(double amount)
@@ -348,16 +356,17 @@ void NewtonWire::add_shift(double amount)
         if (!problem.prescribed[i]) problem.matrix.add(i, i, amount * shift_weight_[i]);
 }
 
-/// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles.
+/// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles. Under dead moments,
+/// which have no potential, as little as leaves its pivots positive.
 void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
 {
-    unsymmetric_ = false;
+    unsymmetric_ = problem.unsymmetric();
     int raised = factorise_with(HessianMode::Exact, contact, wire);
     for (int attempt = 0; attempt < 12 && raised > 0; ++attempt) {
         const double larger = std::max(4 * shift_, smallest_shift_);
         add_shift(larger - shift_);
         shift_ = larger;
-        raised = problem.matrix.factor_ldlt();
+        raised = factorise_matrix();
     }
     if (raised > 0) (void)factorise_with(HessianMode::Safe, contact, wire);
 }
@@ -366,7 +375,7 @@ void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
 /// any real stiffness (a wire that nothing holds is neither).
 bool NewtonWire::stable(const ContactTerm* contact, int wire)
 {
-    unsymmetric_ = false;
+    unsymmetric_ = problem.unsymmetric();
     shift_ = smallest_shift_;
     return factorise_with(HessianMode::Exact, contact, wire) == 0;
 }
@@ -380,12 +389,12 @@ void NewtonWire::kick()
     for (int attempt = 0; attempt < 20; ++attempt) {
         add_shift(3 * shift_);
         shift_ *= 4;
-        if (problem.matrix.factor_ldlt() == 0) break;
+        if (factorise_matrix() == 0) break;
     }
     for (int i = 0; i < size; ++i) direction_[i] = std::sin(1.7 * i + 0.3);  // any vector that no mode is normal to
     for (int round = 0; round < 10; ++round) {
         for (int i = 0; i < size; ++i) direction_[i] *= problem.prescribed[i] ? 0.0 : shift_weight_[i];
-        problem.matrix.solve_ldlt(part(direction_));
+        solve(part(direction_));
         const double length = problem.norm(part(direction_));
         for (int i = 0; i < size; ++i) direction_[i] /= length;
     }
@@ -410,7 +419,7 @@ void NewtonWire::raise_shift()
     }
     add_shift(larger - shift_);
     shift_ = larger;
-    (void)problem.matrix.factor_ldlt();
+    (void)factorise_matrix();
     std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
     std::copy_n(base_residual_.begin(), problem.size(), problem.residual.begin());
     correction_at_trial(problem.residual, part(direction_), 1);

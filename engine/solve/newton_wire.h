@@ -80,6 +80,7 @@ private:
     void factorise(const ContactTerm* contact, int wire);
     void factorise_shifted(const ContactTerm* contact, int wire);
     [[nodiscard]] int factorise_with(HessianMode mode, const ContactTerm* contact, int wire);
+    [[nodiscard]] int factorise_matrix();
     void add_shift(double amount);
     void raise_shift();
     [[nodiscard]] bool stable(const ContactTerm* contact, int wire);

@@ -38,7 +38,7 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
 }
 
 void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
-                        const Vec3& gravity, Motion kind, double step)
+                        const Vec3& gravity, Motion kind, double step, bool may_leave_spins)
 {
     rod = view;
     constraints_ = &constraints;
@@ -68,10 +68,16 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     prescribed_value[4 * n - 1] = start[4 * n - 1];
     for (int j = 0; j < n - 1; ++j)
         tension_[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
-    start_usable_ = !conserving_ || update_frames(rod, trial_view(), clamps, start_frames_);
     set_kinematics(spec);
     set_external(gravity);
     set_scales(spec, gravity);
+    frames.spins = start_frames_.spins = !(may_leave_spins && kind == Motion::Implicit && spins_at_rest());
+    matrix.set_fourth(frames.spins);
+    for (int j = 0; j < n - 1 && !frames.spins; ++j) {
+        prescribed[4 * j + 3] = 1;
+        prescribed_value[4 * j + 3] = start[4 * j + 3];
+    }
+    start_usable_ = !conserving_ || update_frames(rod, trial_view(), clamps, start_frames_);
     set_damping(spec);
 }
 

@@ -28,8 +28,17 @@ public:
     WireProblem(int capacity, const IntegratorSpec& spec);
 
     /// Takes over the start of the step and the constraints at its end. No allocation once clamps have been seen.
+    /// @param may_leave_spins  leave spin angles out of this step if they are at rest (see spins_at_rest)
     void begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
-               Motion motion, double h);
+               Motion motion, double h, bool may_leave_spins = false);
+    /// Whether spin angles are left out: they stay what they were, and neither their equations nor twist are looked at.
+    [[nodiscard]] bool without_spins() const { return !frames.spins; }
+    /// Takes spin angles in again, as they were at the start of the step.
+    void take_spins_in();
+    /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
+    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first follow
+    /// the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
+    [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
 
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
@@ -37,6 +46,7 @@ public:
     [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
     /// Whether dR/dq is not symmetric even without contact: energy-momentum steps, dead moments.
     [[nodiscard]] bool unsymmetric() const;
+    [[nodiscard]] bool conserving() const { return conserving_; }
     /// The same with contact taken as linear from where assemble_tangent last ran, `base`: costs no evaluation of contact.
     [[nodiscard]] bool evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base);
     /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed, with the geometric stiffness of the
@@ -110,6 +120,8 @@ private:
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_damping(const IntegratorSpec& spec);
+    [[nodiscard]] bool spins_at_rest() const;
+    void untwist();
     void evaluate_host_residual();
     [[nodiscard]] bool finish_residual();
     void add_loads();

@@ -1,5 +1,8 @@
 // Static equilibria with closed forms: elastica, heavy cantilever, torsion, column.
 #include "solve/wire_fixture.h"
+#include "solve/wire_problem.h"
+
+#include <Eigen/Dense>
 
 using namespace seldinger;
 using namespace seldinger::testing;
@@ -35,9 +38,88 @@ struct Heavy {
 constexpr Heavy heavy[] = {{0.1, 0.0124996}, {1, 0.12456176644123432}, {10, 1.0668023204338655}, {100, 5.8881046},
                            {1000, 21.3354405}};
 
+/// R at `trial`, and dR/dq as the solver has it.
+struct Linearised {
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd tangent;
+
+    Linearised(WireProblem& problem, const std::vector<double>& trial)
+    {
+        const int size = problem.size();
+        problem.trial = trial;
+        REQUIRE(problem.update());
+        REQUIRE(problem.evaluate_residual(nullptr, 0));
+        problem.assemble_tangent(HessianMode::Exact, false, nullptr, 0);
+        residual = Eigen::Map<const Eigen::VectorXd>(problem.residual.data(), size);
+        tangent = Eigen::MatrixXd::Zero(size, size);
+        for (int i = 0; i < size; ++i)
+            for (int j = std::max(0, i - 10); j <= std::min(size - 1, i + 10); ++j) tangent(i, j) = problem.matrix.at(i, j);
+    }
+};
+
 }  // namespace
 
 TEST_SUITE("solve/equilibrium") {
+
+// what a moment adds to residual and tangent, so that nothing else of either is compared
+TEST_CASE("derivative: the tangent of a dead moment is that of its residual, spins included, and not symmetric") {
+    Rig rig(nitinol(0.1), 6, 1, [](double s) { return Vec3(0.1 * std::sin(9 * s), 0.06 * s, 0.1 * s * s); });
+    LoadSpec moment;
+    moment.at = {WirePoint::Kind::Distance, 0.05};
+    moment.moment = {3e-4, -2e-4, 5e-4};
+    WireProblem with(6, {}), without(6, {});
+    rig.hold({clamp_base()}, {moment});
+    const WireConstraints loaded = rig.constraints[0];
+    WireConstraints bare = loaded;
+    bare.loads.clear();
+    with.begin(rig.rod(), loaded, {}, Vec3::Zero(), Motion::Static, 0);
+    without.begin(rig.rod(), bare, {}, Vec3::Zero(), Motion::Static, 0);
+    const auto added = [&](const std::vector<double>& trial) {
+        return std::pair(Linearised(with, trial), Linearised(without, trial));
+    };
+    const auto [a, b] = added(with.start);
+    const Eigen::MatrixXd tangent = a.tangent - b.tangent;
+    CHECK((tangent - tangent.transpose()).norm() > 0.1 * tangent.norm());
+    const int size = with.size(), edge = loaded.loads[0].edge;
+    REQUIRE(tangent.row(4 * edge + 3).norm() > 0);
+    for (int q = 0; q < size - 1; ++q) {
+        const double step = q % 4 == 3 ? 1e-4 : 1e-6;
+        Eigen::VectorXd numeric = Eigen::VectorXd::Zero(size);
+        for (const double sign : {1.0, -1.0}) {
+            std::vector<double> trial = with.start;
+            trial[q] += sign * step;
+            const auto [c, d] = added(trial);
+            numeric += sign / (2 * step) * (c.residual - d.residual);
+        }
+        CAPTURE(q);
+        // truncation (step/edge)^2 of m/l^2, and rounding of the elastic forces that cancel, 1e-16 EA (2e-2)/step
+        CHECK((numeric - tangent.col(q)).norm() < 1e-6 * tangent.norm());
+    }
+}
+
+// by a quarter turn at a time: no potential goes with a dead moment, and its tangent is as large as an edge is of the arc, m l/B = 0.16
+TEST_CASE("analytic: dead moments roll a wire into a ring and further") {
+    Rig rig(nitinol(0.1), 61);
+    LoadSpec moment;
+    moment.at.kind = WirePoint::Kind::Tip;
+    moment.moment = {0, -rig.wire.shaft.bend_stiffness * 3 * pi / 0.1, 0};
+    moment.ramp = 1;
+    rig.hold({clamp_base()}, {moment});
+    rig.integrate_with({});
+    int evaluations = 0;
+    for (int k = 1; k <= 6; ++k) {
+        rig.fill(k / 6.0);
+        rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+        REQUIRE(rig.reports[0].converged);
+        evaluations += rig.reports[0].evaluations;
+    }
+    MESSAGE(evaluations << " evaluations for six parts of one and a half turns");
+    // the moment turns the last edge as a whole: every node and the clamp's half cell have it, the wire is an arc of 59.5 edges
+    const double radius = 0.1 / (3 * pi);
+    CHECK(std::abs(rig.tip().x() - 0) < 0.02 * radius);
+    CHECK(rig.tip().z() == about(2 * radius).epsilon(0.01));
+    for (int i = 1; i < 60; ++i) CHECK(rig.solver->frames(0).kb[i].norm() > 0.15);
+}
 
 // 100 edges: the half-edge clamp leaves 7e-6 to 1e-4 of L; stretching at EA/P > 1e5 less than that
 TEST_CASE("analytic: elastica under a dead tip load, from straight in one solve") {
