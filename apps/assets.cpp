@@ -60,7 +60,7 @@ bool draw_with(const std::string& script, const std::vector<std::string>& argume
     std::vector<std::string> words = {python(), (assets_folder() / script).string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     if (run_program(words) == 0) return true;
-    fmt::print(stderr, "seldinger: no pictures: {} did not run; install python3-matplotlib, then: {}\n", script,
+    fmt::print(stderr, "seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
                fmt::join(words, " "));
     return false;
 }

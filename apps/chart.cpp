@@ -1,4 +1,4 @@
-// seldinger chart [--quick] [-o DIR] [--scenes NAME|FILE …] [--overwrite] [--device N] [--quiet]
+// seldinger chart [--quick] [-o DIR] [--scenes NAME|FILE …] [--processor-time] [--overwrite] [--device N] [--quiet]
 
 #include "study/chart.h"
 #include "assets.h"
@@ -76,6 +76,8 @@ void add_chart(CLI::App& app, Command& chosen)
                      fmt::format("some of {}, or scene files", fmt::join(benchmark_names(), ", ")))
         ->type_name("NAME|FILE")
         ->delimiter(',');
+    command->add_flag("--processor-time", options->chart.processor_time,
+                      "cost is processor time instead of wall time: for a machine that does other things too");
     command->add_flag("--overwrite", options->overwrite, "run everything again");
     command->add_option("--device", options->chart.device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")

@@ -24,6 +24,7 @@ from matplotlib.lines import Line2D
 MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120),
            "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "explicit": ("X", 34)}
 BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
+CLOCKS = {"wall": "wall time", "cpu": "processor time"}
 BASELINES = {"mass-spring": ("v", PURPLE), "soft mass-spring": ("v", "#c4aee0"), "beam": ("<", GREEN), "beam · lin": ("<", "#a5d3ac")}
 
 
@@ -69,7 +70,7 @@ class Panel:
         error = f"{self.word}_rms_{self.unit}"
         self.points = []
         for row in rows:
-            cost, value = number(row["wall_s_per_s"]), number(row[error]) * self.factor
+            cost, value = number(row[row["clock"] + "_s_per_s"]), number(row[error]) * self.factor
             if row["complete"] == "1" and value > 0 and cost > 0:
                 self.points.append((cost, value, row))
 
@@ -111,7 +112,7 @@ class Panel:
         colour, (marker, size) = colour_of(row), marker_of(row)
         resolved = row[f"{self.word}_resolved"] == "1" or self.uncertainty == 0
         held = row["outcome"] == "hold"
-        axes.plot([number(row["wall_lowest"]), number(row["wall_highest"])], [error, error], color=colour, linewidth=0.7, alpha=0.6, zorder=2)
+        axes.plot([number(row[row["clock"] + "_lowest"]), number(row[row["clock"] + "_highest"])], [error, error], color=colour, linewidth=0.7, alpha=0.6, zorder=2)
         axes.scatter([cost], [error], s=size, marker=marker, facecolors=colour if resolved else "white",
                      edgecolors=colour, linewidths=0.9, alpha=0.9 if held else 0.45, zorder=5 if row["published"] == "1" else 3)
         if not held:
@@ -181,7 +182,7 @@ def draw_scene(folder, name, rows, references):
     figure, cells = grid_figure(len(references), 3)
     for cell, reference in zip(cells, references):
         Panel(rows, reference).draw(cell)
-        cell.set_xlabel("wall time per simulated second [s]", fontsize=8)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
     cells[len(references)].legend(handles=legend_entries(rows), loc="center", frameon=False, fontsize=7)
     figure.suptitle(rows[0]["title"], fontsize=10)
     figure.tight_layout()
@@ -196,7 +197,7 @@ def draw_overview(folder, scenes, references):
         if tip:
             Panel(rows, tip[0]).draw(cell)
         cell.set_title(name, fontsize=9)
-        cell.set_xlabel("wall time per simulated second [s]", fontsize=8)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
     cells[len(scenes)].legend(handles=legend_entries(every), loc="center", frameon=False, fontsize=7)
     figure.tight_layout()
     save(figure, folder, "chart")

@@ -28,10 +28,10 @@ constexpr Entry entries[] = {
     {"elastica", "study/elastica.toml", 2, 2, 0.1, 1.5, of_the_end, 0, 0, false, false},
     {"heavy-swing", "study/heavy-swing.toml", 1, 0.5, 0.1, 0, of_the_end, 51, 1e-3, true, false},
     {"whip", "study/whip.toml", 5, 4, 0.1, 0, of_the_end, 51, 2e-3, false, true},
-    {"capstan", "study/capstan.toml", 1, 1, 0.1, 0.7, of_the_end, 101, 2e-3, false, true},
+    {"capstan", "study/capstan.toml", 0.4, 0.4, 0.1, 0.3, of_the_end, 101, 2e-3, false, true},
     {"experiment1", "experiment1.toml", 12, 5, 0.2, 0, of_the_end, 61, 2e-3, false, true},
     // past 24 cm the tip meets a fork and small differences decide which way it goes
-    {"experiment2", "experiment2.toml", 12, 5, 0.2, 0, 12, 61, 2e-3, false, true},
+    {"experiment2", "experiment2.toml", 12, 12, 0.4, 0, 12, 61, 2e-3, false, true},
     {"coronary", "study/coronary.toml", 3, 2, 0.1, 0, of_the_end, 61, 2e-3, false, true},
     {"siphon", "study/siphon.toml", 4, 2.5, 0.1, 0, of_the_end, 61, 2e-3, false, true},
 };

@@ -24,6 +24,7 @@ RunPlan plan_of(const ChartOptions& options, const Benchmark& benchmark)
     RunPlan plan;
     plan.until = benchmark.until;
     plan.interval = benchmark.interval;
+    plan.processor_time = options.processor_time;
     plan.repeats = budget.repeats;
     plan.repeat_wall = budget.repeat_wall;
     plan.wall_limit = budget.wall_limit;
@@ -44,7 +45,7 @@ CostAndError cost_and_error(const SceneChart& chart, const ChartPoint& point, Ob
 {
     const double error = std::max(error_of(point, which), at(chart.reference.uncertainty, which));
     const bool says_something = error < at(chart.scale, which);
-    return {point.run.cost.wall, point.sound() && says_something ? error : std::numeric_limits<double>::quiet_NaN()};
+    return {point.cost(chart.processor_time), point.sound() && says_something ? error : std::numeric_limits<double>::quiet_NaN()};
 }
 
 /// How large the observables are, to set errors beside.
@@ -70,7 +71,7 @@ void compare(SceneChart& chart, const std::vector<Trajectory>& trajectories)
     for (std::size_t i = 0; i < chart.points.size(); ++i)
         chart.points[i].errors = trajectory_errors(trajectories[i], chart.reference.values, chart.benchmark.window);
     for (const Observable which : chart.benchmark.charted) {
-        if (!chart.reference.usable(which)) continue;
+        if (!chart.charts(which)) continue;
         const auto k = static_cast<std::size_t>(which);
         std::vector<CostAndError> points;
         for (ChartPoint& point : chart.points) {
@@ -191,6 +192,7 @@ ChartResult make_chart(const ChartOptions& options)
         chart.benchmark = find_benchmark(name, options.scenes_folder, options.quick);
         scenes.push_back(read_scene(chart.benchmark.file));
         chart.title = scenes.back().name;
+        chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
         for (const ChartModel& model : chart_models(scenes.back(), options.quick, options.baselines))
             result.runs_wanted += model.refused.empty();
@@ -210,7 +212,7 @@ ChartResult make_chart(const ChartOptions& options)
 Standing standing(const SceneChart& chart, const ChartPoint& point, Observable which)
 {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    const double cost = point.run.cost.wall, error = error_of(point, which);
+    const double cost = point.cost(chart.processor_time), error = error_of(point, which);
     double cheapest = std::numeric_limits<double>::infinity(), best = cheapest;
     for (const ChartPoint& other : chart.points) {
         if (!other.front[static_cast<std::size_t>(which)]) continue;

@@ -17,6 +17,7 @@ struct ChartOptions {
     std::filesystem::path scenes_folder;  // of the built-in scenes
     std::vector<std::string> scenes;      // names or files; empty: all that are built in
     bool quick = false;
+    bool processor_time = false;  // cost is processor time of all threads: for a machine that does other things too
     int device = -1;
     std::vector<Baseline> baselines;
     std::function<bool()> stop;                        // asked between samples; may be empty
@@ -34,6 +35,8 @@ struct ChartPoint {
     /// Complete, and the wire stayed in one piece and inside: what may stand on the front, unless it is as wrong as saying
     /// nothing (its error exceeds SceneChart::scale).
     [[nodiscard]] bool sound() const;
+    /// Median seconds per simulated second, wall or processor time.
+    [[nodiscard]] double cost(bool processor_time) const { return processor_time ? run.cost.cpu : run.cost.wall; }
 };
 
 struct SceneChart {
@@ -43,7 +46,10 @@ struct SceneChart {
     PerObservable scale{};           // rms of the reference's own forces over the window; of lengths, the wire's length [SI]
     std::vector<ChartPoint> points;  // that were run
     std::vector<ChartModel> refused;
-    bool finished = false;  // every model run and the reference as good as it gets
+    /// Whether there is something to compare with: a reference that converges, of something that is not zero throughout.
+    [[nodiscard]] bool charts(Observable which) const { return reference.usable(which) && at(scale, which) > 0; }
+    bool processor_time = false;  // what cost() is
+    bool finished = false;        // every model run and the reference as good as it gets
 };
 
 struct ChartResult {

@@ -29,6 +29,7 @@ std::string summary_of(const SceneChart& chart, Observable which)
     const auto k = static_cast<std::size_t>(which);
     const Reference& reference = chart.reference;
     std::string text = fmt::format("  {}: ", observable_words[k].says);
+    if (reference.usable(which) && !chart.charts(which)) return text + "nothing to chart: zero throughout\n";
     if (!reference.usable(which)) {
         const bool moved = !reference.moved.empty();
         return text +
@@ -43,15 +44,16 @@ std::string summary_of(const SceneChart& chart, Observable which)
         if (point.front[k]) front.push_back(&point);
         if (point.model.published) published.push_back(&point);
     }
-    const auto cheaper = [](const ChartPoint* a, const ChartPoint* b) { return a->run.cost.wall < b->run.cost.wall; };
+    const bool clock = chart.processor_time;
+    const auto cheaper = [clock](const ChartPoint* a, const ChartPoint* b) { return a->cost(clock) < b->cost(clock); };
     std::sort(front.begin(), front.end(), cheaper);
     std::sort(published.begin(), published.end(), cheaper);
     for (const ChartPoint* point : front)
-        text += fmt::format("    {:9.3g} s/s  {:>10}{}  {}\n", point->run.cost.wall, pretty(point->errors.rms[k], which),
+        text += fmt::format("    {:9.3g} s/s  {:>10}{}  {}\n", point->cost(clock), pretty(point->errors.rms[k], which),
                             point->resolved[k] ? " " : "~", point->model.model.name);
     for (const ChartPoint* point : published) {
         if (!point->run.complete) continue;  // it has no error; chart_summary() says what became of it
-        text += fmt::format("    {:9.3g} s/s  {:>10}   {} ({})", point->run.cost.wall, pretty(point->errors.rms[k], which),
+        text += fmt::format("    {:9.3g} s/s  {:>10}   {} ({})", point->cost(clock), pretty(point->errors.rms[k], which),
                             point->model.model.name, name(point->run.outcome));
         const Standing stands = standing(chart, *point, which);
         if (std::isfinite(stands.cost_ratio))
@@ -80,10 +82,11 @@ std::string left_out(const SceneChart& chart)
 
 std::string chart_csv(const ChartResult& result)
 {
-    ResultTable::Row header = {"scene",   "title",       "model",       "family",         "published",   "settings",
-                               "outcome", "complete",    "failed_at_s", "wall_s_per_s",   "wall_lowest", "wall_highest",
-                               "repeats", "cpu_s_per_s", "nodes",       "contacts",       "steps",       "simulated_s",
-                               "jitter",  "overlap_m",   "outside_m",   "mean_iterations"};
+    ResultTable::Row header = {"scene",       "title",        "model",     "family",      "published",
+                               "settings",    "outcome",      "complete",  "failed_at_s", "wall_s_per_s",
+                               "wall_lowest", "wall_highest", "repeats",   "cpu_s_per_s", "cpu_lowest",
+                               "cpu_highest", "clock",        "nodes",     "contacts",    "steps",
+                               "simulated_s", "jitter",       "overlap_m", "outside_m",   "mean_iterations"};
     for (const ObservableWord& word : observable_words)
         for (const char* what : {"rms", "worst"}) header.push_back(fmt::format("{}_{}_{}", word.word, what, word.unit));
     for (const ObservableWord& word : observable_words)
@@ -106,6 +109,9 @@ std::string chart_csv(const ChartResult& result)
                                     csv_number(run.cost.highest),
                                     csv_number(run.cost.repeats),
                                     csv_number(run.cost.cpu),
+                                    csv_number(run.cost.cpu_lowest),
+                                    csv_number(run.cost.cpu_highest),
+                                    chart.processor_time ? "cpu" : "wall",
                                     csv_number(run.nodes),
                                     csv_number(run.contacts),
                                     csv_number(static_cast<double>(run.readings.steps)),
@@ -136,10 +142,12 @@ std::string references_csv(const ChartResult& result)
             const auto k = static_cast<std::size_t>(which);
             std::string moved;
             for (const PerObservable& values : chart.reference.moved) moved += (moved.empty() ? "" : " ") + csv_number(values[k]);
-            text += csv_line({chart.benchmark.name, std::string(observable_words[k].word), std::string(observable_words[k].unit),
-                              std::string(observable_words[k].says), flag(chart.reference.usable(which)),
-                              std::string(word_of(chart.reference.convergence[k])), csv_number(chart.reference.uncertainty[k]),
-                              csv_number(chart.scale[k]), csv_number(chart.reference.levels), moved, chart.reference.note});
+            text += csv_line(
+                {chart.benchmark.name, std::string(observable_words[k].word), std::string(observable_words[k].unit),
+                 std::string(observable_words[k].says), flag(chart.charts(which)),
+                 std::string(at(chart.scale, which) > 0 ? word_of(chart.reference.convergence[k]) : "is zero throughout"),
+                 csv_number(chart.reference.uncertainty[k]), csv_number(chart.scale[k]), csv_number(chart.reference.levels),
+                 moved, chart.reference.note});
         }
     }
     return text;

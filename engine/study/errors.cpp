@@ -40,19 +40,25 @@ PerObservable sample_errors(const Sample& sample, const Sample& reference)
 
 Errors trajectory_errors(const Trajectory& run, const Trajectory& reference, const Window& window)
 {
+    std::array<std::vector<double>, observable_count> all;
     Errors errors;
     for (const Sample& wanted : reference.samples) {
         const Sample* sample = window.holds(wanted.t) ? sample_at(run, wanted.t) : nullptr;
         if (!sample) continue;
-        const PerObservable now = sample_errors(*sample, wanted);
         ++errors.samples;
-        for (int k = 0; k < observable_count; ++k) {
-            errors.rms[k] += now[k] * now[k];
-            errors.worst[k] = std::max(errors.worst[k], now[k]);
-        }
+        const PerObservable now = sample_errors(*sample, wanted);
+        for (int k = 0; k < observable_count; ++k) all[k].push_back(now[k]);
     }
-    for (double& value : errors.rms)
-        value = errors.samples > 0 ? std::sqrt(value / errors.samples) : std::numeric_limits<double>::quiet_NaN();
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (int k = 0; k < observable_count; ++k) {
+        std::vector<double>& values = all[k];
+        double squares = 0;
+        for (const double value : values) squares += value * value;
+        std::sort(values.begin(), values.end());
+        errors.rms[k] = values.empty() ? none : std::sqrt(squares / errors.samples);
+        errors.median[k] = values.empty() ? none : values[values.size() / 2];
+        errors.worst[k] = values.empty() ? none : values.back();
+    }
     return errors;
 }
 

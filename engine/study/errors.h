@@ -41,8 +41,8 @@ struct Window {
 };
 
 struct Errors {
-    PerObservable rms{}, worst{};
-    int samples = 0;  // that counted
+    PerObservable rms{}, worst{}, median{};  // over the samples
+    int samples = 0;                         // that counted
 };
 
 [[nodiscard]] PerObservable sample_errors(const Sample& sample, const Sample& reference);

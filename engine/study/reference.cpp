@@ -71,7 +71,8 @@ bool Refiner::add_level()
     }
     if (level > 0 && spent_ + cost_of_a_level * last_wall_ > how_.wall_limit && level >= how_.least_levels) return false;
     const ModelRun run = run_model(scene_, refined(how_.coarsest, level), plan_, baselines_);
-    last_wall_ = run.cost.wall * std::max(run.simulated, scene_.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
+    last_wall_ = (plan_.processor_time ? run.cost.cpu : run.cost.wall) *
+                 std::max(run.simulated, scene_.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
     spent_ += last_wall_;
     stopped_ = run.stopped;
     if (!run.complete) {
@@ -93,13 +94,15 @@ void Refiner::judge()
     reference_.known.fill(true);
     while (reference_.moved.size() + 1 < levels_.size()) {
         const std::size_t k = reference_.moved.size();
-        reference_.moved.push_back(trajectory_errors(levels_[k], levels_[k + 1], window_).rms);
+        const Errors between = trajectory_errors(levels_[k], levels_[k + 1], window_);
+        reference_.moved.push_back(between.rms);
+        reference_.moved_median.push_back(between.median);
     }
     for (int k = 0; k < observable_count; ++k) {
         std::vector<double> moved;
-        for (const PerObservable& values : reference_.moved) moved.push_back(values[k]);
+        for (const PerObservable& values : reference_.moved_median) moved.push_back(values[k]);
         reference_.convergence[k] = judge_movements(moved, noise[k]);
-        reference_.uncertainty[k] = moved.empty() ? std::numeric_limits<double>::quiet_NaN() : moved.back();
+        reference_.uncertainty[k] = moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference_.moved.back()[k];
     }
 }
 
@@ -124,8 +127,8 @@ const Reference& Refiner::refine_to(const PerObservable& wanted)
     }
     if (failure_.empty() && reference_.levels > 0) {
         const Model finest = refined(how_.coarsest, reference_.levels - 1);
-        reference_.note = fmt::format("{} refinements, the last with {} nodes and {:.3g} ms", reference_.levels, *finest.nodes,
-                                      1e3 * *finest.dt);
+        reference_.note =
+            fmt::format("{} levels, the finest with {} nodes and {:.3g} ms", reference_.levels, *finest.nodes, 1e3 * *finest.dt);
     }
     return reference_;
 }

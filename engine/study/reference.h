@@ -21,8 +21,10 @@ struct Refinement {
 [[nodiscard]] Model refined(const Model& coarsest, int level);
 
 enum class Convergence {
-    Analytic,    // exact; uncertainty 0
-    Falling,     // each refinement moves the result less than the one before: uncertainty is what the last one moved
+    Analytic,  // exact; uncertainty 0
+    Falling,   // each refinement moves the result less than the one before: uncertainty is what the last one moved (rms). Judged
+              // by the median over samples: a slip or a snap that comes a moment earlier moves one sample, and widens the band by
+              // it; a wire that goes another way moves all that follow
     NotFalling,  // it does not: a bifurcation, chatter or a scene that has no single answer. Not to be charted
     Unknown,     // too few levels could be run
 };
@@ -32,8 +34,8 @@ struct Reference {
     Trajectory values;
     std::array<bool, observable_count> known{};  // observables it speaks of (an analytic one may know the tip alone)
     std::array<Convergence, observable_count> convergence{};
-    PerObservable uncertainty{};       // rms over the window, what the last refinement moved [SI]
-    std::vector<PerObservable> moved;  // [levels - 1] rms between level k and k + 1
+    PerObservable uncertainty{};                     // rms over the window, what the last refinement moved [SI]
+    std::vector<PerObservable> moved, moved_median;  // [levels - 1] between level k and k + 1, over the samples
     int levels = 0;
     std::string note;  // one line: how it was made, or why it is not there
 

@@ -136,7 +136,7 @@ private:
                 result_.failed_at = result_.simulated;
                 return false;
             }
-            if (clock_.wall() > plan_.wall_limit) {
+            if ((plan_.processor_time ? clock_.cpu() : clock_.wall()) > plan_.wall_limit) {
                 result_.over_limit = true;
                 return false;
             }
@@ -162,7 +162,8 @@ private:
     {
         result_.verdict = watch_.verdict();
         const double per = is_static_ || result_.simulated == 0 ? 1 : result_.simulated;
-        result_.cost = {clock_.wall() / per, clock_.wall() / per, clock_.wall() / per, clock_.cpu() / per, 1};
+        const double wall = clock_.wall() / per, cpu = clock_.cpu() / per;
+        result_.cost = {wall, wall, wall, cpu, cpu, cpu, 1};
         return std::move(result_);
     }
 
@@ -183,6 +184,10 @@ Cost cost_of(std::vector<Cost> runs)
     cost.lowest = runs.front().wall;
     cost.highest = runs.back().wall;
     cost.repeats = static_cast<int>(runs.size());
+    std::sort(runs.begin(), runs.end(), [](const Cost& a, const Cost& b) { return a.cpu < b.cpu; });
+    cost.cpu = runs[(runs.size() - 1) / 2].cpu;
+    cost.cpu_lowest = runs.front().cpu;
+    cost.cpu_highest = runs.back().cpu;
     return cost;
 }
 
@@ -193,7 +198,7 @@ ModelRun run_model(const StudyScene& scene, const Model& model, const RunPlan& p
     const Scene changed = apply(model, scene.scene);
     ModelRun first = OneRun(scene, changed, plan, make_simulation(scene, model, baselines)).go();
     std::vector<Cost> runs = {first.cost};
-    const double of_one = first.cost.wall * (first.simulated > 0 ? first.simulated : 1);
+    const double of_one = (plan.processor_time ? first.cost.cpu : first.cost.wall) * (first.simulated > 0 ? first.simulated : 1);
     for (int k = 1; k < plan.repeats && first.complete && k * of_one < plan.repeat_wall; ++k) {
         const ModelRun again = OneRun(scene, changed, plan, make_simulation(scene, model, baselines)).go();
         if (again.complete) runs.push_back(again.cost);

@@ -14,7 +14,8 @@ struct RunPlan {
     double interval = 0;     // between samples [s]; 0: a fortieth of `until`. Steps are as long as the model says or a little
                              // shorter, so that a whole number of them fills it
     double average = 0.020;  // forces are means over this time before a sample [s]
-    int repeats = 1;         // at most so many timed runs
+    bool processor_time = false;  // the two limits below are of processor time: fair on a machine that does other things too
+    int repeats = 1;              // at most so many timed runs
     double repeat_wall = std::numeric_limits<double>::infinity();  // no repeat is begun once the steps of all took this [s]
     double wall_limit = std::numeric_limits<double>::infinity();   // of the steps of one run [s]; it then stops, incomplete
     FailureLimits limits;                                          // radius infinite: the wire's own
@@ -26,7 +27,8 @@ struct RunPlan {
 /// simulated time: then seconds per solution.
 struct Cost {
     double wall = 0, lowest = 0, highest = 0;
-    double cpu = 0;  // of all threads, of the median run: steadier than wall time on a machine that does other things
+    double cpu = 0, cpu_lowest = 0,
+           cpu_highest = 0;  // of all threads: steadier than wall time on a machine that does other things
     int repeats = 0;
 };
 

@@ -11,9 +11,9 @@ namespace seldinger {
 namespace {
 
 const std::vector<std::string> columns = {
-    "scene",       "scene_key",    "model",        "settings",    "outcome",      "complete",       "over_limit",  "failed_at_s",
-    "simulated_s", "wall_limit_s", "wall_s_per_s", "wall_lowest", "wall_highest", "repeats",        "cpu_s_per_s", "nodes",
-    "contacts",    "steps",        "jitter",       "overlap_m",   "outside_m",    "mean_iterations"};
+    "scene",       "scene_key",    "model",        "settings",    "outcome",      "complete",  "over_limit",  "failed_at_s",
+    "simulated_s", "wall_limit_s", "wall_s_per_s", "wall_lowest", "wall_highest", "repeats",   "cpu_s_per_s", "cpu_lowest",
+    "cpu_highest", "nodes",        "contacts",     "steps",       "jitter",       "overlap_m", "outside_m",   "mean_iterations"};
 constexpr std::size_t key_columns = 4;
 
 std::string hex(const std::string& text) { return fmt::format("{:016x}", fnv1a(text.data(), text.size())); }
@@ -40,9 +40,9 @@ ResultTable::Row row_of(const ResultTable::Row& keys, const RunRecord& r)
     row.emplace_back(name(r.outcome));
     for (const double value :
          {r.complete ? 1.0 : 0.0, r.over_limit ? 1.0 : 0.0, r.failed_at, r.simulated, r.wall_limit, r.cost.wall, r.cost.lowest,
-          r.cost.highest, static_cast<double>(r.cost.repeats), r.cost.cpu, static_cast<double>(r.nodes),
-          static_cast<double>(r.contacts), static_cast<double>(r.readings.steps), r.readings.jitter, r.readings.overlap,
-          r.readings.outside, r.readings.mean_iterations})
+          r.cost.highest, static_cast<double>(r.cost.repeats), r.cost.cpu, r.cost.cpu_lowest, r.cost.cpu_highest,
+          static_cast<double>(r.nodes), static_cast<double>(r.contacts), static_cast<double>(r.readings.steps), r.readings.jitter,
+          r.readings.overlap, r.readings.outside, r.readings.mean_iterations})
         put(value);
     return row;
 }
@@ -57,7 +57,7 @@ RunRecord record_of(const ResultTable::Row& row)
     r.failed_at = next(), r.simulated = next();
     r.wall_limit = row[k].empty() ? std::numeric_limits<double>::infinity() : number_in(row[k]), ++k;
     r.cost.wall = next(), r.cost.lowest = next(), r.cost.highest = next();
-    r.cost.repeats = static_cast<int>(next()), r.cost.cpu = next();
+    r.cost.repeats = static_cast<int>(next()), r.cost.cpu = next(), r.cost.cpu_lowest = next(), r.cost.cpu_highest = next();
     r.nodes = static_cast<int>(next()), r.contacts = static_cast<int>(next()), r.readings.steps = static_cast<long>(next());
     r.readings.jitter = next(), r.readings.overlap = next(), r.readings.outside = next(), r.readings.mean_iterations = next();
     return r;

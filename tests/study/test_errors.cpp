@@ -66,6 +66,7 @@ TEST_SUITE("study/errors")
         const Errors e = trajectory_errors(run, reference, {2, 10});
         CHECK(e.samples == 2);  // t = 1 is outside the window, t = 4 is missing
         CHECK(at(e.worst, Observable::Tip) == about(0.003).epsilon(1e-12));
+        CHECK(at(e.median, Observable::Tip) == about(0.003).epsilon(1e-12));  // the upper of two
         CHECK(at(e.rms, Observable::Tip) == about(std::sqrt((4e-6 + 9e-6) / 2)).epsilon(1e-12));
         CHECK(std::isnan(at(trajectory_errors(run, reference, {50, 60}).rms, Observable::Tip)));
     }

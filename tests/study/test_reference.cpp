@@ -136,4 +136,32 @@ TEST_SUITE("study/reference")
         CHECK(at(reference.uncertainty, Observable::Tip) == about(0.02).epsilon(1e-9));
         CHECK(runs == 3);
     }
+
+    TEST_CASE(
+        "property: a snap whose moment shifts with every refinement widens the band but does not hide that the rest converges")
+    {
+        Baseline snapping;
+        snapping.name = "scripted";
+        snapping.why_not = [](const Scene&) { return std::string(); };
+        snapping.make = [](const StudyScene&, const Model& model) {
+            const double dt = *model.dt,
+                         snap = std::lround(std::log2(1e-3 / dt)) % 2 ? 0.049 : 0.051;  // about the sample at 0.05
+            return std::make_unique<ScriptedSimulation>([dt, snap](double t) {
+                Moment m;
+                m.shape[0].y() = (t < snap ? 0.0 : 0.01) + 0.01 * dt / 1e-3;
+                return m;
+            });
+        };
+        const StudyScene scene = scripted_scene(0.1);
+        Refinement how = from(11, 1e-3, 4);
+        how.coarsest.baseline = "scripted";
+        RunPlan plan;
+        plan.interval = 0.01;
+        Refiner refiner(scene, how, plan, {}, {}, {snapping});
+        const Reference& reference = refiner.refine_to(as_good_as_can_be);
+        CHECK(reference.usable(Observable::Tip));
+        CHECK(at(reference.moved_median.back(), Observable::Tip) == about(0.01 / 8).epsilon(1e-9));
+        // one of ten samples is wrong by 0.01
+        CHECK(at(reference.uncertainty, Observable::Tip) > 0.01 / std::sqrt(10.0));
+    }
 }
