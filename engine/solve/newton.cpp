@@ -19,6 +19,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
     evaluate_.resize(rods.wire_count());
     again_.resize(rods.wire_count());
+    first_.resize(rods.wire_count());
     spin_records_.resize(rods.wire_count());
 }
 
@@ -60,13 +61,14 @@ void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_
 }
 
 void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-                   bool may_leave_spins)
+                   SpinAngles spins)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
+    std::fill(again_.begin(), again_.end(), 0);
     for (int w = 0; w < rods_.wire_count(); ++w) {
         WireProblem& problem = work_[w]->newton.problem;
-        const bool leave = may_leave_spins && spin_records_[w].wait == 0;
-        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, leave);
+        const auto choice = spin_records_[w].wait == 0 ? spins : SpinAngles::SolvedFor;
+        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, choice);
         const RodView rod = rods_.view(w);
         const int at = rods_.node_begin(w);
         std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
@@ -92,6 +94,10 @@ void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport>
         if (!active[w]) continue;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
+        if (again_[w]) {
+            reports[w].iterations += first_[w].iterations;
+            reports[w].evaluations += first_[w].evaluations;
+        }
         if (newton.converged()) newton.problem.commit(spec_.newmark);
         else restore(w);
     }
@@ -105,7 +111,8 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     SEL_ASSERT(h > 0);
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
-    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Auto);
+    using enum SpinAngles;
+    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree);
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
@@ -122,7 +129,6 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
 {
     bool any = false;
     for (int w = 0; w < rods_.wire_count(); ++w) {
-        again_[w] = 0;
         if (!active[w]) continue;
         NewtonWire& newton = work_[w]->newton;
         SpinRecord& record = spin_records_[w];
@@ -138,6 +144,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         record.wait = record.last_wait = std::min(std::max(2 * record.last_wait, 1), 256);
         again_[w] = 1;
         any = true;
+        first_[w] = newton.report();
         newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
         newton.start(options, move_limit(contact, w));
     }
