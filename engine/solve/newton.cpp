@@ -25,6 +25,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
         work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
     for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
+    first_.resize(rods.wire_count());
     spin_records_.resize(rods.wire_count());
 }
 
@@ -85,13 +86,14 @@ void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<
 }
 
 void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-                   bool may_leave_spins)
+                   SpinAngles spins)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
+    std::fill(with_spins_.begin(), with_spins_.end(), 0);
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         WireProblem& problem = work_[w]->newton.problem;
-        const bool leave = may_leave_spins && spin_records_[w].wait == 0;
-        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, leave);
+        const auto choice = spin_records_[w].wait == 0 ? spins : SpinAngles::SolvedFor;
+        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, choice);
         const RodView rod = rods_.view(w);
         const int at = rods_.node_begin(w);
         std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
@@ -117,6 +119,10 @@ void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport>
         if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
+        if (with_spins_[w]) {
+            reports[w].iterations += first_[w].iterations;
+            reports[w].evaluations += first_[w].evaluations;
+        }
         if (newton.converged()) newton.problem.commit(spec_.newmark);
         else restore(w);
     });
@@ -130,7 +136,8 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     SEL_ASSERT(h > 0);
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
-    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Auto);
+    using enum SpinAngles;
+    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree);
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
@@ -148,7 +155,6 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
 {
     bool any = false;
     for (int w = 0; w < rods_.wire_count(); ++w) {
-        with_spins_[w] = 0;
         if (!active[w]) continue;
         NewtonWire& newton = work_[w]->newton;
         SpinRecord& record = spin_records_[w];
@@ -164,6 +170,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         record.wait = record.last_wait = std::min(std::max(2 * record.last_wait, 1), 256);
         with_spins_[w] = 1;
         any = true;
+        first_[w] = newton.report();
         newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
         newton.start(options, move_limit(contact, w));
     }

@@ -69,6 +69,9 @@ struct SolveReport {
 
 enum class Motion { Static, Implicit, Explicit };  // which equations: see wire_problem.h
 
+/// Whether a step may leave spin angles out (solve/spins.cpp): if no torque acts; and, in contact, if they do not move either.
+enum class SpinAngles { SolvedFor, LeftIfFree, LeftIfStill };
+
 /// Workspace and options for a fixed set of wires.
 class Solver {
 public:
@@ -113,7 +116,7 @@ public:
 private:
     struct Work;
     void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-               bool may_leave_spins = false);
+               SpinAngles spins = SpinAngles::SolvedFor);
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
     void iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
@@ -134,7 +137,8 @@ private:
     bool best_effort_ = false;
     std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
     std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
-    std::vector<std::uint8_t> with_spins_;  // [wires] to be solved again, with spin angles
+    std::vector<std::uint8_t> with_spins_;  // [wires] solved a second time in this step, with spin angles
+    std::vector<SolveReport> first_;        // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_;
 };
 

@@ -15,9 +15,12 @@
 
 namespace seldinger {
 
-/// Whether nothing turns or twists the wire at the start of the step, to the tolerance of moments, nor is meant to.
-bool WireProblem::spins_at_rest() const
+/// Whether nothing twists the wire at the start of the step, to the tolerance of moments, nor is meant to. Contact is evaluated with
+/// the angles as they are, so in contact they must not move by more than what a solve leaves open, a millionth of the radius.
+bool WireProblem::may_leave(SpinAngles spins) const
 {
+    constexpr double still = 1e-6;  // [rad] in one step
+    if (spins == SpinAngles::SolvedFor) return false;
     for (const auto& load : constraints_->loads)
         if (!load.moment.isZero()) return false;
     for (const auto& [unknown, value] : constraints_->prescribed)
@@ -26,7 +29,7 @@ bool WireProblem::spins_at_rest() const
     for (int i = 0; i < rod.n; ++i) {
         if (rod.rest_kappa1[i] != 0 || rod.rest_kappa2[i] != 0 || rod.rest_twist[i] != 0) return false;
         if (i + 1 == rod.n) break;
-        if (std::abs(inertia[4 * i + 3] * start_velocity_[4 * i + 3]) > moment * h) return false;
+        if (spins == SpinAngles::LeftIfStill && std::abs(start_velocity_[4 * i + 3]) * h > still) return false;
         if (i == 0) continue;
         const double twist = rod.theta[i] - rod.theta[i - 1] + rod.ref_twist[i];
         if (std::abs(rod.twist_stiffness[i] / rod.voronoi_length(i) * twist) > moment) return false;
@@ -64,8 +67,7 @@ bool WireProblem::spins_hold(const ContactTerm* contact, int wire)
     return true;
 }
 
-/// Angles that leave no twist, from a clamp of the spin on or else with the spins' mean angle kept. A wire in one plane has none and
-/// keeps its bits.
+/// Angles that leave no twist, from a clamp of the spin on or else with the spins' momentum kept, which no torque changes.
 void WireProblem::untwist()
 {
     int from = -1;      // edge whose angle is known
@@ -80,17 +82,16 @@ void WireProblem::untwist()
         from = 0;
         angle = trial[3];
     }
-    double before = 0, after = 0, inertia_sum = 0;
-    for (int j = 0; j < rod.n - 1; ++j) before += inertia[4 * j + 3] * trial[4 * j + 3];
     trial[4 * from + 3] = angle;
     for (int j = from + 1; j < rod.n - 1; ++j) trial[4 * j + 3] = trial[4 * j - 1] - frames.ref_twist[j];
     for (int j = from - 1; j >= 0; --j) trial[4 * j + 3] = trial[4 * j + 7] + frames.ref_twist[j + 1];
     if (held) return;
+    double rate = 0, sum = 0;  // of spin momentum, and its slope with all angles
     for (int j = 0; j < rod.n - 1; ++j) {
-        after += inertia[4 * j + 3] * trial[4 * j + 3];
-        inertia_sum += inertia[4 * j + 3];
+        rate += inertia[4 * j + 3] * acceleration(4 * j + 3);
+        sum += inertia[4 * j + 3] * acceleration_rate_;
     }
-    for (int j = 0; j < rod.n - 1; ++j) trial[4 * j + 3] += (before - after) / inertia_sum;
+    for (int j = 0; j < rod.n - 1; ++j) trial[4 * j + 3] -= rate / sum;
 }
 
 }  // namespace seldinger

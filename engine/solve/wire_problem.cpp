@@ -38,7 +38,7 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
 }
 
 void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
-                        const Vec3& gravity, Motion kind, double step, bool may_leave_spins)
+                        const Vec3& gravity, Motion kind, double step, SpinAngles spins)
 {
     rod = view;
     constraints_ = &constraints;
@@ -71,7 +71,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     set_kinematics(spec);
     set_external(gravity);
     set_scales(spec, gravity);
-    frames.spins = start_frames_.spins = !(may_leave_spins && kind == Motion::Implicit && spins_at_rest());
+    frames.spins = start_frames_.spins = !(kind == Motion::Implicit && may_leave(spins));
     matrix.set_fourth(frames.spins);
     for (int j = 0; j < n - 1 && !frames.spins; ++j) {
         prescribed[4 * j + 3] = 1;

@@ -28,9 +28,9 @@ public:
     WireProblem(int capacity, const IntegratorSpec& spec);
 
     /// Takes over the start of the step and the constraints at its end. No allocation once clamps have been seen.
-    /// @param may_leave_spins  leave spin angles out of this step if they are at rest (see spins_at_rest)
+    /// @param spins  whether spin angles may be left out of this step
     void begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
-               Motion motion, double h, bool may_leave_spins = false);
+               Motion motion, double h, SpinAngles spins = SpinAngles::SolvedFor);
     /// Whether spin angles are left out: they stay what they were, and neither their equations nor twist are looked at.
     [[nodiscard]] bool without_spins() const { return !frames.spins; }
     /// Takes spin angles in again, as they were at the start of the step.
@@ -120,7 +120,7 @@ private:
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_damping(const IntegratorSpec& spec);
-    [[nodiscard]] bool spins_at_rest() const;
+    [[nodiscard]] bool may_leave(SpinAngles spins) const;
     void untwist();
     void evaluate_host_residual();
     [[nodiscard]] bool finish_residual();
