@@ -161,7 +161,7 @@ TEST_SUITE("study/reference")
         const Reference& reference = refiner.refine_to(as_good_as_can_be);
         CHECK(reference.usable(Observable::Tip));
         CHECK(at(reference.moved_median.back(), Observable::Tip) == about(0.01 / 8).epsilon(1e-9));
-        // one of ten samples is wrong by 0.01
-        CHECK(at(reference.uncertainty, Observable::Tip) > 0.01 / std::sqrt(10.0));
+        // one of ten samples is wrong by 0.01, against which the step's own error can act
+        CHECK(at(reference.uncertainty, Observable::Tip) > (0.01 - 0.01 / 8) / std::sqrt(10.0));
     }
 }
