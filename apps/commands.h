@@ -25,7 +25,8 @@ void add_render(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
 void add_chart(CLI::App& app, Command& chosen);
 void add_stability(CLI::App& app, Command& chosen);
-void add_not_yet(CLI::App& app, Command& chosen);  // plan, bench
+void add_plan(CLI::App& app, Command& chosen);
+void add_not_yet(CLI::App& app, Command& chosen);  // bench
 
 /// --time-limit and --device, as `run` has them.
 void add_limits(CLI::App& command, double& time_limit, int& device);

@@ -37,6 +37,7 @@ int run_command_line(int argc, char** argv)
     add_devices(app, chosen);
     add_chart(app, chosen);
     add_stability(app, chosen);
+    add_plan(app, chosen);
     add_not_yet(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
     const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });

@@ -20,6 +20,7 @@ enum class Until { Time, Rest };
 struct Scene {
     std::filesystem::path source;    // file that it was read from, for messages
     std::string name;
+    std::string planned;             // what `seldinger plan` chose this model for (summary.json, `model`); else empty
     Vec3 gravity = {0, 0, -9.81};    // [m/s^2]
     double duration = 0;             // [s]; 0 only for scheme = "static" without duration_s
     double dt = 1e-3;                // [s]

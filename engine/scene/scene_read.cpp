@@ -37,10 +37,11 @@ void read_integrator(const toml::table& table, Scene& scene)
 
 void read_scene_table(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "scene", {"name", "gravity", "duration_s", "dt_s", "until", "record_every", "seed", "start"});
+    const TableReader t(table, "scene", {"name", "gravity", "duration_s", "dt_s", "until", "record_every", "seed", "start", "planned"});
     const bool timed = scene.integrator.scheme != Scheme::Static;
     scene.name = scene.source.stem().string();
     t.text("name", scene.name);
+    t.text("planned", scene.planned);
     t.vector("gravity", scene.gravity);
     if (timed) {
         t.need("duration_s", "seconds to simulate (only scheme = \"static\" does without)");

@@ -226,7 +226,9 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
 {
     std::string out;
     TableText t(out, "[scene]");
-    t.word("name", scene.name).vector("gravity", scene.gravity).num("duration_s", scene.duration).num("dt_s", scene.dt);
+    t.word("name", scene.name);
+    if (!scene.planned.empty()) t.word("planned", scene.planned);
+    t.vector("gravity", scene.gravity).num("duration_s", scene.duration).num("dt_s", scene.dt);
     t.word("until", word_of(until_words, scene.until)).whole("record_every", scene.record_every).whole("seed", scene.seed);
     t.word("start", word_of(start_words, scene.start_settled));
     write_wire(out, scene);

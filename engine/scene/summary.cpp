@@ -36,6 +36,7 @@ Json model_of(const World& world, const Scene& scene)
     };
     for (const auto& [name, value] : world.model()) add(name, value);
     for (const auto& [name, value] : scene.notes) add(name, value);
+    if (!scene.planned.empty()) add("planned", scene.planned);
     return model;
 }
 

@@ -105,6 +105,8 @@ public:
             }
             if (!advance_to_sample(static_cast<double>(k - 1) * length, length)) return finish();
             keep_sample(static_cast<double>(k) * length);
+            if (plan_.after_sample && !plan_.after_sample(result_.trajectory.samples.back(), clock_.wall(), clock_.cpu()))
+                return finish();
         }
         result_.complete = true;
         return finish();

@@ -21,6 +21,9 @@ struct RunPlan {
     FailureLimits limits;                                          // radius infinite: the wire's own
     bool end_on_blow_up = true;  // energy made from nothing ends the run; values that are not finite do in any case
     std::function<bool()> stop;  // asked between samples; true ends the run, incomplete. May be empty
+    /// Sees every sample as it is taken, with the wall and processor time of the steps so far [s]; false ends the run there,
+    /// incomplete, as a run that has shown enough. May be empty.
+    std::function<bool(const Sample&, double wall, double cpu)> after_sample;
 };
 
 /// Seconds that the computation took per simulated second: the median of the repeats, and the two ends. A static scene has no

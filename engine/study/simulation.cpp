@@ -23,6 +23,9 @@ public:
         const RodView rod = world_.rod(0);
         std::vector<Vec3> points(static_cast<std::size_t>(rod.n));
         for (int i = 0; i < rod.n; ++i) points[static_cast<std::size_t>(i)] = rod.pos(i);
+        // a wire that is still in its guide reaches behind the inlet by a length that depends on its edges; that is not there
+        const FeedSpec& feed = world_.setup().wires.front().feed;
+        if (feed.on && (points.back() - feed.point).dot(feed.direction) < 0) points.back() = feed.point;
         return points;
     }
 

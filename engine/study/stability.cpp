@@ -106,6 +106,7 @@ CellResult run_stability_cell(const StabilityMap& map, const Model& method, doub
     const Scene scene = stability_scene(map, value, dt, 1, folder);
     FailureLimits limits;
     limits.static_indentation = indentation;
+    if (!map.hand_is_steady) limits.jitter = std::numeric_limits<double>::infinity();
     const ModelRun run = run_cell(scene, in_map(map, method), limits, wall_limit);
     return {run.verdict, std::min(2 * indentation, scene.wire.shaft.radius), run.simulated, run.over_limit};
 }

@@ -22,6 +22,7 @@ struct StabilityMap {
     bool logarithmic = true;
     bool touches = true;        // false: a free rod, where methods differ by their integrator alone
     bool static_load = true;    // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
+    bool hand_is_steady = true; // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
     std::string scene;          // TOML
     std::vector<double> values;        // SI, rising
     std::vector<double> quick_values;  // a subset

@@ -102,7 +102,7 @@ WallMesh narrowed_tube(double throat)
         const double from_middle = std::abs(x - 0.021) / 0.005;  // the throat is 2 cm from the inlet
         return from_middle < 1 ? throat + (r - throat) * (1 - std::cos(std::numbers::pi * from_middle)) / 2 : r;
     });
-    return mesh_lumen(SweptLumen({tube}, 0), {end_of(end, start, 0.003), end_of(start, end, 0.003)}, 6000);
+    return mesh_lumen(SweptLumen({tube}, 0.001), {end_of(end, start, 0.003), end_of(start, end, 0.003)}, 6000);
 }
 
 WallMesh two_tubes(double thickness)

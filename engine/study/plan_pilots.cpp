@@ -1,0 +1,123 @@
+#include "study/plan_pilots.h"
+
+#include "study/frechet.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+// A pilot is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
+// from there on. Above 1, so that the search can tell a near miss from a hopeless one.
+constexpr double plainly_wrong = 2;
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+CostRule::CostRule(int device_index)
+{
+    const std::vector<DeviceInfo> devices = list_devices();
+    if (device_index >= 0 && device_index < static_cast<int>(devices.size()))
+        on_processor_ = devices[static_cast<std::size_t>(device_index)].type.find("CPU") != std::string::npos;
+    else
+        on_processor_ = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& d) { return d.type.find("CPU") != std::string::npos; });
+}
+
+Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
+               RunStore& store)
+    : scene_(scene), plan_(plan), reference_(reference), cost_(cost), store_(store),
+      // pilots that were broken off say nothing about another tolerance
+      name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n"))
+{
+    shape_limit_ = goals.tolerance - at(reference.uncertainty, Observable::Shape);
+    force_limit_ = std::numeric_limits<double>::infinity();
+    if (goals.force_tolerance > 0)
+        force_limit_ = goals.force_tolerance * (goals.force_is_relative ? reference.force_scale : 1.0) -
+                       at(reference.uncertainty, Observable::HandForce);
+}
+
+RunPlan Pilots::watched(double& shape_sum, double& force_sum) const
+{
+    RunPlan plan = plan_;
+    const double n = static_cast<double>(reference_.values.samples.size());
+    plan.after_sample = [this, n, &shape_sum, &force_sum, k = std::size_t{0}](const Sample& sample, double, double) mutable {
+        if (k >= reference_.values.samples.size()) return true;
+        const Sample& right = reference_.values.samples[k++];
+        shape_sum += square(frechet_distance(sample.shape, right.shape, 1e-3));
+        force_sum += square(sample.hand_force - right.hand_force);
+        return shape_sum <= n * square(plainly_wrong * shape_limit_) && force_sum <= n * square(plainly_wrong * force_limit_);
+    };
+    return plan;
+}
+
+Pilot Pilots::judge(const Model& model, const RunRecord& run, const Trajectory& values) const
+{
+    Pilot pilot;
+    pilot.model = model;
+    pilot.complete = run.complete;
+    pilot.outcome = run.outcome;
+    pilot.jitter = run.readings.jitter;
+    pilot.nodes = run.nodes;
+    pilot.seconds = cost_.seconds(run.cost.wall, run.cost.cpu);
+    const Errors errors = trajectory_errors(values, reference_.values);
+    pilot.error = at(errors.rms, Observable::Shape);
+    pilot.force_error = at(errors.rms, Observable::HandForce);
+    pilot.worst = at(errors.worst, Observable::Shape);
+    if (!run.complete) {  // as if it were right from there on
+        const double share = std::sqrt(static_cast<double>(errors.samples) / static_cast<double>(reference_.values.samples.size()));
+        pilot.error *= share;
+        pilot.force_error *= share;
+        return pilot;
+    }
+    // a hand that is asked to be right may not jitter, unless it does in the reference too
+    const bool jitters = run.outcome == Outcome::Jitter && std::isfinite(force_limit_) && !reference_.jitters;
+    pilot.sound = (run.outcome == Outcome::Hold || run.outcome == Outcome::Jitter) && !jitters;
+    pilot.meets = pilot.sound && pilot.error <= shape_limit_ && pilot.force_error <= force_limit_;
+    return pilot;
+}
+
+const Pilot* Pilots::look_at(const Model& model)
+{
+    const std::string key = label(model);
+    if (const auto found = known_.find(key); found != known_.end()) return &found->second;
+    Trajectory values;
+    double shape_sum = 0, force_sum = 0;
+    const std::optional<RunRecord> run = store_.get(name_, scene_, model, watched(shape_sum, force_sum), {}, &values);
+    if (!run) {
+        stopped_ = true;
+        return nullptr;
+    }
+    return &(known_[key] = judge(model, *run, values));
+}
+
+double Pilots::time_again(const Model& model, int repeats)
+{
+    Pilot& pilot = known_.at(label(model));
+    std::vector<double> seconds, slowest;
+    for (int k = 0; k < repeats; ++k) {
+        double last_wall = 0, last_cpu = 0, worst = 0;
+        RunPlan plan = plan_;
+        plan.after_sample = [&](const Sample&, double wall, double cpu) {
+            worst = std::max(worst, cost_.seconds(wall - last_wall, cpu - last_cpu) / plan.interval);
+            last_wall = wall;
+            last_cpu = cpu;
+            return true;
+        };
+        const ModelRun run = run_model(scene_, model, plan);
+        if (run.stopped) {
+            stopped_ = true;
+            return 0;
+        }
+        seconds.push_back(cost_.seconds(run.cost.wall, run.cost.cpu));
+        slowest.push_back(worst);
+    }
+    std::sort(seconds.begin(), seconds.end());
+    std::sort(slowest.begin(), slowest.end());
+    pilot.seconds = seconds[seconds.size() / 2];
+    return slowest[slowest.size() / 2];
+}
+
+}  // namespace seldinger

@@ -1,0 +1,80 @@
+#pragma once
+// Pilots of a plan: one model run over the scene's whole path and compared with the reference as it goes.
+
+#include "study/plan_reference.h"
+
+#include <map>
+
+namespace seldinger {
+
+struct PlanGoals {
+    double tolerance = 0;              // of the shape, rms [m]
+    double force_tolerance = 0;        // of the hand force, rms; 0: not asked
+    bool force_is_relative = true;     // of the rms hand force; else [N]
+    double rate = 0;                   // steps per second of real time, at least; 0: not asked
+};
+
+struct Pilot {
+    Model model;
+    bool complete = false;         // false: broke off, or was plainly too wrong
+    bool sound = false;            // complete, and the wire stayed in one piece and inside
+    bool meets = false;            // sound, and within the goals by more than the reference's uncertainty
+    double error = 0, worst = 0;   // shape [m]; of a pilot that was broken off a lower bound
+    double force_error = 0;        // [N]
+    double seconds = 0;            // of computation per simulated second (static: per solution)
+    int nodes = 0;
+    Outcome outcome = Outcome::Hold;
+    double jitter = 0;
+};
+
+/// Seconds that a run took, least touched by what else a machine does: on processor devices the lesser of wall and processor
+/// time (waiting for others does not count, nor do threads that helped), on others wall time.
+class CostRule {
+public:
+    explicit CostRule(int device_index);
+    [[nodiscard]] double seconds(double wall, double cpu) const { return on_processor_ ? std::min(wall, cpu) : wall; }
+
+private:
+    bool on_processor_ = true;
+};
+
+/// Where a search gets its pilots from.
+class PilotSource {
+public:
+    virtual ~PilotSource() = default;
+    /// Runs the model unless it has been run, here or in an earlier call. Null when it was told to stop. Valid as long as the source.
+    [[nodiscard]] virtual const Pilot* look_at(const Model& model) = 0;
+    [[nodiscard]] virtual double limit() const = 0;  // what a pilot's error may be [m]
+};
+
+class Pilots final : public PilotSource {
+public:
+    /// @param plan  samples and stop, as the reference was run
+    Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
+           RunStore& store);
+
+    [[nodiscard]] const Pilot* look_at(const Model& model) override;
+    /// Times a complete pilot again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0 when
+    /// stopped
+    double time_again(const Model& model, int repeats);
+
+    [[nodiscard]] const std::map<std::string, Pilot>& all() const { return known_; }
+    [[nodiscard]] double limit() const override { return shape_limit_; }
+    [[nodiscard]] bool stopped() const { return stopped_; }
+
+private:
+    [[nodiscard]] RunPlan watched(double& shape_sum, double& force_sum) const;
+    [[nodiscard]] Pilot judge(const Model& model, const RunRecord& run, const Trajectory& values) const;
+
+    const StudyScene& scene_;
+    RunPlan plan_;
+    const PlanReference& reference_;
+    const CostRule& cost_;
+    RunStore& store_;
+    std::string name_;
+    double shape_limit_ = 0, force_limit_ = 0;
+    std::map<std::string, Pilot> known_;
+    bool stopped_ = false;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,131 @@
+#include "study/plan_reference.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+constexpr double least_ratio = 0.5, most_ratio = 0.8;
+constexpr double coarsest_edge = 0.010;   // [m]
+constexpr int fewest_nodes = 17;
+constexpr double coarsest_step = 1.0 / 60;  // [s]
+constexpr int least_levels = 3, most_levels = 9;
+constexpr double cost_growth = edge_refinement * step_refinement;
+// what rounding and the solver's tolerance move [m], [N]
+constexpr double shape_noise = 1e-8, force_noise = 1e-6;
+
+Model level_model(const Scene& scene, const RunPlan& plan, int level)
+{
+    const bool is_static = scene.integrator.scheme == Scheme::Static;
+    Model model;
+    const double coarsest = std::max<double>(fewest_nodes - 1, std::ceil(scene.wire.length / coarsest_edge));
+    model.nodes = static_cast<int>(std::lround(coarsest * std::pow(edge_refinement, level))) + 1;
+    model.scheme = is_static ? Scheme::Static : Scheme::Newton;
+    model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);
+    if (scene.vessel.shape != VesselShape::None) model.detection = Detection::Swept;
+    if (is_static) return model;
+    model.trapezoid = false;
+    // whole parts of the sampled interval, so that what is asked for is what is run
+    model.dt = plan.interval / std::ceil(plan.interval / coarsest_step * std::pow(step_refinement, level) - 1e-9);
+    return model;
+}
+
+bool sound(const RunRecord& run)
+{
+    return run.complete && run.outcome != Outcome::Escape && run.outcome != Outcome::GaveUp && run.outcome != Outcome::BlowUp;
+}
+
+double rms_hand_force(const Trajectory& run)
+{
+    double sum = 0;
+    for (const Sample& sample : run.samples) sum += sample.hand_force * sample.hand_force;
+    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(run.samples.size(), 1)));
+}
+
+std::vector<double> column(const std::vector<PerObservable>& rows, Observable which)
+{
+    std::vector<double> values;
+    for (const PerObservable& row : rows) values.push_back(at(row, which));
+    return values;
+}
+
+/// Judges what is known so far. @return whether it is good enough
+bool judge(PlanReference& reference, const ReferenceGoals& goals)
+{
+    reference.force_scale = std::max(1e-3, rms_hand_force(reference.values));
+    if (reference.moved.empty()) return false;
+    const auto shape = column(reference.moved, Observable::Shape), force = column(reference.moved, Observable::HandForce);
+    for (int k = 0; k < observable_count; ++k)
+        reference.uncertainty[static_cast<std::size_t>(k)] = error_left(column(reference.moved, static_cast<Observable>(k)));
+    const double force_goal = goals.force * (goals.force_is_relative ? reference.force_scale : 1.0);
+    const bool judges_force = std::isfinite(goals.force);
+    reference.converges = falls(shape, shape_noise) && (!judges_force || falls(force, force_noise));
+    return static_cast<int>(reference.levels.size()) >= least_levels && reference.converges &&
+           at(reference.uncertainty, Observable::Shape) <= std::max(goals.shape, shape_noise) &&
+           (!judges_force || at(reference.uncertainty, Observable::HandForce) <= std::max(force_goal, force_noise));
+}
+
+}  // namespace
+
+double error_left(const std::vector<double>& moved)
+{
+    if (moved.empty()) return std::numeric_limits<double>::infinity();
+    const double last = moved.back();
+    if (last == 0) return 0;
+    double ratio = most_ratio;
+    if (moved.size() > 1 && moved[moved.size() - 2] > 0) ratio = std::clamp(last / moved[moved.size() - 2], least_ratio, most_ratio);
+    return last * ratio / (1 - ratio);
+}
+
+bool falls(const std::vector<double>& moved, double noise)
+{
+    if (moved.empty()) return false;
+    const std::size_t n = moved.size();
+    if (moved[n - 1] <= noise) return true;
+    if (n < 2) return false;
+    if (moved[n - 1] <= most_ratio * moved[n - 2]) return true;
+    // one unlucky pair does not make a divergence when the trend over two refinements is down
+    return n >= 3 && moved[n - 1] <= most_ratio * most_ratio * moved[n - 3];
+}
+
+PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store, const std::string& name,
+                           const std::function<void(const std::string&)>& progress)
+{
+    PlanReference reference;
+    double last_seconds = 0;
+    for (int level = 0; level < most_levels; ++level) {
+        const Model model = level_model(scene.scene, plan, level);
+        if (level > 0 && !goals.affordable(cost_growth * last_seconds)) {
+            reference.out_of_budget = true;
+            return reference;
+        }
+        if (progress) progress(fmt::format("reference: {}", label(model)));
+        Trajectory values;
+        const std::optional<RunRecord> run = store.get(name, scene, model, plan, {}, &values);
+        if (!run) {
+            reference.stopped = true;
+            return reference;
+        }
+        last_seconds = run->cost.wall * std::max(run->simulated, scene.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
+        if (!sound(*run)) {
+            // a coarse one may break where a finer one does not
+            reference.failure += fmt::format("{}{}: {} after {:.3g} s", reference.failure.empty() ? "" : "; ", label(model),
+                                             run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated);
+            reference.levels.clear();
+            reference.moved.clear();
+            continue;
+        }
+        if (!reference.levels.empty()) reference.moved.push_back(trajectory_errors(reference.values, values).rms);
+        reference.values = std::move(values);
+        reference.levels.push_back(model);
+        reference.model = model;
+        reference.jitters = run->outcome == Outcome::Jitter;
+        reference.contacts = std::max(reference.contacts, run->contacts);
+        if (judge(reference, goals)) return reference;
+    }
+    return reference;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,272 @@
+#include "study/plan_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+constexpr double grid_ratio = 1.25;      // between neighbours
+constexpr int fewest_nodes = 5;
+constexpr double worth_it = 0.97;        // a cost that is not below this share is noise
+constexpr double no_dearer = 1.03;
+constexpr double room = 0.7;             // a family with an error below this share of the winner's has room for coarser places
+constexpr double no_change = 0.1;        // of the limit: an error that grows by less has not changed
+constexpr int strides[] = {4, 2, 1};     // grid places
+
+/// A place on the grid.
+struct Place {
+    int node = 0, step = 0;  // indices, growing towards coarse
+};
+
+class Search {
+public:
+    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on) : grid_(grid), pilots_(pilots), may_go_on_(may_go_on) {}
+
+    [[nodiscard]] bool ended() const { return ended_; }
+    [[nodiscard]] const Pilot* best() const { return best_; }
+
+    /// Null when the search has ended or the place is off the grid.
+    const Pilot* look(const Model& family, Place place)
+    {
+        if (ended_ || !on_grid(family, place)) return nullptr;
+        if (!may_go_on_()) return end();
+        const Pilot* pilot = pilots_.look_at(at_place(family, place));
+        if (!pilot) return end();
+        if (pilot->meets && (!best_ || pilot->seconds < worth_it * best_->seconds)) best_ = pilot, best_place_ = place;
+        return pilot;
+    }
+
+    [[nodiscard]] Place place_of(const Model& model) const
+    {
+        Place place;
+        while (place.node + 1 < static_cast<int>(grid_.nodes.size()) && grid_.nodes[static_cast<std::size_t>(place.node)] > model.nodes.value_or(0))
+            ++place.node;
+        while (place.step + 1 < static_cast<int>(grid_.steps.size()) &&
+               grid_.steps[static_cast<std::size_t>(place.step) + 1] <= model.dt.value_or(0) * (1 + 1e-9))
+            ++place.step;
+        return place;
+    }
+    [[nodiscard]] Place best_place() const { return best_place_; }
+
+    /// From a place that meets the goals: coarser steps, fewer nodes, and trades between the two, as long as that pays.
+    void optimise(const Model& family, Place from)
+    {
+        Place here = from;
+        for (bool moved = true; moved && !ended_;) {
+            moved = coarsen(family, here, &Place::step);
+            moved = coarsen(family, here, &Place::node) || moved;
+            if (moved) continue;
+            for (const auto& [nodes, steps] : {std::pair{-2, 1}, {-1, 1}, {2, -1}, {1, -1}})
+                if (try_move(family, here, {here.node + nodes, here.step + steps})) {
+                    moved = true;
+                    break;
+                }
+        }
+    }
+
+    /// A family at the winner's place: where it does not meet the goals there, at finer steps that would still be cheaper.
+    void try_family(const Model& family)
+    {
+        if (!best_ || ended_) return;
+        Place place = best_place_;
+        const double cost = best_->seconds, error = best_->error;
+        const Pilot* pilot = look(family, place);
+        for (int finer = 2; pilot && !pilot->meets && finer <= 6; finer += 2) {
+            if (pilot->seconds * grid_ratio * grid_ratio > cost) return;
+            place.step = best_place_.step - finer;
+            pilot = look(family, place);
+        }
+        if (!pilot || !pilot->meets) return;
+        if (pilot->seconds < worth_it * cost || pilot->error < room * error) optimise(family, place);
+    }
+
+    /// The winner with something left out, where that is no dearer and changes nothing.
+    void leave_out(const Choice& choice, double limit)
+    {
+        if (!best_ || ended_) return;
+        Model family = best_->model;
+        choice.make(family);
+        const Pilot before = *best_;
+        const Pilot* pilot = look(family, best_place_);
+        if (!pilot || !pilot->meets || pilot->seconds > no_dearer * before.seconds || pilot->error > before.error + no_change * limit) return;
+        best_ = pilot;
+    }
+
+private:
+    const Pilot* end()
+    {
+        ended_ = true;
+        return nullptr;
+    }
+
+    [[nodiscard]] bool on_grid(const Model& family, Place place) const
+    {
+        const bool node = family.nodes == 0 || (place.node >= 0 && place.node < static_cast<int>(grid_.nodes.size()));
+        return node && (grid_.steps.empty() || (place.step >= 0 && place.step < static_cast<int>(grid_.steps.size())));
+    }
+
+    [[nodiscard]] Model at_place(Model family, Place place) const
+    {
+        if (family.nodes != 0) family.nodes = grid_.nodes[static_cast<std::size_t>(place.node)];
+        if (!grid_.steps.empty()) family.dt = grid_.steps[static_cast<std::size_t>(place.step)];
+        return family;
+    }
+
+    bool try_move(const Model& family, Place& here, Place there)
+    {
+        const Pilot* now = look(family, here);
+        const Pilot* then = now ? look(family, there) : nullptr;
+        if (!then || !then->meets || then->seconds >= worth_it * now->seconds) return false;
+        here = there;
+        return true;
+    }
+
+    bool coarsen(const Model& family, Place& here, int Place::* axis)
+    {
+        if ((axis == &Place::node && family.nodes == 0) || (axis == &Place::step && grid_.steps.empty())) return false;
+        bool moved = false;
+        for (const int stride : strides)
+            for (;;) {
+                Place there = here;
+                there.*axis += stride;
+                if (!try_move(family, here, there)) break;
+                moved = true;
+            }
+        return moved;
+    }
+
+    const SearchGrid& grid_;
+    PilotSource& pilots_;
+    const std::function<bool()>& may_go_on_;
+    const Pilot* best_ = nullptr;
+    Place best_place_;
+    bool ended_ = false;
+};
+
+template <class Enum, class Member>
+Choice exchange(std::string simpler, std::string fuller, Member member, Enum to, Enum from, bool leaves_out = false)
+{
+    return {std::move(simpler), std::move(fuller), [=](Model& m) { m.*member = to; }, [=](Model& m) { m.*member = from; }, true, leaves_out};
+}
+
+}  // namespace
+
+SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step)
+{
+    SearchGrid grid;
+    for (double edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges /= grid_ratio) {
+        const int nodes = static_cast<int>(std::lround(edges)) + 1;
+        if (grid.nodes.empty() || nodes < grid.nodes.back()) grid.nodes.push_back(nodes);
+    }
+    if (longest_step <= 0) return grid;
+    const double finest = std::min(reference.model.dt.value_or(longest_step), longest_step);
+    for (double parts = std::round(interval / finest);; parts /= grid_ratio) {
+        const double step = interval / std::max(1.0, std::round(parts));
+        if (step > longest_step * (1 + 1e-9)) break;
+        if (grid.steps.empty() || step > grid.steps.back() * (1 + 1e-9)) grid.steps.push_back(step);
+        if (parts <= 1) break;
+    }
+    // the longest step itself is worth a place: what a display asks for
+    const double longest = interval / std::ceil(interval / longest_step - 1e-9);
+    if (grid.steps.empty() || longest > grid.steps.back() * (1 + 1e-9)) grid.steps.push_back(longest);
+    return grid;
+}
+
+std::vector<Choice> choices_in(const Scene& scene)
+{
+    const ContactSpec& own = scene.contact;
+    std::vector<Choice> all;
+    all.push_back(exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
+    all.back().needs_contact = false;
+    all.push_back(exchange("detection at the end of each step only (capsule)", "swept detection", &Model::detection, Detection::Capsule, Detection::Swept));
+    all.push_back(exchange("detection at the nodes only", "detection along the whole wire", &Model::detection, Detection::Nodes, Detection::Swept));
+    all.push_back(exchange("the published layer", "the exact wall", &Model::detection, Detection::Layer, Detection::Swept));
+    if (own.rolling)
+        all.push_back(exchange("no rolling friction", "rolling friction", &Model::rolling, false, true, true));
+    all.push_back(exchange("float32 contact", "float64 contact", &Model::precision, Precision::Float32, Precision::Float64));
+    all.push_back({"spin angles eliminated", "spin angles", [](Model& m) { m.spin = false; }, [](Model& m) { m.spin.reset(); }, false, true});
+    if (scene.vessel.elastic)
+        all.push_back(exchange("a rigid wall", "the elastic wall", &Model::elastic_wall, false, true, true));
+    if (own.friction != FrictionLaw::Smooth && own.friction != FrictionLaw::None)
+        all.push_back(exchange("friction smooth in velocity", "friction that sticks", &Model::friction, FrictionLaw::Smooth, own.friction));
+    if (own.friction != FrictionLaw::None) all.push_back(exchange("no friction", "friction", &Model::friction, FrictionLaw::None, own.friction));
+    for (const NormalLaw law : {NormalLaw::LankaraniNikravesh, NormalLaw::Impulse})
+        if (own.normal != law)
+            all.push_back(exchange(law == NormalLaw::Impulse ? "contact by impulses" : "published damping of contact", "the scene's normal law",
+                                   &Model::normal, law, own.normal));
+    if (!scene.integrator.newmark)
+        all.push_back({"the trapezoid rule", "backward Euler", [](Model& m) { m.trapezoid = true; }, [](Model& m) { m.trapezoid.reset(); }, false});
+    all.push_back({"Newton steps to 1e-4", "Newton steps to 1e-6", [](Model& m) { m.tolerance = 1e-4; },
+                   [t = scene.integrator.tolerance](Model& m) { m.tolerance = t; }, false});
+    std::erase_if(all, [&](const Choice& choice) {
+        Model model;
+        choice.make(model);
+        if (choice.needs_contact && scene.vessel.shape == VesselShape::None) return true;
+        if (scene.integrator.scheme == Scheme::Static && (model.scheme || model.trapezoid)) return true;
+        return !why_not(model, scene).empty();
+    });
+    return all;
+}
+
+SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
+                           const std::function<bool()>& may_go_on)
+{
+    Search search(grid, pilots, may_go_on);
+    Place place = search.place_of(start);
+    const Pilot* first = search.look(start, place);
+    while (first && !first->meets && (place.step > 0 || place.node > 0)) {
+        place = {std::max(0, place.node - 2), std::max(0, place.step - 2)};
+        first = search.look(start, place);
+    }
+    if (first && first->meets) search.optimise(start, place);
+
+    const std::vector<Choice> choices = choices_in(scene);
+    // twice: a choice that did not pay before another was made may pay after it
+    for (int round = 0; round < 2 && search.best(); ++round) {
+        const Model before = search.best()->model;
+        for (const Choice& choice : choices) {
+            if (choice.needs_contact && !touches) continue;
+            Model family = search.best()->model;
+            choice.make(family);
+            search.try_family(family);
+        }
+        // adaptive nodes, their bounds in place of a number
+        for (const auto& [shortest, longest] : {std::pair{1e-3, 10e-3}, {2e-3, 20e-3}, {0.5e-3, 5e-3}}) {
+            Model family = search.best()->model;
+            if (family.detection == Detection::Nodes || family.detection == Detection::Layer || scene.wire.length < 4 * shortest) continue;
+            family.nodes = 0;
+            family.min_edge = shortest;
+            family.max_edge = longest;
+            search.try_family(family);
+        }
+        if (search.ended() || label(search.best()->model) == label(before)) break;
+    }
+    for (const Choice& choice : choices)
+        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit());
+    SearchResult result;
+    if (search.best()) result.best = search.best()->model;
+    result.complete = !search.ended();
+    return result;
+}
+
+std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots, const std::function<bool()>& may_go_on)
+{
+    Search search(grid, pilots, may_go_on);
+    const Place from = search.place_of(start);
+    std::optional<Model> best;
+    double least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](Place place) {
+        const Pilot* pilot = search.look(start, place);
+        if (!pilot || !pilot->sound || pilot->seconds > seconds) return false;
+        if (pilot->error < least) least = pilot->error, best = pilot->model;
+        return true;
+    };
+    // along each axis and the diagonal, the first that is fast enough
+    for (const auto& [nodes, steps] : {std::pair{0, 1}, {1, 0}, {1, 1}})
+        for (int k = 0; k < 40; k += 2)
+            if (consider({from.node + k * nodes, from.step + k * steps}) || search.ended()) break;
+    return best;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,54 @@
+#pragma once
+// Looks for the cheapest model that meets a plan's goals, by pilots. Every step of the search compares measured costs and errors;
+// nothing is extrapolated.
+//
+// A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
+// error grows with the step and with the edges, so the search coarsens one as long as pilots meet the goals, then the other, then
+// trades one for the other. Families are tried from the winner's place on, the likeliest to pay first.
+
+#include "study/plan_pilots.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+/// Places that the search may go to, fine to coarse.
+struct SearchGrid {
+    std::vector<int> nodes;
+    std::vector<double> steps;  // [s]; empty: static
+};
+
+/// @param interval  between samples: every step divides it  @param longest_step  [s]; 0: static
+[[nodiscard]] SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step);
+
+/// One choice that a model can make, and its other way.
+struct Choice {
+    std::string simpler;                // what it means to make it, e.g. "rolling friction left out"
+    std::string fuller;                 // what it means not to, e.g. "rolling friction"
+    std::function<void(Model&)> make, undo;
+    bool needs_contact = true;
+    bool leaves_out = false;            // leaves a part of the physics out: made where that changes nothing, even if it saves nothing
+};
+
+/// Choices that this build can make in the scene, the likeliest to pay first.
+[[nodiscard]] std::vector<Choice> choices_in(const Scene& scene);
+
+struct SearchResult {
+    std::optional<Model> best;  // the cheapest that meets the goals
+    bool complete = true;       // false: ended by `may_go_on` or a stop
+};
+
+/// @param start  families begin here: a model that meets the goals, at a place of the grid or between two
+/// @param may_go_on  asked before every pilot
+[[nodiscard]] SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
+                                         const std::function<bool()>& may_go_on);
+
+/// The most accurate model whose pilot takes at most `seconds` per simulated second with steps of at most `longest_step`; coarsens
+/// from `start` until the rate is met. Empty: none was found.
+[[nodiscard]] std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots,
+                                               const std::function<bool()>& may_go_on);
+
+}  // namespace seldinger

@@ -1,0 +1,305 @@
+#include "study/planner.h"
+
+#include "study/plan_search.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int most_samples = 60;
+constexpr double longest_step = 1.0 / 30;   // [s]
+constexpr double reference_share = 0.6;     // of the budget
+constexpr double wanted_certainty = 1.0 / 6, least_certainty = 1.0 / 2;  // reference's uncertainty over the tolerance
+constexpr int final_repeats = 3;
+constexpr double contender = 1.25;          // costs up to this over the best are timed again
+
+class Planner {
+public:
+    Planner(const StudyScene& scene, const PlanOptions& options)
+        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(options.pilots)
+    {
+        is_static_ = scene.scene.integrator.scheme == Scheme::Static;
+        check_goals();
+        const double duration = scene.scene.duration;
+        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step), 1.0, static_cast<double>(most_samples));
+        plan_.until = duration;
+        plan_.interval = is_static_ ? 1 : duration / samples;
+        plan_.stop = options.stop;
+    }
+
+    Plan make()
+    {
+        plan_reference();
+        if (result_.status == PlanStatus::Planned) plan_model();
+        result_.spent = elapsed();
+        return std::move(result_);
+    }
+
+private:
+    [[nodiscard]] double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+    [[nodiscard]] bool may_go_on() const { return elapsed() < options_.budget; }
+    void tell(const std::string& what) const
+    {
+        if (options_.progress) options_.progress(what);
+    }
+
+    void check_goals() const
+    {
+        const auto fail = [&](const std::string& what) { throw Error(ExitCode::BadScene, what); };
+        if (is_static_ && goals_.rate > 0)
+            fail(fmt::format("{}: scheme = \"static\" has no steps, so no --rate; take one of the two out", scene_.scene.source.string()));
+        if (!is_static_ && scene_.scene.duration <= 0) fail(fmt::format("{}: scene.duration_s: nothing to plan for", scene_.scene.source.string()));
+    }
+
+    void stop_with(PlanStatus status, std::string message)
+    {
+        result_.status = status;
+        result_.message = std::move(message);
+    }
+
+    [[nodiscard]] std::string as_length(double metres) const { return fmt::format("{:.3g} mm", 1e3 * metres); }
+
+    // ---- reference --------------------------------------------------------------------------------------------------------------
+
+    void plan_reference()
+    {
+        result_.status = PlanStatus::Planned;
+        ReferenceGoals wanted;
+        wanted.shape = wanted_certainty * goals_.tolerance;
+        wanted.force = goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
+        wanted.force_is_relative = goals_.force_is_relative;
+        wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
+        result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
+        const PlanReference& reference = result_.reference;
+        result_.touches = reference.contacts > 0;
+        if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (reference.levels.empty())
+            return stop_with(PlanStatus::NothingHolds, fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
+                                                                   "feed speed, wire), or look at it with `seldinger run`", reference.failure));
+        const double shape = at(reference.uncertainty, Observable::Shape), force = at(reference.uncertainty, Observable::HandForce);
+        if (!reference.converges && !reference.out_of_budget)
+            return stop_with(PlanStatus::NoReference,
+                             fmt::format("refining the scene keeps moving the wire, by {} at {} nodes and {:.3g} ms: it has no single answer (a bifurcation, or "
+                                         "chatter); shorten scene.duration_s to before that",
+                                         as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
+                                         reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
+        const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);
+        const bool force_known = goals_.force_tolerance == 0 || force <= least_certainty * force_goal;
+        if (shape <= least_certainty * goals_.tolerance && force_known && reference.converges) return;
+        std::string message = fmt::format("the reference is known to {} after {} refinements", as_length(shape), std::max<std::size_t>(reference.levels.size(), 1) - 1);
+        if (goals_.force_tolerance > 0) message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
+        message += fmt::format("; asked were {}", as_length(goals_.tolerance));
+        if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
+        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for {} or more", options_.budget, as_length(2 * shape))
+                                           : fmt::format("; ask for {} or more", as_length(2 * shape));
+        stop_with(PlanStatus::BelowReference, std::move(message));
+        result_.accurate = described(reference.model, reference.values);
+    }
+
+    /// What is promised of the reference itself.
+    PlannedModel described(const Model& model, const Trajectory&)
+    {
+        PlannedModel planned;
+        planned.model = model;
+        planned.scene = apply(model, scene_.scene);
+        planned.nodes = model.nodes.value_or(0);
+        planned.error = at(result_.reference.uncertainty, Observable::Shape);
+        planned.force_error = at(result_.reference.uncertainty, Observable::HandForce);
+        return planned;
+    }
+
+    // ---- model ------------------------------------------------------------------------------------------------------------------
+
+    void plan_model()
+    {
+        if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
+            result_.notes.push_back("the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
+        const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
+        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_);
+        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return;
+        const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
+        const auto go_on = [&, looked = std::size_t{0}]() mutable {
+            tell(fmt::format("pilot {}", ++looked));
+            return may_go_on();
+        };
+        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, pilots, go_on);
+        result_.pilots = static_cast<int>(pilots.all().size());
+        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        result_.search_complete = found.complete;
+        if (!found.complete) result_.notes.push_back(fmt::format("the budget of {:g} s ended the search: there may be cheaper models", options_.budget));
+        if (!found.best) return nothing_meets(pilots, grid);
+        const std::optional<PlannedModel> best = timed_best(pilots);
+        if (!best) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (goals_.rate > 0 && best->slowest > 1) return too_slow(*best, pilots, grid);
+        result_.chosen = best;
+        look_at_omissions(pilots, grid);
+        result_.pilots = static_cast<int>(pilots.all().size());
+        if (pilots.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
+    }
+
+    /// The coarsest level of the reference that is not plainly hopeless: pilots go on from there.
+    Model starting_model() const
+    {
+        const PlanReference& reference = result_.reference;
+        double left = 0;
+        std::size_t level = reference.levels.size() - 1;
+        while (level > 0) {
+            left += at(reference.moved[level - 1], Observable::Shape);
+            if (left > goals_.tolerance) break;
+            --level;
+        }
+        Model model = reference.levels[level];
+        return as_pilot(model);
+    }
+
+    /// What the reference says for itself a pilot leaves to the scene.
+    Model as_pilot(Model model) const
+    {
+        model.tolerance.reset();
+        if (!scene_.scene.integrator.newmark) model.trapezoid.reset();
+        return model;
+    }
+
+    /// A step cannot be cheaper than the cheapest that was seen: some rates need not be tried.
+    bool rate_is_thinkable(Pilots& pilots)
+    {
+        const Model coarse = as_pilot(result_.reference.levels.front());
+        const Pilot* pilot = pilots.look_at(coarse);
+        if (!pilot) {
+            stop_with(PlanStatus::Interrupted, "interrupted");
+            return false;
+        }
+        const double step_seconds = pilot->seconds * coarse.dt.value_or(1);
+        constexpr double cheaper_yet = 10;  // fewer nodes, one Newton step, at the very best
+        if (step_seconds * goals_.rate < cheaper_yet) return true;
+        stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so that {:.2g} a second is about the most",
+                                                   goals_.rate, label(coarse), 1e6 * step_seconds, cheaper_yet / step_seconds));
+        return false;
+    }
+
+    /// All that come into question are timed again, in turn, so that what else the machine does falls on each alike.
+    std::optional<PlannedModel> timed_best(Pilots& pilots)
+    {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& [key, pilot] : pilots.all())
+            if (pilot.meets) least = std::min(least, pilot.seconds);
+        std::vector<Model> contenders;
+        for (const auto& [key, pilot] : pilots.all())
+            if (pilot.meets && pilot.seconds <= contender * least) contenders.push_back(pilot.model);
+        std::optional<PlannedModel> best;
+        for (const Model& model : contenders) {
+            tell("timing " + label(model));
+            const double slowest = pilots.time_again(model, final_repeats);
+            if (pilots.stopped()) return std::nullopt;
+            const Pilot& pilot = pilots.all().at(label(model));
+            if (best && pilot.seconds >= best->seconds) continue;
+            best = planned(pilot, slowest);
+        }
+        return best;
+    }
+
+    PlannedModel planned(const Pilot& pilot, double slowest) const
+    {
+        PlannedModel model;
+        model.model = pilot.model;
+        model.scene = apply(pilot.model, scene_.scene);
+        model.error = pilot.error;
+        model.worst = pilot.worst;
+        model.force_error = pilot.force_error;
+        model.seconds = pilot.seconds;
+        model.slowest = is_static_ ? pilot.seconds : slowest;
+        model.nodes = pilot.nodes;
+        model.outcome = pilot.outcome;
+        model.jitter = pilot.jitter;
+        return model;
+    }
+
+    void too_slow(const PlannedModel& best, Pilots& pilots, const SearchGrid& grid)
+    {
+        result_.accurate = best;
+        add_fast(best.model, pilots, grid);
+        std::string message = fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
+                                          as_length(goals_.tolerance), 1 / best.slowest);
+        if (result_.fast) message += fmt::format("; the most accurate that keeps up is within {}", as_length(result_.fast->error));
+        stop_with(PlanStatus::NotBoth, std::move(message));
+    }
+
+    void nothing_meets(Pilots& pilots, const SearchGrid& grid)
+    {
+        const Model& finest = result_.reference.model;
+        // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at the reference
+        result_.accurate = described(finest, result_.reference.values);
+        if (goals_.rate > 0) add_fast(starting_model(), pilots, grid);
+        stop_with(goals_.rate > 0 ? PlanStatus::NotBoth : PlanStatus::BelowReference,
+                  fmt::format("no pilot was within {} by more than the reference's own uncertainty, {}; ask for {} or more{}", as_length(goals_.tolerance),
+                              as_length(at(result_.reference.uncertainty, Observable::Shape)),
+                              as_length(2 * at(result_.reference.uncertainty, Observable::Shape) + goals_.tolerance),
+                              result_.search_complete ? "" : ", or give a larger --budget"));
+    }
+
+    void add_fast(const Model& from, Pilots& pilots, const SearchGrid& grid)
+    {
+        const auto go_on = [&] { return true; };
+        const std::optional<Model> fast = search_rate(from, grid, 1, pilots, go_on);
+        if (!fast) return;
+        const double slowest = pilots.time_again(*fast, final_repeats);
+        if (!pilots.stopped()) result_.fast = planned(pilots.all().at(label(*fast)), slowest);
+    }
+
+    // ---- what was left out ------------------------------------------------------------------------------------------------------
+
+    void look_at_omissions(Pilots& pilots, const SearchGrid& grid)
+    {
+        const PlannedModel chosen = *result_.chosen;
+        const auto add = [&](const std::string& what, const Model& model) {
+            if (label(model) == label(chosen.model) || !may_go_on()) return;
+            tell("left out: " + what);
+            const Pilot* pilot = pilots.look_at(model);
+            if (!pilot) return;
+            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete});
+        };
+        for (const Choice& choice : choices_in(scene_.scene)) {
+            if (choice.needs_contact && !result_.touches) continue;
+            Model made = chosen.model;
+            choice.make(made);
+            if (label(made) != label(chosen.model)) continue;  // it was not made
+            Model fuller = chosen.model;
+            choice.undo(fuller);
+            add(choice.fuller, fuller);
+        }
+        Model finer = chosen.model;
+        if (finer.nodes.value_or(0) > 0) {
+            finer.nodes = 2 * (*finer.nodes - 1) + 1;
+            add(fmt::format("twice the nodes ({})", *finer.nodes), finer);
+        }
+        if (finer = chosen.model; finer.dt) {
+            finer.dt = *finer.dt / 2;
+            add(fmt::format("half the step ({:.3g} ms)", 1e3 * *finer.dt), finer);
+        }
+        (void)grid;
+    }
+
+    const StudyScene& scene_;
+    const PlanOptions& options_;
+    const PlanGoals& goals_;
+    CostRule cost_;
+    RunStore store_;
+    RunPlan plan_;
+    Plan result_;
+    bool is_static_ = false;
+    Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+Plan make_plan(const StudyScene& scene, const PlanOptions& options) { return Planner(scene, options).make(); }
+
+}  // namespace seldinger

@@ -1,0 +1,80 @@
+#pragma once
+// The cheapest model that is good enough for a scene, found by pilots on the scene itself.
+//
+//   1. A reference: the scene refined in nodes and steps at once until two refinements bound what is left (plan_reference.h).
+//   2. A search over models, each run over the whole path and compared with the reference, broken off as soon as it is plainly
+//      too wrong (plan_pilots.h, plan_search.h): what is promised of a model has been measured, not extrapolated.
+//   3. The best are timed again, and each choice of the winner is exchanged for its neighbour: what is left out, at what price.
+//
+// Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
+// (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.
+
+#include "study/plan_pilots.h"
+#include "study/plan_reference.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct PlanOptions {
+    PlanGoals goals;
+    std::filesystem::path pilots;   // folder where pilots are kept; a plan that was interrupted goes on from there
+    double budget = 120;            // wall time of this call [s]
+    int device = -1;
+    std::function<bool()> stop;     // asked between samples of a pilot; may be empty
+    std::function<void(const std::string&)> progress;  // what is being done; may be empty
+};
+
+/// A model with what is known of it here.
+struct PlannedModel {
+    Model model;
+    Scene scene;                 // to be run
+    double error = 0;            // rms [m]
+    double worst = 0;            // of all samples [m]
+    double force_error = 0;      // rms [N]
+    double seconds = 0;          // of computation per simulated second; of a static scene per solution
+    double slowest = 0;          // the same over the slowest of the sampled intervals
+    int nodes = 0;               // at most
+    Outcome outcome = Outcome::Hold;
+    double jitter = 0;           // of the hand force, see FailureReadings
+};
+
+/// One choice of the chosen model exchanged for another.
+struct Omission {
+    std::string what;            // "converged Newton steps"
+    double cost_ratio = 1;       // its cost over the chosen model's
+    double error = 0, force_error = 0;  // [m], [N]
+    bool holds = true;           // false: such a model does not run here
+};
+
+enum class PlanStatus {
+    Planned,         // `chosen` meets what was asked
+    NotBoth,         // nothing meets tolerance and rate; nearest on each side in `accurate` and `fast`, where there are any
+    BelowReference,  // the tolerance is below what the reference is known to; `accurate` holds what can be promised
+    NoReference,     // refinements do not converge: the scene has no single answer
+    NothingHolds,    // every model breaks off
+    Interrupted,
+};
+
+struct Plan {
+    PlanStatus status = PlanStatus::Interrupted;
+    std::string message;                   // one line for what was not planned; empty when it was
+    PlanReference reference;
+    std::optional<PlannedModel> chosen;    // Planned
+    std::optional<PlannedModel> accurate;  // the cheapest that meets the tolerance (or the most accurate), whatever its rate
+    std::optional<PlannedModel> fast;      // the most accurate that meets the rate
+    std::vector<Omission> left_out;
+    std::vector<std::string> notes;        // one sentence each
+    bool touches = false;                  // the wire met the wall
+    bool search_complete = true;           // false: the budget ended it
+    int pilots = 0;                        // looked at, those of earlier calls included
+    double spent = 0;                      // wall time of this call [s]
+};
+
+/// @throws Error BadScene: goals that contradict the scene; BadFile
+[[nodiscard]] Plan make_plan(const StudyScene& scene, const PlanOptions& options);
+
+}  // namespace seldinger

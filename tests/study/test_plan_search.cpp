@@ -1,0 +1,254 @@
+// The search of `seldinger plan` on made-up models whose cost and error are known for every place of the grid.
+
+#include "study/plan_search.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+using namespace seldinger;
+
+namespace {
+
+/// A scene whose models all go through the scene reader.
+Scene small_scene()
+{
+    return read_scene_text(R"(
+        [scene]
+        duration_s = 1.0
+        dt_s = 0.001
+        [wire]
+        length_m = 0.1
+        radius_m = 0.0004
+        density = 7900.0
+        bend_nm2 = 1e-5
+        twist_nm2 = 1e-5
+        stretch_n = 1e4
+        nodes = 101
+        [vessel]
+        shape = "tube"
+        radius_m = 0.003
+        length_m = 0.2
+        triangles = 1000
+        [contact]
+        rolling = true
+        [feed]
+        point = [0.01, 0.0, 0.0]
+        direction = [1.0, 0.0, 0.0]
+        keys = [ {t_s = 0.0, advance_m = 0.0} ])",
+                           "small.toml");
+}
+
+/// Error a h^2 + b dt + what the choices cost; seconds (c + nodes) / dt times what the choices save.
+struct Law {
+    double a = 40, b = 2e-2;  // [m per (1/edges)^2], [m/s]
+    double fixed = 30;
+    std::function<double(const Model&)> extra_error = [](const Model&) { return 0.0; };
+    std::function<double(const Model&)> share = [](const Model&) { return 1.0; };
+};
+
+class MadeUpPilots final : public PilotSource {
+public:
+    MadeUpPilots(Law law, double limit) : law_(std::move(law)), limit_(limit) {}
+    const Pilot* look_at(const Model& model) override
+    {
+        const auto [at, fresh] = known_.try_emplace(label(model));
+        if (!fresh) return &at->second;
+        Pilot& pilot = at->second;
+        pilot.model = model;
+        pilot.complete = pilot.sound = true;
+        const double edges = model.nodes.value_or(0) > 0 ? *model.nodes - 1 : 60;  // adaptive: as good as 60, as dear as 40
+        pilot.error = 1e-4 * law_.a / (edges * edges) + law_.b * *model.dt + law_.extra_error(model);
+        pilot.seconds = 1e-6 * (law_.fixed + (model.nodes == 0 ? 40 : edges)) / *model.dt * law_.share(model);
+        pilot.meets = pilot.error <= limit_;
+        return &pilot;
+    }
+    double limit() const override { return limit_; }
+    std::size_t count() const { return known_.size(); }
+
+private:
+    Law law_;
+    double limit_;
+    std::map<std::string, Pilot> known_;
+};
+
+PlanReference reference_with(int nodes, double dt)
+{
+    PlanReference reference;
+    reference.model.nodes = nodes;
+    reference.model.dt = dt;
+    return reference;
+}
+
+Model start_model(int nodes, double dt)
+{
+    Model model;
+    model.nodes = nodes;
+    model.dt = dt;
+    model.scheme = Scheme::Newton;
+    model.detection = Detection::Swept;
+    return model;
+}
+
+/// The cheapest of all places of the grid, in one family.
+double cheapest(MadeUpPilots pilots, const SearchGrid& grid, const Model& family)
+{
+    double least = INFINITY;
+    for (const int nodes : grid.nodes)
+        for (const double dt : grid.steps) {
+            Model model = family;
+            model.nodes = nodes;
+            model.dt = dt;
+            const Pilot* pilot = pilots.look_at(model);
+            if (pilot->meets) least = std::min(least, pilot->seconds);
+        }
+    return least;
+}
+
+const std::function<bool()> always = [] { return true; };
+
+}  // namespace
+
+TEST_SUITE("study/plan_search")
+{
+    TEST_CASE("property: the grid divides the interval, ends at the longest step and at the reference, and is fine enough")
+    {
+        const double interval = 0.05;
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), interval, 1.0 / 60);
+        REQUIRE(grid.steps.size() > 10);
+        CHECK(grid.nodes.front() == 577);
+        CHECK(grid.nodes.back() >= 5);
+        CHECK(grid.nodes.back() <= 6);
+        CHECK(grid.steps.back() == about(interval / 3).epsilon(1e-12));
+        for (std::size_t k = 0; k < grid.steps.size(); ++k) {
+            const double parts = interval / grid.steps[k];
+            CHECK(parts == about(std::round(parts)).epsilon(1e-12));
+            // three parts, then two: whole numbers are no finer
+            if (k > 0) CHECK(grid.steps[k] / grid.steps[k - 1] <= 1.51);
+            if (k > 0 && parts > 12) CHECK(grid.steps[k] / grid.steps[k - 1] <= 1.3);
+        }
+        for (std::size_t k = 1; k < grid.nodes.size(); ++k) CHECK(grid.nodes[k] < grid.nodes[k - 1]);
+    }
+
+    TEST_CASE("property: whatever the balance of the two errors, the cheapest place of the grid is found, or one within a tenth of it")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        for (const double a : {4.0, 40.0, 400.0})
+            for (const double b : {2e-3, 2e-2, 2e-1})
+                for (const double fixed : {3.0, 30.0, 300.0}) {
+                    CAPTURE(a);
+                    CAPTURE(b);
+                    CAPTURE(fixed);
+                    Law law{a, b, fixed};
+                    law.share = [](const Model& m) { return m.nodes == 0 ? 100.0 : 1.0; };  // adaptive never pays here
+                    MadeUpPilots pilots(law, 2e-4);
+                    const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+                    REQUIRE(found.best);
+                    CHECK(found.complete);
+                    const Pilot best = *pilots.look_at(*found.best);
+                    CHECK(best.meets);
+                    CHECK(best.seconds <= 1.1 * cheapest(MadeUpPilots(law, 2e-4), grid, *found.best));
+                    CHECK(pilots.count() < 120);  // of some 20 x 25 places and a dozen families
+                }
+    }
+
+    TEST_CASE("property: a choice that saves more than its error costs is made, one that ruins the result is not")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        Law law;
+        law.share = [](const Model& m) {
+            return (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) * (m.rolling == false ? 0.8 : 1.0) *
+                   (m.nodes == 0 ? 100.0 : 1.0);
+        };
+        law.extra_error = [](const Model& m) { return (m.scheme == Scheme::Linearised ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0); };
+        MadeUpPilots pilots(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        REQUIRE(found.best);
+        CHECK(found.best->scheme == Scheme::Linearised);
+        CHECK(found.best->rolling == false);
+        CHECK(found.best->detection != Detection::Nodes);
+    }
+
+    TEST_CASE("property: what changes nothing is left out even if that saves nothing")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        Law law;
+        law.share = [](const Model& m) { return m.nodes == 0 ? 100.0 : 1.0; };
+        MadeUpPilots pilots(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        REQUIRE(found.best);
+        CHECK(found.best->rolling == false);
+        law.extra_error = [](const Model& m) { return m.rolling == false ? 4e-5 : 0.0; };
+        MadeUpPilots rolls(law, 2e-4);
+        const SearchResult kept = search_models(scene, start_model(385, 2.6e-4), grid, true, rolls, always);
+        REQUIRE(kept.best);
+        CHECK(kept.best->rolling != false);
+    }
+
+    TEST_CASE("property: a choice that needs finer steps is made where it pays even then")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        Law law;
+        law.share = [](const Model& m) { return (m.scheme == Scheme::Linearised ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
+        law.extra_error = [b = law.b](const Model& m) { return m.scheme == Scheme::Linearised ? b * *m.dt : 0.0; };  // twice the error of steps
+        MadeUpPilots pilots(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        REQUIRE(found.best);
+        CHECK(found.best->scheme == Scheme::Linearised);
+    }
+
+    TEST_CASE("property: adaptive nodes are chosen where they are cheaper at the same error")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        Law law{720, 2e-3, 3};  // edges matter: a uniform wire needs some 60
+        MadeUpPilots pilots(law, 2.2e-5 + 2e-3 / 30);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        REQUIRE(found.best);
+        CHECK(found.best->nodes == 0);
+    }
+
+    TEST_CASE("property: a search that is cut short says so and keeps what it has")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        MadeUpPilots pilots(Law{}, 2e-4);
+        int asked = 0;
+        const SearchResult cut = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, [&] { return ++asked <= 5; });
+        CHECK_FALSE(cut.complete);
+        REQUIRE(cut.best);
+        CHECK(pilots.look_at(*cut.best)->meets);
+    }
+
+    TEST_CASE("property: nothing that meets the goals is nothing, not the nearest")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        MadeUpPilots pilots(Law{}, 1e-9);
+        CHECK_FALSE(search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always).best);
+    }
+
+    TEST_CASE("property: what meets a rate is the most accurate that does")
+    {
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        MadeUpPilots pilots(Law{}, 2e-4);
+        const Model from = start_model(385, 2.6e-4);
+        const double rate = 0.02;  // seconds per second
+        REQUIRE(pilots.look_at(from)->seconds > rate);
+        const std::optional<Model> fast = search_rate(from, grid, rate, pilots, always);
+        REQUIRE(fast);
+        CHECK(pilots.look_at(*fast)->seconds <= rate);
+        Model coarsest = from;
+        coarsest.nodes = grid.nodes.back();
+        coarsest.dt = grid.steps.back();
+        CHECK(pilots.look_at(*fast)->error < 0.2 * pilots.look_at(coarsest)->error);
+        CHECK_FALSE(search_rate(from, grid, 1e-9, pilots, always));
+    }
+}
