@@ -6,8 +6,6 @@ namespace seldinger {
 
 namespace {
 
-Vec3 position_on(const RodView& rod, int edge, double bary) { return (1 - bary) * rod.pos(edge) + bary * rod.pos(edge + 1); }
-
 Vec3 rate_of_change(const RodView& rod, const IntegratorSpec& spec, const MomentumStart& start, double h)
 {
     if (h == 0) return Vec3::Zero();
@@ -37,13 +35,8 @@ MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& cons
         balance.weight += rod.mass[i] * gravity;
         balance.contact += contact_force[i];
     }
-    for (const auto& load : constraints.loads) balance.loads += load.force;
-    for (const auto& spring : constraints.springs)
-        balance.loads -= spring.stiffness * (position_on(rod, spring.edge, spring.bary) - spring.anchor);
-    if (h > 0) {
-        balance.loads -= spec.damping_mass * momentum(rod);
-        balance.fed = start.fed / h;
-    }
+    balance.loads = solver.load_force(wire);
+    if (h > 0) balance.fed = start.fed / h;
     balance.rate = rate_of_change(rod, spec, start, h);
     return balance;
 }

@@ -10,8 +10,9 @@
 // A fed wire's last node stands still at the inlet while material passes through it: its velocity is the material's, and its half
 // cell's momentum counts. What comes in brings its own, `fed` = sum_i (m_i+ - m_i-) v_i- / h, rho A v^2 for a steady feed.
 //
-// Backward Euler: the rate is (P+ - P-)/h. Newmark: M a+ at the end of the step, where the equations hold, and `fed`. `explicit`
-// takes its forces at the start of the step, and its readings are of the end: there the balance closes to O(h).
+// Backward Euler and energy-momentum steps: the rate is (P+ - P-)/h, and forces are those that the step took. Newmark: M a+ at
+// the end of the step, where the equations hold, and `fed`. `explicit` takes its forces at the start of the step, and its
+// readings are of the end: there the balance closes to O(h).
 
 #include "rod/rod_arrays.h"
 

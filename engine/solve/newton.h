@@ -109,6 +109,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;                  // = the accepted state after success
     /// Reaction at prescribed unknown i [N or N m]: the force that the hold exerts on the wire.
     [[nodiscard]] double reaction(int wire, int unknown) const;
+    /// Dead loads, links and damping by mass, on the whole wire [N].
+    [[nodiscard]] Vec3 load_force(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;
     [[nodiscard]] double kinetic_energy(int wire) const;
     [[nodiscard]] double potential_energy(int wire) const;          // gravity; loads not included

@@ -280,17 +280,33 @@ bool WireProblem::finish_residual()
     return std::isfinite(sum);
 }
 
+Vec3 WireProblem::spring_pull(const WireConstraints::Spring& spring) const
+{
+    Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
+    if (conserving_) at = 0.5 * (at + (1 - spring.bary) * node_of(start, spring.edge) + spring.bary * node_of(start, spring.edge + 1));
+    return spring.stiffness * (spring.anchor - at);
+}
+
+Vec3 WireProblem::load_force() const
+{
+    Vec3 sum = Vec3::Zero();
+    for (const auto& load : constraints_->loads) sum += load.force;
+    for (const auto& spring : constraints_->springs) sum += spring_pull(spring);
+    if (damping_mass_ > 0)
+        for (int i = 0; i < 4 * rod.n; ++i)
+            if (i % 4 < 3) sum[i % 4] -= damping_mass_ * inertia[i] * mean_velocity(i);
+    return sum;
+}
+
 // Springs, and dead moments. A moment m turns the edge that it acts on: a couple of forces +-(m x t)/|e| on its ends does the
 // work of m on the edge's rotation, and m.t that on its spin.
 void WireProblem::add_loads()
 {
     const std::span<double> r(residual.data(), 4 * rod.n);
     for (const auto& spring : constraints_->springs) {
-        Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
-        if (conserving_) at = 0.5 * (at + (1 - spring.bary) * node_of(start, spring.edge) + spring.bary * node_of(start, spring.edge + 1));
-        const Vec3 pull = spring.stiffness * (at - spring.anchor);
-        add_to_node(r, spring.edge, (1 - spring.bary) * pull);
-        add_to_node(r, spring.edge + 1, spring.bary * pull);
+        const Vec3 pull = spring_pull(spring);
+        add_to_node(r, spring.edge, -(1 - spring.bary) * pull);
+        add_to_node(r, spring.edge + 1, -spring.bary * pull);
     }
     for (const auto& load : constraints_->loads) {
         if (load.moment.isZero()) continue;

@@ -90,6 +90,8 @@ public:
     /// M a = -R, 0 where prescribed, into the wire's arrays.
     void set_acceleration_from_residual();
 
+    /// Dead forces, springs and damping by mass on the whole wire, as R has taken them [N].
+    [[nodiscard]] Vec3 load_force() const;
     [[nodiscard]] int size() const { return 4 * rod.n; }
     [[nodiscard]] bool fed() const { return !constraints_->hub_flow.isZero(0); }
     [[nodiscard]] RodTrial trial_view() const;
@@ -124,6 +126,7 @@ private:
     void untwist();
     void evaluate_host_residual();
     [[nodiscard]] bool finish_residual();
+    [[nodiscard]] Vec3 spring_pull(const WireConstraints::Spring& spring) const;
     void add_loads();
     void add_springs_to(BandMatrix& target) const;
     void add_moments_to(BandMatrix& target, bool symmetric) const;
