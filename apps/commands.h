@@ -18,11 +18,17 @@ using Command = std::function<ExitCode()>;
 
 /// Each sets `chosen` when its subcommand is on the command line.
 void add_run(CLI::App& app, Command& chosen);
+void add_batch(CLI::App& app, Command& chosen);
 void add_check(CLI::App& app, Command& chosen);
 void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
-void add_not_yet(CLI::App& app, Command& chosen);  // plan, batch, bench, chart, stability
+void add_chart(CLI::App& app, Command& chosen);
+void add_stability(CLI::App& app, Command& chosen);
+void add_not_yet(CLI::App& app, Command& chosen);  // plan, bench
+
+/// --time-limit and --device, as `run` has them.
+void add_limits(CLI::App& command, double& time_limit, int& device);
 
 /// Writes to stdout. @throws Error BadFile when it cannot take it (a full disk behind a redirection)
 void print(std::string_view text);

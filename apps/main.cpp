@@ -30,10 +30,13 @@ int run_command_line(int argc, char** argv)
     app.require_subcommand(1);
     Command chosen;
     add_run(app, chosen);
+    add_batch(app, chosen);
     add_check(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
     add_devices(app, chosen);
+    add_chart(app, chosen);
+    add_stability(app, chosen);
     add_not_yet(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
     const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });

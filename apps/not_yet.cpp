@@ -8,7 +8,7 @@ namespace seldinger::apps {
 
 void add_not_yet(CLI::App& app, Command& chosen)
 {
-    for (const char* name : {"plan", "batch", "bench", "chart", "stability"}) {
+    for (const char* name : {"plan", "bench"}) {
         CLI::App* command = app.add_subcommand(name, "not available yet");
         command->prefix_command();  // takes everything that follows
         command->callback([name, &chosen] {

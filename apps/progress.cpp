@@ -1,6 +1,7 @@
 #include "progress.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <unistd.h>
 
 namespace seldinger::apps {
@@ -21,6 +22,29 @@ void Progress::show(const Recorder& recorder, double wall)
     const double done = static_cast<double>(recorder.tally().steps), all = static_cast<double>(scene_.steps());
     fmt::print(stderr, "\r\033[Kstep {:.0f} of {:.0f}, inserted {:.2f} cm, {:.2f} x real time, {:.0f} s left", done, all,
                1e2 * recorder.readings().inserted, done * scene_.dt / wall, wall * (all - done) / done);
+    drawn_ = true;
+}
+
+BatchProgress::BatchProgress(std::size_t runs, bool quiet) : runs_(runs), on_(!quiet && isatty(STDERR_FILENO)) {}
+
+BatchProgress::~BatchProgress()
+{
+    if (drawn_) fmt::print(stderr, "\r\033[K");
+}
+
+void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate)
+{
+    if (!on_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return;
+    next_ = now + std::chrono::milliseconds(250);
+    // runs of one world end together: within it the steps tell how far they are
+    const double inside = static_cast<double>(state.step_count()) / static_cast<double>(std::max(1L, state.steps_in_all()));
+    const double fraction = (static_cast<double>(done) + inside * static_cast<double>(state.running())) / static_cast<double>(runs_);
+    constexpr int width = 24;
+    const int filled = std::min(width, static_cast<int>(fraction * width));
+    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled, "", width - filled,
+               done, runs_, world + 1, worlds, state.step_count(), state.steps_in_all(), rate);
     drawn_ = true;
 }
 

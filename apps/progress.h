@@ -2,6 +2,7 @@
 // One line on stderr that follows a run; nothing when stderr is not a terminal.
 
 #include "scene/recorder.h"
+#include "study/batch.h"
 
 #include <chrono>
 
@@ -18,6 +19,22 @@ public:
 
 private:
     const Scene& scene_;
+    bool on_ = false, drawn_ = false;
+    std::chrono::steady_clock::time_point next_{};
+};
+
+/// The same for a batch, with a bar of the runs that are done.
+class BatchProgress {
+public:
+    BatchProgress(std::size_t runs, bool quiet);
+    ~BatchProgress();
+    BatchProgress(const BatchProgress&) = delete;
+    BatchProgress& operator=(const BatchProgress&) = delete;
+    /// @param done  runs  @param world  index of the one being run, of `worlds`  @param rate  wire-steps per second so far
+    void show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate);
+
+private:
+    std::size_t runs_;
     bool on_ = false, drawn_ = false;
     std::chrono::steady_clock::time_point next_{};
 };

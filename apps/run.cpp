@@ -10,6 +10,16 @@
 
 namespace seldinger::apps {
 
+void add_limits(CLI::App& command, double& time_limit, int& device)
+{
+    command.add_option("--time-limit", time_limit, "stop after so many seconds, state saved, exit 75")
+        ->type_name("S")
+        ->check([](const std::string& text) { return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected"; });
+    command.add_option("--device", device, "OpenCL device, as `seldinger devices` lists them")
+        ->type_name("N")
+        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+}
+
 void add_run(CLI::App& app, Command& chosen)
 {
     struct Options {
@@ -26,12 +36,7 @@ void add_run(CLI::App& app, Command& chosen)
         ->allow_extra_args(false);
     auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
-    run->add_option("--time-limit", options->run.time_limit, "stop after so many seconds, state saved, exit 75")
-        ->type_name("S")
-        ->check([](const std::string& text) { return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected"; });
-    run->add_option("--device", options->run.device, "OpenCL device, as `seldinger devices` lists them")
-        ->type_name("N")
-        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+    add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
     run->callback([options, &chosen] {

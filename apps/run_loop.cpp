@@ -15,24 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
-// A moving wire can stand still for a step where it turns round; that it does so for this many in a row is rest.
-constexpr long steps_at_rest = 10;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
-double end_of_prescribed_motion(const Scene& scene)
-{
-    double end = 0;
-    const auto include = [&](const auto& rows) {
-        if (!rows.empty()) end = std::max(end, rows.back()[0]);
-    };
-    if (scene.feed.on) end = scene.feed.keys.back().t;
-    for (const HoldSpec& hold : scene.holds) include(hold.move), include(hold.turn);
-    for (const LinkSpec& link : scene.links) include(link.move);
-    for (const LoadSpec& load : scene.loads) end = std::max(end, load.ramp);
-    return end;
-}
 
 /// Which setting helps, by what went wrong.
 std::string advice(const StepReport& report, bool settling)
@@ -59,7 +43,7 @@ public:
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
         const long steps = scene_.steps();
-        const double moving_until = end_of_prescribed_motion(scene_);
+        const double moving_until = prescribed_until(scene_);
         for (bool first = true; recorder_.tally().steps < steps; first = false) {
             if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
             if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit) return stop(RunStatus::TimeLimit);

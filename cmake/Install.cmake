@@ -6,6 +6,7 @@ if(TARGET seldinger_app)
 endif()
 install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger FILES_MATCHING PATTERN "*.h" PATTERN "view" EXCLUDE)
 install(DIRECTORY kernels/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/seldinger)
 install(EXPORT SeldingerTargets NAMESPACE Seldinger:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Seldinger)
 configure_package_config_file(cmake/SeldingerConfig.cmake.in ${CMAKE_BINARY_DIR}/SeldingerConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Seldinger)

@@ -3,6 +3,7 @@
 
 #include "contact/contact_spec.h"
 #include "rod/rod_arrays.h"
+#include "solve/momentum.h"
 #include "solve/solve_spec.h"
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"
@@ -64,11 +65,34 @@ enum StepFlag : unsigned {
 };
 
 /// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.
-struct StageTimes { double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0; };  // [s]
+struct StageTimes {  // [s]
+    double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0;
+    StageTimes& operator+=(const StageTimes& other)
+    {
+        detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;
+        solve += other.solve, wall += other.wall, adapt += other.adapt;
+        return *this;
+    }
+    StageTimes& operator-=(const StageTimes& other)
+    {
+        detect -= other.detect, evaluate -= other.evaluate, reduce -= other.reduce;
+        solve -= other.solve, wall -= other.wall, adapt -= other.adapt;
+        return *this;
+    }
+};
 
+/// How one wire fared in a step.
+struct WireReport {
+    unsigned flags = StepOk;
+    int newton_iterations = 0;     // of the worst sub-step
+    int sub_steps = 1;
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
+};
+
+/// The worst of all wires, all flags together.
 struct StepReport {
     unsigned flags = StepOk;
-    int newton_iterations = 0;     // worst wire
+    int newton_iterations = 0;
     int sub_steps = 1;
     StageTimes times;
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
@@ -88,7 +112,8 @@ struct WireReadings {
     double outside = 0;            // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
     double remesh_energy = 0;      // accumulated [J]
-    double force_residual = 0;     // [N]
+    double force_residual = 0;     // largest left on a free node [N]
+    MomentumBalance momentum;      // of the last sub-step
 };
 
 class World {
@@ -99,17 +124,26 @@ public:
 
     [[nodiscard]] int wire_count() const;
     [[nodiscard]] double time() const;
+    [[nodiscard]] double time(int wire) const;  // of a wire that failed or retired, where it stopped
     [[nodiscard]] long step_count() const;
     [[nodiscard]] const WorldSetup& setup() const;
     [[nodiscard]] RodView rod(int wire) const;
     [[nodiscard]] WireReadings readings(int wire) const;
+    /// Of the last step() or settle().
+    [[nodiscard]] const WireReport& report(int wire) const;
+    /// The wire stays as it is from now on: later steps leave it out. Not part of the saved state.
+    void retire(int wire);
+    [[nodiscard]] bool retired(int wire) const;
     [[nodiscard]] const std::vector<ContactRow>& contacts() const;   // all wires, fetched from the device on demand
     /// Contact force on each node of a wire [n] [N].
     [[nodiscard]] std::vector<Vec3> nodal_contact_force(int wire) const;
     /// True when the wire is at rest: static residual met or kinetic energy below tolerance (scene until = "rest").
     [[nodiscard]] bool at_rest() const;
+    [[nodiscard]] bool at_rest(int wire) const;
     /// 64-bit FNV-1a over every byte of the final state, friction anchors included, as 16 hex digits.
     [[nodiscard]] std::string state_hash() const;
+    /// The hash that this wire would have in a world of its own.
+    [[nodiscard]] std::string state_hash(int wire) const;
     /// Every changing byte, for checkpoints; restore() needs a world made from the same setup.
     [[nodiscard]] std::vector<std::uint8_t> save_state() const;
     void restore_state(const std::vector<std::uint8_t>& bytes);

@@ -1,5 +1,6 @@
 #include "step_stages.h"
 
+#include "core/parallel.h"
 #include "vessel/repair.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@ namespace seldinger {
 
 namespace {
 
+constexpr double most_feed_parts = 4096;
 constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
 
 using Clock = std::chrono::steady_clock;
@@ -17,17 +19,19 @@ using Clock = std::chrono::steady_clock;
 // Feeding and holds at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
 void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
 {
-    for (int w = 0; w < state.wire_count(); ++w) {
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
         state.live[w] = state.active[w] = mask[w];
-        if (!mask[w]) continue;
+        if (!mask[w]) return;
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
+        const Vec3 before = momentum(state.rods.view(w));
         if (state.feeds[w].on) feed_to(state.feeds[w], setup.feed, setup.wire, state.rods, w, t, h);
         if (state.feeds[w].on && !state.feeds[w].inside) state.live[w] = state.active[w] = 0;
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
-    }
+        state.momentum_start[w] = {before, momentum(rod) - before};
+    });
 }
 
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
@@ -47,7 +51,12 @@ void start_acceleration(World::Impl& state)
 
 }  // namespace
 
-WireMask everyone(const World::Impl& state) { return WireMask(state.wire_count(), 1); }
+WireMask everyone(const World::Impl& state)
+{
+    WireMask mask(state.wire_count());
+    for (int w = 0; w < state.wire_count(); ++w) mask[w] = !state.retired[w];
+    return mask;
+}
 
 void clear_timers(World::Impl& state)
 {
@@ -66,11 +75,26 @@ void collect_timers(World::Impl& state, StepReport& report)
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
-    for (int w = 0; w < state.wire_count(); ++w) state.save_wire(w);
+    for_each_item(state.wire_count(), wire_grain, [&](int w) { state.save_wire(w); });
     state.contact_in_solve = 0;
+    state.wire_reports.assign(state.wire_count(), WireReport{});
 }
 
-WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
+namespace {
+
+/// Into the wire's own report and that of the step.
+void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1)
+{
+    const auto add_to = [&](auto& to) {
+        to.flags |= flags;
+        to.newton_iterations = std::max(to.newton_iterations, newton_iterations);
+        to.sub_steps = std::max(to.sub_steps, sub_steps);
+    };
+    add_to(state.wire_reports[wire]);
+    add_to(report);
+}
+
+WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
     if (state.contact) state.contact->begin_step(state.rods);
     feed_and_constrain(state, h, mask);
@@ -91,27 +115,25 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
-        report.newton_iterations = std::max(report.newton_iterations, solved.iterations);
-        if (solved.best_effort) report.flags |= StepBestEffort;
+        note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
         if (solved.converged) continue;
         failed[w] = 1;
         done[w] = 0;
         any_failed = true;
-        if (depth == most_halvings) report.flags |= solved.non_finite ? StepNonFinite : StepNotConverged;
+        if (depth == most_halvings) note(state, report, w, solved.non_finite ? StepNonFinite : StepNotConverged);
+        else note(state, report, w, StepHalved, 0, 2 << depth);
     }
     if (state.contact) state.contact->commit(done);
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (!done[w]) continue;
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        if (!done[w]) return;
         state.wire_time[w] += h;
-        state.read_results(w);
-    }
+        state.read_results(w, h);
+    });
     if (!any_failed) return failed;
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
     if (depth == most_halvings) return failed;
-    report.flags |= StepHalved;
-    report.sub_steps = std::max(report.sub_steps, 2 << depth);
-    WireMask lost = advance(state, h / 2, failed, report, depth + 1), rest = failed;
+    WireMask lost = advance_or_halve(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!failed[w]) continue;
@@ -120,10 +142,12 @@ WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport&
         any_left = any_left || rest[w];
     }
     if (!any_left) return lost;
-    const WireMask lost_later = advance(state, h / 2, rest, report, depth + 1);
+    const WireMask lost_later = advance_or_halve(state, h / 2, rest, report, depth + 1);
     for (int w = 0; w < state.wire_count(); ++w) lost[w] = lost[w] || lost_later[w];
     return lost;
 }
+
+}  // namespace
 
 void find_equilibrium(World::Impl& state, StepReport& report)
 {
@@ -134,7 +158,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->begin_step(state.rods);
     }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
+        state.live[w] = state.active[w] = all[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -147,10 +171,10 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     WireMask done = all;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        report.newton_iterations = std::max(report.newton_iterations, state.reports[w].iterations);
+        note(state, report, w, StepOk, state.reports[w].iterations);
         if (state.reports[w].converged) continue;
         done[w] = 0;
-        report.flags |= state.reports[w].non_finite ? StepNonFinite : StepNotConverged;
+        note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
         state.restore_wire(w);
     }
     if (state.contact) {
@@ -158,7 +182,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->set_all_stuck(false);
     }
     for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) state.read_results(w);
+        if (done[w]) state.read_results(w, 0);
 }
 
 namespace {
@@ -225,6 +249,37 @@ BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
     return limits;
 }
 
+void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes)
+{
+    const WireSpec& spec = state.setup.wires[w].wire;
+    NodeAdapter& adapter = state.adapters[w];
+    constrain_now(state, w);
+    const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
+    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps,
+                                         spec.place.rest_is_placed && !state.feeds[w].on);
+    constrain_now(state, w);
+    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
+    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
+    state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
+}
+
+// A law that never overlaps takes no change of nodes that would put the wire into the wall: it waits until the wire has moved on.
+// @param change  returns whether it did anything     @return whether something was done, and stands
+template <class Change>
+bool where_clear(World::Impl& state, int w, Change change)
+{
+    if (!state.contact || !state.contact->never_overlaps()) return change();
+    state.save_wire(w);
+    state.nodal_backup = state.results[w].nodal_contact;
+    const double energy = state.remesh_energy[w];
+    if (!change()) return false;
+    if (state.contact->is_clear(state.rods, w)) return true;
+    state.restore_wire(w);
+    state.results[w].nodal_contact = state.nodal_backup;
+    state.remesh_energy[w] = energy;
+    return false;
+}
+
 void adapt_wire(World::Impl& state, int w, double dt)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
@@ -238,32 +293,87 @@ void adapt_wire(World::Impl& state, int w, double dt)
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
-    if (fed && adapt_base(state, w, base_limits(state, w, demands))) demands.may_refine = demands.may_merge = false;
+    if (fed && where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, demands)); }))
+        demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return;
-    constrain_now(state, w);
-    const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt +=
-        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !fed);
-    constrain_now(state, w);
-    int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
-    for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
-    state.remesh_energy[w] += energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames) - before;
+    if (!state.contact || !state.contact->never_overlaps()) return change_nodes(state, w, changes);
+    for (std::size_t k = 0; k < changes.size(); ++k)
+        (void)where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; });
+}
+
+void adapt_one(World::Impl& state, int w, double dt)
+{
+    FeedState& feed = state.feeds[w];
+    if (feed.on && !feed.inside) return;
+    if (state.adapters[w].on)
+        adapt_wire(state, w, dt);
+    else if (feed.on)
+        (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
+}
+
+// In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
+// base edge, of which there is at least half an edge, or the shortest one when nodes are adaptive.
+int feed_parts(const World::Impl& state, int w, double h)
+{
+    const FeedState& feed = state.feeds[w];
+    if (!feed.on) return 1;
+    const FeedSpec& spec = state.setup.wires[w].feed;
+    const double pushed = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, +1);
+    const double pulled = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, -1);
+    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (shortest / 2)) - 1e-9);
+    return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
+}
+
+WireMask advance_in_parts(World::Impl& state, double h, int parts, WireMask going, StepReport& report)
+{
+    const WireMask asked = going;
+    for (int k = 0; k < parts; ++k) {
+        for (int w = 0; w < state.wire_count() && k > 0; ++w) {
+            if (!going[w]) continue;
+            adapt_one(state, w, h / parts);
+            state.save_wire(w);
+        }
+        const WireMask lost = advance_or_halve(state, h / parts, going, report, 0);
+        for (int w = 0; w < state.wire_count(); ++w) going[w] = going[w] && !lost[w];
+    }
+    WireMask lost(asked.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!asked[w]) continue;
+        lost[w] = !going[w];
+        note(state, report, w, StepOk, 0, parts);
+    }
+    return lost;
 }
 
 }  // namespace
 
+WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
+{
+    std::vector<int> parts(mask.size(), 0);  // 0: not asked for, or done
+    int most = 0;
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w]) most = std::max(most, parts[w] = feed_parts(state, w, h));
+    if (most == 1) return advance_or_halve(state, h, mask, report, 0);
+    WireMask lost(mask.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {  // all that go in as many parts go together
+        const int here = parts[w];
+        if (here == 0) continue;
+        WireMask together(mask.size(), 0);
+        for (int other = w; other < state.wire_count(); ++other)
+            if (parts[other] == here) together[other] = 1, parts[other] = 0;
+        const WireMask now = advance_in_parts(state, h, here, together, report);
+        for (int other = 0; other < state.wire_count(); ++other) lost[other] = lost[other] || now[other];
+    }
+    return lost;
+}
+
 void adapt_nodes(World::Impl& state, double dt)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < state.wire_count(); ++w) {
-        FeedState& feed = state.feeds[w];
-        if (feed.on && !feed.inside) continue;
-        if (state.adapters[w].on)
-            adapt_wire(state, w, dt);
-        else if (feed.on)
-            adapt_base(state, w, BaseEdge::uniform(feed.edge));
-    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (!state.retired[w]) adapt_one(state, w, dt);
     state.adapt_time += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -307,11 +417,12 @@ void check_state(World::Impl& state, StepReport& report)
 {
     state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
     for (int w = 0; w < state.wire_count(); ++w) {
+        if (state.retired[w]) continue;
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) report.flags |= StepNonFinite;
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) note(state, report, w, StepNonFinite);
         if (needs_audit(state, w)) audit_outside(state, w);
-        if (state.results[w].contact.outside > 0) report.flags |= StepWallPenetration;
+        if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }
 }
 

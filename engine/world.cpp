@@ -4,6 +4,7 @@
 
 #include "core/bytes.h"
 #include "core/error.h"
+#include "core/fnv1a.h"
 #include "device/enumerate.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
@@ -137,8 +138,11 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     reports.resize(count);
     active.assign(count, 1);
     live.assign(count, 1);
+    retired.assign(count, 0);
+    wire_reports.resize(count);
     wire_time.assign(count, 0.0);
     time_backup.assign(count, 0.0);
+    momentum_start.resize(count);
     remesh_energy.assign(count, 0.0);
     results.resize(count);
     backup.resize(count);
@@ -169,7 +173,7 @@ void World::Impl::restore_wire(int wire)
     wire_time[wire] = time_backup[wire];
 }
 
-void World::Impl::read_results(int wire)
+void World::Impl::read_results(int wire, double h)
 {
     WireResult& result = results[wire];
     const RodView rod = rods.view(wire);
@@ -178,6 +182,7 @@ void World::Impl::read_results(int wire)
     if (feeds[wire].on && !feeds[wire].inside) {
         result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
         result.base_force = Vec3::Zero();
+        result.momentum = {};
         return;
     }
     if (contact) {
@@ -196,6 +201,8 @@ void World::Impl::read_results(int wire)
     result.elastic = solver->elastic_energy(wire);
     result.gravitational = solver->potential_energy(wire);
     result.residual = reports[wire].residual;
+    result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
+                                       result.nodal_contact, momentum_start[wire], h);
 }
 
 World::World(WorldSetup setup)
@@ -209,6 +216,7 @@ World::World(World&&) noexcept = default;
 
 int World::wire_count() const { return impl_->wire_count(); }
 double World::time() const { return impl_->time; }
+double World::time(int wire) const { return impl_->wire_time[wire]; }
 long World::step_count() const { return impl_->steps; }
 const WorldSetup& World::setup() const { return impl_->setup; }
 RodView World::rod(int wire) const { return impl_->rods.view(wire); }
@@ -240,8 +248,13 @@ WireReadings World::readings(int wire) const
     r.gravitational = result.gravitational;
     r.remesh_energy = impl_->remesh_energy[wire];
     r.force_residual = result.residual;
+    r.momentum = result.momentum;
     return r;
 }
+
+const WireReport& World::report(int wire) const { return impl_->wire_reports[wire]; }
+void World::retire(int wire) { impl_->retired[wire] = 1; }
+bool World::retired(int wire) const { return impl_->retired[wire] != 0; }
 
 const std::vector<ContactRow>& World::contacts() const
 {
@@ -258,19 +271,37 @@ std::vector<Vec3> World::nodal_contact_force(int wire) const
 
 // A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
 // with (elastic, and its weight lifted by its own length).
-bool World::at_rest() const
+bool World::at_rest(int wire) const
 {
     if (impl_->setup.integrator.scheme == Scheme::Static) return true;
     if (impl_->steps == 0) return false;
-    for (int w = 0; w < impl_->wire_count(); ++w) {
-        const WireResult& result = impl_->results[w];
-        const RodView rod = impl_->rods.view(w);
-        double mass = 0;
-        for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
-        const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
-        if (result.kinetic > 1e-8 * scale) return false;
-    }
+    const WireResult& result = impl_->results[wire];
+    const RodView rod = impl_->rods.view(wire);
+    double mass = 0;
+    for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
+    const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
+    return result.kinetic <= 1e-8 * scale;
+}
+
+bool World::at_rest() const
+{
+    for (int w = 0; w < impl_->wire_count(); ++w)
+        if (!at_rest(w)) return false;
     return true;
+}
+
+void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
+{
+    const std::int32_t n = rods.node_count(wire);
+    put_bytes(bytes, &n, 1);
+    put_bytes(bytes, &wire_time[wire], 1);
+    put_bytes(bytes, &remesh_energy[wire], 1);
+    put_feed(bytes, feeds[wire]);
+    const Solver::SpinRecord& spins = solver->spin_record(wire);
+    const std::int32_t waits[2] = {spins.wait, spins.last_wait};
+    put_bytes(bytes, waits, 2);
+    // views are of changeable arrays; these only read
+    for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
 }
 
 std::vector<std::uint8_t> World::save_state() const
@@ -280,17 +311,7 @@ std::vector<std::uint8_t> World::save_state() const
     put_bytes(bytes, &s.time, 1);
     const std::int64_t steps = s.steps;
     put_bytes(bytes, &steps, 1);
-    for (int w = 0; w < s.wire_count(); ++w) {
-        const std::int32_t n = s.rods.node_count(w);
-        put_bytes(bytes, &n, 1);
-        put_bytes(bytes, &s.wire_time[w], 1);
-        put_bytes(bytes, &s.remesh_energy[w], 1);
-        put_feed(bytes, s.feeds[w]);
-        const Solver::SpinRecord& spins = s.solver->spin_record(w);
-        const std::int32_t waits[2] = {spins.wait, spins.last_wait};
-        put_bytes(bytes, waits, 2);
-        for (const std::span<double>& array : s.rods.arrays(w)) put_bytes(bytes, array.data(), array.size());
-    }
+    for (int w = 0; w < s.wire_count(); ++w) s.put_wire(bytes, w);
     if (s.contact) s.contact->save(bytes);
     return bytes;
 }
@@ -323,11 +344,24 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
     if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
-std::string World::state_hash() const
+namespace {
+
+std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
+
+}  // namespace
+
+std::string World::state_hash() const { return hash_of(save_state()); }
+
+std::string World::state_hash(int wire) const
 {
-    std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
-    for (const std::uint8_t byte : save_state()) hash = (hash ^ byte) * 0x100000001b3ull;
-    return fmt::format("{:016x}", hash);
+    const Impl& s = *impl_;
+    std::vector<std::uint8_t> bytes;
+    put_bytes(bytes, &s.wire_time[wire], 1);  // alone, its time is the world's
+    const std::int64_t steps = s.steps;
+    put_bytes(bytes, &steps, 1);
+    s.put_wire(bytes, wire);
+    if (s.contact) s.contact->save_wire(bytes, wire);
+    return hash_of(bytes);
 }
 
 std::vector<std::pair<std::string, std::string>> World::model() const

@@ -22,6 +22,7 @@ struct WireResult {
     Vec3 base_force = Vec3::Zero();
     double kinetic = 0, elastic = 0, gravitational = 0;
     double residual = 0;
+    MomentumBalance momentum;
 };
 
 /// What a wire's nodes are adapted with.
@@ -51,10 +52,14 @@ struct World::Impl {
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
+    std::vector<std::uint8_t> retired;          // per wire: left out of every step
+    std::vector<WireReport> wire_reports;       // per wire, of the present step
     std::vector<std::vector<double>> backup;    // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
+    std::vector<Vec3> nodal_backup;             // of the wire whose nodes are being changed
+    std::vector<MomentumStart> momentum_start;  // per wire, of the present sub-step
     std::vector<WireResult> results;            // per wire
     std::vector<ContactRow> rows;               // what contacts() last returned
     double solve_time = 0, adapt_time = 0, contact_in_solve = 0;  // of the present step [s]
@@ -64,7 +69,9 @@ struct World::Impl {
     [[nodiscard]] int wire_count() const { return rods.wire_count(); }
     void save_wire(int wire);
     void restore_wire(int wire);
-    void read_results(int wire);
+    /// @param h  of the sub-step that was taken [s], 0: an equilibrium
+    void read_results(int wire, double h);
+    void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
 };
 
 }  // namespace seldinger

@@ -3,6 +3,7 @@
 #include "contact/wall_law.h"
 #include "core/bytes.h"
 #include "core/error.h"
+#include "core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -54,14 +55,16 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     for (const SampleModel& m : samples_.models) least = std::min(least, m.radius);
     params_.slots = first_slots;
     params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
+    params_.normal_law = kernel_law(setup.wires[0].contact.normal);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
-    params_.reach = 0.1 * least;
     slack_ = 0.4 * least;
-    skin_ = params_.reach + slack_;
+    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
+    list_margin_ = slack_ + (params_.normal_law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0);
     cull_x_.assign(n, std::numeric_limits<double>::quiet_NaN());
     cull_y_ = cull_z_ = cull_x_;
     counts_.assign(n, 0);
+    listed_.assign(n, 0);
     to_find_.reserve(n);
     active_.reserve(n);
     const std::size_t most_edges = rods.total_capacity();
@@ -81,6 +84,9 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     edge_buffer_ = device::Buffer(context, most_edges * sizeof(EdgeForce));
     touches_t0_ = device::Buffer(context, 2 * n * sizeof(TouchState));
     touches_ = device::Buffer(context, 2 * n * sizeof(TouchState));
+    no_multipliers_ = device::Buffer(context, sizeof(HardState));
+    if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, samples_, rods.total_capacity());
+    else if (params_.normal_law != SEL_NORMAL_DAMPED) multipliers_.emplace(context, samples_.total());
     context_.write(device::Lane::Light, models_, samples_.models.data(), bytes_of(samples_.models));
     context_.finish(device::Lane::Light);
     warm_up();
@@ -96,13 +102,15 @@ void CapsuleContact::warm_up()
         launch_find(at, 1, none);
         launch_evaluate(at, 1, none);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
+        if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
+        if (barrier_) barrier_->warm_up(at, none, sample_buffers());
         context_.finish(at);
     }
 }
 
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
-    find_.launch(at, items, par, real(skin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
                  wall_.vertices, candidates_, count_buffer_);
 }
 
@@ -110,7 +118,13 @@ void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const C
 {
     evaluate_.launch(at, items, par, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
                      nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
-                     nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_);
+                     nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
+                     multipliers_ ? multipliers_->states() : no_multipliers_);
+}
+
+SampleBuffers CapsuleContact::sample_buffers() const
+{
+    return {models_, places_, active_list_, candidates_, count_buffer_, touches_t0_, touches_, wall_, nodes_};
 }
 
 device::Lane CapsuleContact::lane(std::size_t samples) const
@@ -120,32 +134,76 @@ device::Lane CapsuleContact::lane(std::size_t samples) const
 
 void CapsuleContact::begin_step(RodArrays& rods)
 {
-    for (int w = 0; w < rods.wire_count(); ++w) {
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
         for (int i = 0; i < rod.n; ++i)
             nodes_t0_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
         place_samples(samples_, w, rod, begin, true);
-    }
+    });
 }
 
 void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 {
     const auto start = Clock::now();
-    for (int w = 0; w < rods.wire_count(); ++w) {
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
         place_samples(samples_, w, rod, begin, false);
         if (!live[w]) samples_.wires[w].live = 0;
         for (int i = 0; i < rod.n; ++i)
             nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
-    }
+    });
     list_stale_ = true;
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
     context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
     find_candidates(false);
+    if (multipliers_) multipliers_->begin();
+    if (barrier_) start_barrier();
     times.detect += since(start);
+}
+
+void CapsuleContact::start_barrier()
+{
+    const device::Lane at = lane(active_.size());
+    context_.enter(at);
+    nodes_.upload(context_, at);
+    barrier_->begin(at, params_, sample_buffers(), samples_, active_);
+    barrier_->take(nodes_, 0, static_cast<int>(nodes_.theta.size()));
+    context_.write(at, places_, samples_.places.data(), bytes_of(samples_.places));
+    context_.finish(at);
+}
+
+// Between steps: places and lists are made anew when the next one begins.
+bool CapsuleContact::is_clear(RodArrays& rods, int wire)
+{
+    const RodView rod = rods.view(wire);
+    const int begin = rods.node_begin(wire);
+    place_samples(samples_, wire, rod, begin, false);
+    for (int i = 0; i < rod.n; ++i) nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], 0, wall_.centre);
+    list_stale_ = true;
+    context_.enter(device::Lane::Light);
+    context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
+    find_candidates(false);
+    const device::Lane at = lane(active_.size());
+    context_.enter(at);
+    nodes_.upload(context_, at);
+    return barrier_->is_clear(at, params_, sample_buffers(), samples_, active_, wire);
+}
+
+void CapsuleContact::take(int wire)
+{
+    if (barrier_) barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+}
+
+bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
+{
+    if (!multipliers_ || active_.empty()) return false;
+    const auto start = Clock::now();
+    const bool any = multipliers_->update(lane(active_.size()), params_, sample_buffers(), samples_, solved, again);
+    times.evaluate += since(start);
+    return any;
 }
 
 Vec3 CapsuleContact::sample_position(int sample) const
@@ -207,7 +265,9 @@ void CapsuleContact::rebuild_active_list()
         sums_.wire_edges[w] = static_cast<int>(sums_.edge_node.size());
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
-            if (counts_[s] == 0) continue;
+            // once evaluated in this step, always: a record that an earlier trial wrote would pass for the last one's
+            if (counts_[s] == 0 && listed_[s] != wire.stamp) continue;
+            listed_[s] = wire.stamp;
             const std::uint32_t edge = samples_.places[s].edge;
             if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
                 sums_.edge_node.push_back(edge);
@@ -228,11 +288,11 @@ void CapsuleContact::rebuild_active_list()
 
 void CapsuleContact::set_nodes(const TrialState& trial)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         const int begin = rods_.node_begin(w);
         for (int i = begin; i < begin + rods_.node_count(w); ++i)
             nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
-    }
+    });
 }
 
 void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
@@ -248,6 +308,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         nodes_.upload(context_, at);
         params_.item_count = static_cast<uint>(active_.size());
         params_.inv_dt = h > 0 ? 1 / h : 0;
+        if (multipliers_) multipliers_->before_evaluation(at, params_, sample_buffers());
         launch_evaluate(at, active_.size(), params_);
         if (at == device::Lane::Light) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
             context_.finish(at);
@@ -259,13 +320,17 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         context_.read(at, edge_buffer_, sums_.edges.data(), edges * sizeof(EdgeForce));
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
     }
+    if (!barrier_) return;
+    start = Clock::now();
+    barrier_->sweep(at, params_, sample_buffers(), samples_, active_);
+    times.detect += since(start);
 }
 
 // Samples of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
 // one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
 double CapsuleContact::move_limit(int wire) const
 {
-    if (!swept_) return std::numeric_limits<double>::infinity();
+    if (!swept_ && !barrier_) return std::numeric_limits<double>::infinity();
     double limit = std::numeric_limits<double>::infinity();
     const WireSamples& s = samples_.wires[wire];
     for (int k = s.begin; k < s.begin + s.capacity; ++k) limit = std::min(limit, 0.45 * samples_.models[k].radius);
@@ -278,27 +343,31 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
         std::swap(touches_t0_, touches_);
     } else {
         context_.enter(device::Lane::Light);
-        for (std::size_t w = 0; w < active.size(); ++w) {
-            const WireSamples& wire = samples_.wires[w];
-            const std::size_t record = 2 * sizeof(TouchState);
-            if (active[w])
-                context_.copy(device::Lane::Light, touches_, touches_t0_, wire.capacity * record, wire.begin * record);
+        constexpr std::size_t record = 2 * sizeof(TouchState);
+        for (std::size_t w = 0; w < active.size();) {  // neighbours go together
+            const std::size_t first = w;
+            std::size_t samples = 0;
+            for (; w < active.size() && active[w]; ++w) samples += samples_.wires[w].capacity;
+            context_.copy(device::Lane::Light, touches_, touches_t0_, samples * record, samples_.wires[first].begin * record);
+            while (w < active.size() && !active[w]) ++w;
         }
         context_.finish(device::Lane::Light);
     }
+    if (barrier_) barrier_->commit(samples_, active);
     for (std::size_t w = 0; w < active.size(); ++w)
         if (active[w]) samples_.wires[w].stamp++;
 }
 
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 {
-    const std::vector<TouchState> touches = living_touches();
+    const std::vector<TouchState> touches = living_touches(0, rods.wire_count());
     std::vector<ContactRow> rows;
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireSamples& wire = samples_.wires[w];
         const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
         int edge = 0;
-        for (int k = 0; k < wire.live; ++k) {
+        // by the records, not by `live`: in the last sub-step this wire may have had no part
+        for (int k = 0; k < wire.capacity; ++k) {
             const int s = wire.begin + k;
             while (edge < rod.n - 2 && wire.s[k] > rod.material_s[edge + 1]) ++edge;
             for (int side = 0; side < 2; ++side) {
@@ -326,11 +395,24 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
     return rows;
 }
 
+std::string CapsuleContact::describe_law(const SampleModel& m) const
+{
+    const double k = m.hard_stiffness, um = 1e6 * m.hard_length;
+    switch (params_.normal_law) {
+        case SEL_NORMAL_AUGMENTED: return fmt::format("augmented, k from {:.3g} N/m^2 per metre, overlap to {:.3g} um", k, um);
+        case SEL_NORMAL_CONSTRAINT: return fmt::format("constraint, to {:.3g} um of overlap and of stuck slip", um);
+        case SEL_NORMAL_IMPULSE: return fmt::format("impulse, restitution {:.3g} to {:.3g} mm/s", m.restitution, 1e3 * m.hard_length);
+        case SEL_NORMAL_BARRIER: return fmt::format("barrier, from a gap of {:.3g} um, kappa {:.3g} N/m^2 per metre", um, k);
+        default: return "damped";
+    }
+}
+
 std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() const
 {
     const WireSamples& wire = samples_.wires[0];
     const SampleModel& m = samples_.models[wire.begin + wire.capacity - 1];
     return {{"contact samples", fmt::format("{} over the whole wire, {:.3g} mm apart", wire.capacity, 1e3 * wire.spacing)},
+            {"normal law", describe_law(m)},
             {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
             {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
             {"friction stiffness", fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)",
@@ -339,30 +421,45 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
 }
 
 // Records that no contact of the last step wrote are leftovers: they have no say in what comes, nor may they in the bytes saved.
-std::vector<TouchState> CapsuleContact::living_touches()
+std::vector<TouchState> CapsuleContact::living_touches(int first_wire, int end_wire)
 {
-    std::vector<TouchState> touches(2 * samples_.models.size());
+    const int first = 2 * samples_.wires[first_wire].begin;
+    const int end = 2 * (samples_.wires[end_wire - 1].begin + samples_.wires[end_wire - 1].capacity);
+    std::vector<TouchState> touches(end - first);
     context_.enter(device::Lane::Light);
-    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
-    for (const WireSamples& wire : samples_.wires)
-        for (int k = 2 * wire.begin; k < 2 * (wire.begin + wire.capacity); ++k)
+    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches), first * sizeof(TouchState));
+    for (int w = first_wire; w < end_wire; ++w) {
+        const WireSamples& wire = samples_.wires[w];
+        for (int k = 2 * wire.begin - first; k < 2 * (wire.begin + wire.capacity) - first; ++k)
             if (touches[k].stamp + 1 != wire.stamp) std::memset(&touches[k], 0, sizeof touches[k]);
+    }
     return touches;
 }
 
 void CapsuleContact::save(std::vector<std::uint8_t>& bytes)
 {
-    const std::vector<TouchState> touches = living_touches();
+    const std::vector<TouchState> touches = living_touches(0, static_cast<int>(samples_.wires.size()));
     put_bytes(bytes, touches.data(), touches.size());
     for (const WireSamples& wire : samples_.wires) put_bytes(bytes, &wire.stamp, 1);
+    if (barrier_) barrier_->save(bytes);
 }
 
-// Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond `reach`).
+void CapsuleContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const std::vector<TouchState> touches = living_touches(wire, wire + 1);
+    put_bytes(bytes, touches.data(), touches.size());
+    put_bytes(bytes, &samples_.wires[wire].stamp, 1);
+    if (barrier_) barrier_->save(bytes, samples_.wires[wire]);
+}
+
+// Candidates are found anew: results do not depend on where they were found (nearest_touch reports nothing beyond the reach).
 void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::vector<TouchState> touches(2 * samples_.models.size());
     take_bytes(bytes, end, touches.data(), touches.size());
     for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
+    if (barrier_) barrier_->restore(bytes, end);
+    std::fill(listed_.begin(), listed_.end(), 0);
     std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
     context_.enter(device::Lane::Light);
     context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));

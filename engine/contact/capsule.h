@@ -1,9 +1,11 @@
 #pragma once
 // `capsule`, `swept` and `nodes`: samples of the wire against the exact mesh. See contact_system.h for the order of calls.
 
-#include "contact/contact_system.h"
+#include "contact/barrier_path.h"
+#include "contact/multipliers.h"
 
 #include <chrono>
+#include <optional>
 
 namespace seldinger {
 
@@ -14,36 +16,51 @@ public:
     void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire); }
+    [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && free_way(wire) == 1; }
+    void take(int wire) override;
+    [[nodiscard]] double free_way(int wire) const override { return barrier_ ? barrier_->free_way(wire) : 1.0; }
+    bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] double move_limit(int wire) const override;
+    [[nodiscard]] bool never_overlaps() const override { return barrier_.has_value(); }
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:
     void find_candidates(bool all_live);
     void rebuild_active_list();
-    [[nodiscard]] std::vector<TouchState> living_touches();
+    [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
     void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
     void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par);
     void set_nodes(const TrialState& trial);
     [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
+    [[nodiscard]] SampleBuffers sample_buffers() const;
+    [[nodiscard]] std::string describe_law(const SampleModel& m) const;
+    void start_barrier();
 
     bool swept_;
     DeviceWall wall_;
     SampleSet samples_;
-    double skin_ = 0;   // candidates hold everything within radius + skin of where the sample was when they were found [m]
-    double slack_ = 0;  // how far a sample may move before they are found anew [m]
+    // Candidates hold everything within radius + reach + slack of where the sample was when they were found; it may move by at most
+    // the slack before they are found anew [m].
+    double slack_ = 0;
+    double list_margin_ = 0;  // what they are found with: the slack, and more for the barrier [m]
     std::vector<double> cull_x_, cull_y_, cull_z_;  // [samples] where; NaN: never
     std::vector<std::uint32_t> counts_, to_find_, active_, edge_first_;
+    std::vector<std::uint32_t> listed_;  // [samples] stamp of the last step in which the sample was evaluated
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer models_, places_, candidates_, count_buffer_, find_list_, active_list_, first_buffer_, forces_, barys_, edge_buffer_;
     device::Buffer touches_t0_, touches_;
+    device::Buffer no_multipliers_;             // for the laws that have none
+    std::optional<Multipliers> multipliers_;    // augmented, constraint, impulse
+    std::optional<BarrierPath> barrier_;        // barrier
     bool list_stale_ = true;
 };
 

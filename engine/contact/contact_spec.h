@@ -5,6 +5,14 @@ namespace seldinger {
 
 enum class Detection { Swept, Capsule, Layer, Nodes };
 enum class NormalLaw { HuntCrossley, LankaraniNikravesh, Augmented, Constraint, Impulse, Barrier };
+/// Laws of kernels/shared/hard_law.h: they live on material samples and on Newton's method.
+[[nodiscard]] constexpr bool is_hard(NormalLaw law) { return law >= NormalLaw::Augmented; }
+
+/// Numbers of the laws in kernels/shared/hard_law.h where the user gives none, as fractions of the wire's radius.
+inline constexpr double augmented_overlap = 1e-2, constraint_overlap = 1e-5, barrier_distance = 2e-2;
+/// Barriers act from no farther than this, a fraction of the radius: contact is looked for just there.
+inline constexpr double contact_reach = 0.1;
+
 enum class FrictionLaw { StickSlip, Smooth, Sign, None };
 
 struct ContactSpec {
@@ -15,6 +23,8 @@ struct ContactSpec {
     double stiffness = 0;             // [N/m^(n+1)]: force per metre of wire = stiffness |gap|^n
     double exponent = 1.5;            // n [-]
     double restitution = 0.5;         // (0, 1]
+    double overlap = 0;               // that `augmented` and `constraint` allow [m]; 0: chosen, see contact/wall_law.h
+    double barrier_distance = 0;      // gap from which `barrier` acts [m]; 0: chosen
     double mu_static = 0.12, mu_sliding = 0.10;
     bool rolling = false;
     double rolling_alpha = 0.2;       // hysteresis loss [-] (D10)

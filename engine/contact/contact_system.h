@@ -45,6 +45,10 @@ public:
     virtual void prepare(RodArrays& rods, std::span<const std::uint8_t> live) = 0;
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> active) = 0;
+    /// Whether the law allows no overlap at all, and so no change of nodes that makes one.
+    [[nodiscard]] virtual bool never_overlaps() const { return false; }
+    /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
+    [[nodiscard]] virtual bool is_clear(RodArrays&, int /*wire*/) { return true; }
     void set_all_stuck(bool stuck) { params_.all_stuck = stuck; }
 
     void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const final
@@ -61,6 +65,8 @@ public:
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
     virtual void save(std::vector<std::uint8_t>& bytes) = 0;
+    /// What save() would write in a world of this wire alone.
+    virtual void save_wire(std::vector<std::uint8_t>& bytes, int wire) = 0;
     virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
 
     StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]

@@ -291,6 +291,23 @@ void LayerContact::save(std::vector<std::uint8_t>& bytes)
     put_bytes(bytes, stamps_.data(), stamps_.size());
 }
 
+void LayerContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), Key{static_cast<std::uint32_t>(wire), 0, 0});
+    const auto end = std::lower_bound(first, last_keys_.end(), Key{static_cast<std::uint32_t>(wire) + 1, 0, 0});
+    std::vector<Key> keys(first, end);
+    for (Key& key : keys) key = {0, key.edge - static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
+    std::vector<TouchState> touches(keys.size());
+    context_.enter(light);
+    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState),
+                  static_cast<std::size_t>(first - last_keys_.begin()) * sizeof(TouchState));
+    const std::uint64_t count = touches.size();
+    put_bytes(bytes, &count, 1);
+    put_bytes(bytes, keys.data(), keys.size());
+    put_bytes(bytes, touches.data(), touches.size());
+    put_bytes(bytes, &stamps_[wire], 1);
+}
+
 void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::uint64_t count = 0;

@@ -23,6 +23,7 @@ public:
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:

@@ -27,7 +27,10 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Worl
 {
     const WallTree tree = build_wall_tree(setup.mesh);
     const double lumen_radius = typical_lumen_radius(setup);
-    switch (setup.wires[0].contact.detection) {
+    const ContactSpec& contact = setup.wires[0].contact;
+    if (is_hard(contact.normal) && contact.detection == Detection::Layer)
+        throw Error(ExitCode::BadScene, "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
+    switch (contact.detection) {
         case Detection::Swept:
         case Detection::Capsule:
         case Detection::Nodes: return std::make_unique<CapsuleContact>(context, setup, rods, tree, lumen_radius);

@@ -11,13 +11,26 @@ namespace seldinger {
 
 namespace {
 
+double least_radius(const WireSpec& spec)
+{
+    double radius = spec.shaft.radius;
+    for (const WireSectionRange& range : spec.sections) radius = std::min(radius, range.section.radius);
+    return radius;
+}
+
+/// What the user left open of the lengths in kernels/shared/hard_law.h, the same all along the wire.
+ContactSpec with_lengths(ContactSpec contact, double radius)
+{
+    if (contact.overlap == 0) contact.overlap = (contact.normal == NormalLaw::Constraint ? constraint_overlap : augmented_overlap) * radius;
+    if (contact.barrier_distance == 0) contact.barrier_distance = barrier_distance * radius;
+    return contact;
+}
+
 double sample_spacing(const WireSpec& spec, const ContactSpec& contact)
 {
     if (contact.detection == Detection::Nodes) return uniform_edge(spec);
-    double radius = spec.shaft.radius;
-    for (const WireSectionRange& range : spec.sections) radius = std::min(radius, range.section.radius);
     if (contact.samples_per_edge > 0 && spec.nodes > 1) return spec.length / (spec.nodes - 1) / contact.samples_per_edge;
-    return radius;
+    return least_radius(spec);
 }
 
 }  // namespace
@@ -34,18 +47,23 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
         samples.begin = set.total();
         samples.capacity = stretches + 1;
         samples.s.push_back(0);
-        set.models.push_back(tip_sample(spec.at(0), contacts[w], wall, lumen_radius));
+        const ContactSpec contact = with_lengths(contacts[w], least_radius(spec));
+        const auto add_model = [&, reach = contact_reach * least_radius(spec)](SampleModel model) {
+            model.reach = reach;  // the same all along the wire
+            set.models.push_back(model);
+        };
         // `nodes`: one sample at each control node, with its Voronoi length (the tip's is half an edge)
         const bool at_nodes = contacts[w].detection == Detection::Nodes;
+        add_model(tip_sample(spec.at(0), contact, wall, lumen_radius));
         for (int k = 0; k < stretches; ++k) {
             const double s = (at_nodes ? k : k + 0.5) * samples.spacing;
             const double weight = at_nodes && k == 0 ? samples.spacing / 2 : samples.spacing;
             samples.s.push_back(s);
-            set.models.push_back(line_sample(spec.at(s), contacts[w], wall, lumen_radius, weight));
+            add_model(line_sample(spec.at(s), contact, wall, lumen_radius, weight));
         }
         set.wires.push_back(std::move(samples));
     }
-    set.places.assign(set.models.size(), SamplePlace{0, SEL_NO_EDGE, 0, 0, 0, 0});
+    set.places.assign(set.models.size(), SamplePlace{0, SEL_NO_EDGE, 0, 0, 0, 0, 0});
     return set;
 }
 

@@ -1,6 +1,7 @@
 #include "contact/wall_law.h"
 
 #include "core/check.h"
+#include "shared/contact_law.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,45 @@ void set_scales(SampleModel& m, double own_load)
     m.speed_floor = std::max(m.damping / 2 * std::sqrt(weight_gravity * depth / m.exponent), 1e-12);
 }
 
+constexpr double impulse_speed = 1e-4;  // that may be left in the normal direction [m/s], against feeds of centimetres a second
+
+// hard_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its distance what
+// the wall carries that deep. @param mass  that the sample's law acts on per unit of its weight [kg/m], or [kg] at the tip
+void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
+{
+    const double r = m.radius;
+    m.line_mass = mass;
+    m.restitution = contact.restitution;
+    m.hard_stiffness = m.exponent * m.stiffness * std::pow(r / 100, m.exponent - 1);
+    switch (contact.normal) {
+        case NormalLaw::HuntCrossley:
+        case NormalLaw::LankaraniNikravesh: break;
+        case NormalLaw::Augmented:
+        case NormalLaw::Constraint: m.hard_length = contact.overlap; break;
+        case NormalLaw::Impulse: m.hard_length = impulse_speed; break;
+        case NormalLaw::Barrier: {
+            m.hard_length = contact.barrier_distance;
+            double ignored;
+            m.hard_stiffness = elastic_normal(m.depth_limit / 2, m, &ignored) /
+                               barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);
+        }
+    }
+}
+
 }  // namespace
+
+uint kernel_law(NormalLaw law)
+{
+    switch (law) {
+        case NormalLaw::HuntCrossley:
+        case NormalLaw::LankaraniNikravesh: return SEL_NORMAL_DAMPED;
+        case NormalLaw::Augmented: return SEL_NORMAL_AUGMENTED;
+        case NormalLaw::Constraint: return SEL_NORMAL_CONSTRAINT;
+        case NormalLaw::Impulse: return SEL_NORMAL_IMPULSE;
+        case NormalLaw::Barrier: return SEL_NORMAL_BARRIER;
+    }
+    return SEL_NORMAL_DAMPED;
+}
 
 double exact_damping(double e)
 {
@@ -71,6 +110,12 @@ double line_stiffness(double modulus, double wire_radius, double lumen_radius)
     return 4.0 / 3.0 * modulus * std::sqrt(2 * effective_radius(wire_radius, lumen_radius));
 }
 
+double tip_stiffness(double line, double n, double wire_radius, double lumen_radius)
+{
+    const double beta = std::sqrt(pi) * std::tgamma(n + 0.5) / std::tgamma(n + 1);  // B(1/2, n + 1/2)
+    return line * 2 * pi * wire_radius / ((n + 0.5) * std::sqrt(2 * effective_radius(wire_radius, lumen_radius)) * beta);
+}
+
 double depth_under(double load, double stiffness, double exponent) { return std::pow(load / stiffness, 1 / exponent); }
 
 SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius,
@@ -93,6 +138,7 @@ SampleModel line_sample(const WireSection& section, const ContactSpec& contact, 
     m.mu_static = section.mu_static;
     m.mu_sliding = section.mu_sliding;
     set_scales(m, own_weight(section));
+    set_hard_law(m, contact, own_weight(section) / weight_gravity);
     set_rolling(m, section, contact, wall, effective_radius(section.radius, lumen_radius));
     return m;
 }
@@ -101,14 +147,12 @@ SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, c
 {
     SampleModel m = line_sample(section, contact, wall, lumen_radius, 1.0);
     m.length = 0;
-    if (!contact.stiffness_from_wall) {
-        m.weight = 0;
-        return m;
-    }
-    m.stiffness = pi * foundation_modulus(wall) * section.radius;
-    m.exponent = 2;
+    m.stiffness = contact.stiffness_from_wall ? pi * foundation_modulus(wall) * section.radius
+                                              : tip_stiffness(m.stiffness, m.exponent, section.radius, lumen_radius);
+    m.exponent += 0.5;
     m.roll_arm = 0;  // a ball's end rolls on the line contact behind it
     set_scales(m, own_weight(section) * 10 * section.radius);  // ten radii of wire rest on the tip
+    set_hard_law(m, contact, own_weight(section) / weight_gravity * section.radius);
     return m;
 }
 

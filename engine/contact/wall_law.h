@@ -25,15 +25,24 @@ inline constexpr double weight_gravity = 9.81;
 /// @param lumen_radius  R [m]; infinity for a plane
 [[nodiscard]] double line_stiffness(double modulus, double wire_radius, double lumen_radius);
 
+/// Point law of a wire's round tip on the bed whose line law is `line` depth^n: a bed of pressure p = c depth^(n - 1/2) carries
+///   line  c sqrt(2 r*) B(1/2, n + 1/2) depth^n per metre,     tip  2 pi r c depth^(n + 1/2) / (n + 1/2),
+/// which for n = 3/2, c = k_f is (D6b) and (D6c). @return stiffness [N/m^(n+1/2)] of the tip's law, exponent n + 1/2
+[[nodiscard]] double tip_stiffness(double line, double n, double wire_radius, double lumen_radius);
+
 /// Depth [m] at which k depth^n carries `load`.
 [[nodiscard]] double depth_under(double load, double stiffness, double exponent);
 
-/// Everything that the kernels need for a sample of `weight` metres on this section.
+/// SEL_NORMAL_* of a law.
+[[nodiscard]] uint kernel_law(NormalLaw law);
+
+/// Everything that the kernels need for a sample of `weight` metres on this section; lengths of hard laws as `contact` has them
+/// (make_samples fills in what the user left open).
 [[nodiscard]] SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
                                       double lumen_radius, double weight);
 
-/// The tip's own point law f = pi k_f r depth^2 (D6c), added to its share of the line law. With a stiffness given by the user
-/// there is no such law: its weight is 0.
+/// The tip's own point law f = pi k_f r depth^2 (D6c), added to its share of the line law; with a stiffness given by the user the
+/// law of the same bed (tip_stiffness). Without it a tip pushed head on sinks half a radius before anything behind it touches.
 [[nodiscard]] SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
                                      double lumen_radius);
 

@@ -13,10 +13,6 @@ struct NotBuilt {
 
 constexpr NotBuilt not_built[] = {
     {"vessel.wall", "elastic", "rigid"},
-    {"contact.normal", "augmented", "hunt-crossley"},
-    {"contact.normal", "constraint", "hunt-crossley"},
-    {"contact.normal", "impulse", "hunt-crossley"},
-    {"contact.normal", "barrier", "hunt-crossley"},
 };
 
 }  // namespace

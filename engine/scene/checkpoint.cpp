@@ -1,8 +1,8 @@
 #include "scene/checkpoint.h"
 
 #include "core/bytes.h"
-#include "core/file_io.h"
 #include "core/fnv1a.h"
+#include "core/sealed_file.h"
 
 #include <fmt/format.h>
 
@@ -63,35 +63,15 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c)
     put_list(payload, c.contact_frames);
     put_list(payload, c.state);
 
-    std::vector<std::uint8_t> file;
-    put_bytes(file, magic.data(), magic.size());
-    const std::uint64_t size = payload.size(), hash = fnv1a(payload.data(), payload.size());
-    put_bytes(file, &size, 1);
-    put_bytes(file, payload.data(), payload.size());
-    put_bytes(file, &hash, 1);
-    write_file(path, {reinterpret_cast<const char*>(file.data()), file.size()}, Durable::Yes);
+    write_sealed(path, magic, payload);
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path)
 {
-    const std::string file = read_file(path);
-    const std::size_t frame = magic.size() + 2 * sizeof(std::uint64_t);
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(file.data());
-    std::uint64_t size = 0, hash = 0;
-    bool whole = file.size() >= frame && file.starts_with(magic);
-    if (whole) {
-        std::memcpy(&size, bytes + magic.size(), sizeof size);
-        whole = size == file.size() - frame;
-    }
-    if (whole) {
-        std::memcpy(&hash, bytes + file.size() - sizeof hash, sizeof hash);
-        whole = hash == fnv1a(bytes + magic.size() + sizeof size, size);
-    }
-    if (!whole) throw Error(ExitCode::BadFile, path.string() + ": is damaged or not a checkpoint; run again with --overwrite");
+    const std::vector<std::uint8_t> payload = read_sealed(path, magic);
     Checkpoint checkpoint;
     try {
-        const std::uint8_t* payload = bytes + magic.size() + sizeof size;
-        take_payload(payload, payload + size, checkpoint);
+        take_payload(payload.data(), payload.data() + payload.size(), checkpoint);
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", path.string(), error.what()));
     }

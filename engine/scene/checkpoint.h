@@ -1,6 +1,6 @@
 #pragma once
-// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop.
-// Layout: "SELCKPT1", payload size (UInt64), payload, FNV-1a of the payload (UInt64); little-endian, as in memory.
+// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h) with
+// magic "SELCKPT1".
 
 #include "scene/summary.h"
 

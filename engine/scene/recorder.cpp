@@ -22,7 +22,7 @@ constexpr const char* own_series[] = {"wire_", "contacts_", "frame_"};
 constexpr std::string_view trace_header =
     "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
-    "gravitational_j,flags\n";
+    "gravitational_j,flags,momentum_error_n\n";
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -48,6 +48,10 @@ bool is_own(const std::string& name)
                        [&](std::string_view own) { return name == own || (name.starts_with(own) && name.ends_with(".tmp")); });
 }
 
+bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
+
+}  // namespace
+
 void remove_old_run(const fs::path& dir)
 {
     std::error_code error;
@@ -59,10 +63,6 @@ void remove_old_run(const fs::path& dir)
             throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(),
                                                        error.message()));
 }
-
-bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; }
-
-}  // namespace
 
 bool holds_a_run(const fs::path& dir)
 {
@@ -125,19 +125,8 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
 void Recorder::take_in(const World& world, const StepReport& report)
 {
     readings_ = world.readings(0);
-    const WireReadings& r = readings_;
-    tally_.contacts_max = std::max<std::int64_t>(tally_.contacts_max, r.contacts);
-    tally_.newton_max = std::max<std::int64_t>(tally_.newton_max, report.newton_iterations);
-    tally_.halved_steps += (report.flags & StepHalved) != 0;
-    tally_.outside_steps += (report.flags & StepWallPenetration) != 0;
-    tally_.overflow_steps += (report.flags & StepContactOverflow) != 0;
-    tally_.friction_max = std::max(tally_.friction_max, r.friction);
-    tally_.overlap_max = std::max(tally_.overlap_max, r.overlap);
-    tally_.outside_max = std::max(tally_.outside_max, r.outside);
-    const StageTimes& t = report.times;
-    StageTimes& sum = tally_.stages;
-    sum.detect += t.detect, sum.evaluate += t.evaluate, sum.reduce += t.reduce;
-    sum.solve += t.solve, sum.wall += t.wall, sum.adapt += t.adapt;
+    tally_.take_in(readings_, report.flags, report.newton_iterations);
+    tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;
 }
@@ -183,7 +172,7 @@ void Recorder::write_row(const World& world)
     for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic, r.elastic,
                            r.gravitational})
         row += "," + csv(v);
-    trace_.append(row + fmt::format(",{}\n", tally_.row_flags));
+    trace_.append(row + fmt::format(",{},{}\n", tally_.row_flags, csv(r.momentum.error().norm())));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }

@@ -19,6 +19,9 @@ enum class FolderUse { Refuse, Overwrite, Resume };
 /// Whether any of a run's own files is there.
 [[nodiscard]] bool holds_a_run(const std::filesystem::path& dir);
 
+/// Removes a run's own files. @throws Error BadFile
+void remove_old_run(const std::filesystem::path& dir);
+
 /// Before anything is loaded. @throws Error BadScene when `dir` holds a run and `use` is Refuse, when the run that is to be
 /// resumed began with another scene, or when the scene file itself would be overwritten
 void check_run_folder(const std::filesystem::path& dir, FolderUse use, const Scene& scene);

@@ -1,5 +1,6 @@
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,19 @@ namespace seldinger {
 long Scene::steps() const
 {
     return std::lround(duration / dt);
+}
+
+double prescribed_until(const Scene& scene)
+{
+    double end = 0;
+    const auto include = [&](const auto& rows) {
+        if (!rows.empty()) end = std::max(end, rows.back()[0]);
+    };
+    if (scene.feed.on) end = scene.feed.keys.back().t;
+    for (const HoldSpec& hold : scene.holds) include(hold.move), include(hold.turn);
+    for (const LinkSpec& link : scene.links) include(link.move);
+    for (const LoadSpec& load : scene.loads) end = std::max(end, load.ramp);
+    return end;
 }
 
 void set_stiffness_from_material(WireSection& section)

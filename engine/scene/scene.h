@@ -13,6 +13,8 @@
 
 namespace seldinger {
 
+struct LoadedVessel;  // scene/vessel_load.h
+
 enum class Until { Time, Rest };
 
 struct Scene {
@@ -41,6 +43,11 @@ struct Scene {
     [[nodiscard]] long steps() const;
 };
 
+/// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
+[[nodiscard]] double prescribed_until(const Scene& scene);
+// A moving wire can stand still for a step where it turns round; that it does so for this many in a row is rest.
+inline constexpr long steps_at_rest = 10;
+
 /// Reads a scene file. @param overrides  texts of --set, "table.key=value", applied in order before anything is checked
 /// @throws Error BadFile (file missing), BadScene: one line, "file:line:column: key: what was expected; what to do"
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
@@ -58,6 +65,10 @@ struct Scene {
 /// @param report  out, may be null: what import found and mended
 /// @throws Error BadFile, BadScene
 [[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
+
+/// One world for the wires of several scenes that agree in everything but [wire], [feed], [[hold]], [[load]], [[link]] and the
+/// coefficients of [contact]. @param vessel  of these scenes, loaded
+[[nodiscard]] WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index);
 
 /// Bending, twisting and stretching stiffness of a round solid wire: B = E pi r^4 / 4, C = G pi r^4 / 2 with
 /// G = E / (2 (1 + nu)), EA = E pi r^2. Overwrites the three in `section` from its youngs, poisson and radius.

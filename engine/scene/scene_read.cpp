@@ -75,12 +75,42 @@ void read_contact_stiffness(const TableReader& t, ContactSpec& spec)
         t.fail("exponent", "stiffness = \"from-wall\" fixes it at 1.5; take it out or give stiffness a number");
 }
 
+const std::initializer_list<std::string_view> contact_keys = {
+    "detection", "normal", "friction", "stiffness", "exponent", "restitution", "mu_static", "mu_sliding", "rolling",
+    "rolling_alpha", "rolling_sigma_b_pa", "rolling_sigma_s_pa", "rolling_hardness_pa", "layer_height_m",
+    "pair_distance_m", "samples_per_edge", "overlap_m", "barrier_distance_m"};
+
+/// What the laws of kernels/shared/hard_law.h cannot be joined with.
+void check_hard_law(const TableReader& t, const Scene& scene)
+{
+    const ContactSpec& spec = scene.contact;
+    if (!is_hard(spec.normal)) return;
+    const std::string_view law = word_of(normal_words, spec.normal);
+    const Scheme scheme = scene.integrator.scheme;
+    if (spec.detection == Detection::Layer)
+        t.fail("normal", fmt::format("\"{}\" lives on material samples, which detection = \"layer\" has not; use \"swept\" or "
+                                     "\"capsule\", or normal = \"hunt-crossley\"", law));
+    if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)
+        t.fail("normal", fmt::format("\"{}\" is solved by Newton's method to its end; use integrator.scheme = \"newton\" or \"static\", or "
+                                     "normal = \"hunt-crossley\"", law));
+}
+
+/// Lengths that are measured against the wire, so after it has been read.
+void check_contact_lengths(const TableReader& t, const Scene& scene)
+{
+    double radius = scene.wire.shaft.radius;
+    for (const WireSectionRange& range : scene.wire.sections) radius = std::min(radius, range.section.radius);
+    const auto check = [&](std::string_view key, double value, double part, const char* words) {
+        if (value > part * radius)
+            t.fail(key, fmt::format("{} m is more than {} of the wire's radius, {:.4g} m; make it smaller", value, words, radius));
+    };
+    check("overlap_m", scene.contact.overlap, 0.25, "a quarter");
+    check("barrier_distance_m", scene.contact.barrier_distance, contact_reach, "a tenth");
+}
+
 void read_contact(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "contact",
-                        {"detection", "normal", "friction", "stiffness", "exponent", "restitution", "mu_static", "mu_sliding",
-                         "rolling", "rolling_alpha", "rolling_sigma_b_pa", "rolling_sigma_s_pa", "rolling_hardness_pa",
-                         "layer_height_m", "pair_distance_m", "samples_per_edge"});
+    const TableReader t(table, "contact", contact_keys);
     ContactSpec& spec = scene.contact;
     t.choice("detection", spec.detection, detection_words);
     t.choice("normal", spec.normal, normal_words);
@@ -97,6 +127,9 @@ void read_contact(const toml::table& table, Scene& scene)
     t.number("layer_height_m", spec.layer_height, positive);
     t.number("pair_distance_m", spec.pair_distance, positive);
     t.count("samples_per_edge", spec.samples_per_edge, 1, 1000);
+    t.number("overlap_m", spec.overlap, positive);
+    t.number("barrier_distance_m", spec.barrier_distance, positive);
+    check_hard_law(t, scene);
 }
 
 FeedKey read_feed_key(const toml::node& node, const FeedKey& before, bool first)
@@ -258,6 +291,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     read_scene_table(table("scene"), scene);
     read_contact(table("contact"), scene);
     read_wire_table(table("wire"), root, scene);
+    check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
     if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
     if (const toml::table* feed = find_table(root, "feed")) read_feed(*feed, scene);
     read_list(root, "hold", scene, read_hold);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 #include <utility>
 
 namespace seldinger {
@@ -75,42 +76,61 @@ void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
     }
 }
 
-void check_feed_point(const Scene& scene, const LoadedVessel& vessel, const FeedSpec& feed)
-{
-    const LumenPlace place = LumenQuery(vessel.mesh, vessel.report.loops).locate(feed.point);
-    if (place.inside()) return;
-    const Vec3& p = feed.point;
-    const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim", place.opening,
-                                                               1e3 * (place.nearest - p).norm())
-                                                 : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
-    fail(scene, feed.inlet_auto ? "feed.inlet" : "feed.point",
-         fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)", p.x(), p.y(),
-                     p.z(), where));
-}
+/// Looks up whether feed points are inside the lumen; what that takes is built once, when first asked.
+class FeedPlaces {
+public:
+    explicit FeedPlaces(const LoadedVessel& vessel) : vessel_(vessel) {}
+    void check(const Scene& scene, const FeedSpec& feed)
+    {
+        if (!lumen_) lumen_.emplace(vessel_.mesh, vessel_.report.loops);
+        const LumenPlace place = lumen_->locate(feed.point);
+        if (place.inside()) return;
+        const Vec3& p = feed.point;
+        const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim", place.opening,
+                                                                   1e3 * (place.nearest - p).norm())
+                                                     : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
+        fail(scene, feed.inlet_auto ? "feed.inlet" : "feed.point",
+             fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)", p.x(),
+                         p.y(), p.z(), where));
+    }
+
+private:
+    const LoadedVessel& vessel_;
+    std::optional<LumenQuery> lumen_;
+};
 
 }  // namespace
 
 WorldSetup make_setup(const Scene& scene, int device_index, RepairReport* report)
 {
     LoadedVessel vessel = load_vessel(scene.vessel);
-    WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links};
-    const bool has_lumen = scene.vessel.shape != VesselShape::None && scene.vessel.shape != VesselShape::Plane;
-    if (has_lumen) check_size(scene, vessel);
-    if (wire.feed.on) {
-        place_feed(scene, vessel, wire.feed);
-        if (has_lumen) check_feed_point(scene, vessel, wire.feed);
-    }
+    if (report) *report = vessel.report;
+    return make_setup(std::span(&scene, 1), std::move(vessel), device_index);
+}
+
+WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index)
+{
     WorldSetup setup;
-    setup.gravity = scene.gravity;
-    setup.dt = scene.dt;
-    setup.start_settled = scene.start_settled;
-    setup.wires.push_back(std::move(wire));
-    setup.integrator = scene.integrator;
-    setup.vessel = scene.vessel;
+    const Scene& first = scenes.front();
+    const bool has_lumen = first.vessel.shape != VesselShape::None && first.vessel.shape != VesselShape::Plane;
+    FeedPlaces places(vessel);
+    for (const Scene& scene : scenes) {
+        WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links};
+        if (has_lumen) check_size(scene, vessel);
+        if (wire.feed.on) {
+            place_feed(scene, vessel, wire.feed);
+            if (has_lumen) places.check(scene, wire.feed);
+        }
+        setup.wires.push_back(std::move(wire));
+    }
+    setup.gravity = first.gravity;
+    setup.dt = first.dt;
+    setup.start_settled = first.start_settled;
+    setup.integrator = first.integrator;
+    setup.vessel = first.vessel;
     setup.mesh = std::move(vessel.mesh);
     setup.centreline = std::move(vessel.centreline);
     setup.device_index = device_index;
-    if (report) *report = std::move(vessel.report);
     return setup;
 }
 

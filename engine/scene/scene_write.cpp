@@ -175,6 +175,7 @@ void write_contact(std::string& out, const ContactSpec& c)
     t.num("rolling_sigma_s_pa", c.rolling_sigma_s).num("rolling_hardness_pa", c.rolling_hardness);
     t.num_unless_zero("layer_height_m", c.layer_height).num_unless_zero("pair_distance_m", c.pair_distance);
     if (c.samples_per_edge > 0) t.whole("samples_per_edge", c.samples_per_edge);
+    t.num_unless_zero("overlap_m", c.overlap).num_unless_zero("barrier_distance_m", c.barrier_distance);
 }
 
 void write_feed(std::string& out, const FeedSpec& feed)

@@ -85,6 +85,18 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
 
 }  // namespace
 
+void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations)
+{
+    contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
+    newton_max = std::max<std::int64_t>(newton_max, newton_iterations);
+    halved_steps += (flags & StepHalved) != 0;
+    outside_steps += (flags & StepWallPenetration) != 0;
+    overflow_steps += (flags & StepContactOverflow) != 0;
+    friction_max = std::max(friction_max, readings.friction);
+    overlap_max = std::max(overlap_max, readings.overlap);
+    outside_max = std::max(outside_max, readings.outside);
+}
+
 const char* status_word(RunStatus status)
 {
     switch (status) {

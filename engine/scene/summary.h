@@ -33,6 +33,9 @@ struct RunTally {
     // since the last row of trace.csv
     std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
     double row_time = 0;               // [s]
+
+    /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
+    void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
 };
 static_assert(std::is_trivially_copyable_v<RunTally>);
 

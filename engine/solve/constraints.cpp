@@ -165,6 +165,7 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
     out.clamps.clear();
     out.loads.clear();
     out.springs.clear();
+    out.hub_flow.setZero();
     for (std::size_t k = 0; k < holds_.size(); ++k) {
         const Hold& hold = holds_[k];
         const int at_node = node(static_cast<int>(k), rod);

@@ -18,7 +18,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
     newton.max_iterations = 150;
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w]) work_[w]->newton.start(newton, move_limit(contact, w));
-    iterate(0, contact, active);
+    iterate_with_multipliers(0, contact, active);
 
     NewtonOptions flow = newton;
     flow.gradient_flow = true;
@@ -30,7 +30,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
         wire.problem.trial = wire.problem.start;
         wire.start(flow, move_limit(contact, w));
     }
-    iterate(0, contact, active);
+    iterate_with_multipliers(0, contact, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w] && !work_[w]->newton.converged()) work_[w]->newton.problem.restore_reference();
     finish(active, reports);

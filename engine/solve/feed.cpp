@@ -79,12 +79,16 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     const double fed = key.advance - state.advance, turned = key.turn - state.turn;
     state.advance = key.advance;
     state.turn = key.turn;
+    state.speed = fed / h;
     if (!state.inside) {
         place_in_guide(state, wire, rods, index, fed / h, turned / h);
         state.inside = state.advance >= state.edge / 2;
         if (state.inside) {  // what is beyond half an edge is already base edge
             const RodView rod = rods.view(index);
+            // the step that follows takes the tip to where the guide has it at its end, and turns it
+            rod.set_pos(0, state.point + (state.advance - fed) * state.direction);
             rod.set_pos(1, state.point);
+            rod.theta[0] += turned;
             rod.material_s[1] = state.advance;
             set_rest_shape(rod, wire, false);
         }
@@ -106,10 +110,24 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     set_rest_shape(rod, wire, false);
 }
 
+double feed_travel(const FeedSpec& spec, double from, double until, int sign)
+{
+    double travel = 0, last = spec.at(from).advance;
+    const auto go_to = [&](double advance) {
+        travel += std::max(0.0, sign * (advance - last));
+        last = advance;
+    };
+    for (const FeedKey& key : spec.keys)
+        if (key.t > from && key.t < until) go_to(key.advance);
+    go_to(spec.at(until).advance);
+    return travel;
+}
+
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)
 {
     const int hub = rod.n - 1;
     for (int k = 0; k < 3; ++k) out.prescribed.emplace_back(4 * hub + k, state.point[k]);
+    out.hub_flow = state.speed * state.direction;
     RodClamp clamp;
     clamp.node = hub;
     clamp.direction = clamp.spin = true;

@@ -19,7 +19,7 @@ struct FeedState {
     double advance = 0, turn = 0;   // at the accepted time [m], [rad]
     double debt = 0;                // rest length inside beyond what was fed [m]
     double edge = 0;                // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
-    double direction_sign = 1;      // of the last feed
+    double speed = 0;               // of the material at the inlet during the last step; not state [m/s]
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
     std::uint8_t on = 0;            // the wire is fed
     std::uint8_t inside = 0;        // it has left the rigid guide and is being solved
@@ -30,6 +30,9 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
 
 /// Advances and turns the hub to time t [s] over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
 void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h);
+
+/// How far the wire travels forwards (sign +1) or back (-1) between two times, whatever it does in between [m].
+[[nodiscard]] double feed_travel(const FeedSpec& spec, double from, double until, int sign);
 
 /// Adds the inlet's clamp to the constraints of a fed wire.
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out);

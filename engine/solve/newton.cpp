@@ -1,12 +1,19 @@
 #include "solve/newton.h"
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "solve/solver_work.h"
 
 #include <algorithm>
 #include <limits>
 
 namespace seldinger {
+
+namespace {
+
+constexpr int most_rounds = 40;  // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to
+
+}  // namespace
 
 Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
     : rods_(rods), spec_(spec), gravity_(gravity)
@@ -17,8 +24,7 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
     for (int w = 0; w < rods.wire_count(); ++w)
         work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
-    evaluate_.resize(rods.wire_count());
-    again_.resize(rods.wire_count());
+    for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
     first_.resize(rods.wire_count());
     spin_records_.resize(rods.wire_count());
 }
@@ -42,21 +48,40 @@ void Solver::write_trial(int wire)
 void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
     const int wires = rods_.wire_count();
+    const auto any = [](const std::vector<std::uint8_t>& flags) { return std::find(flags.begin(), flags.end(), 1) != flags.end(); };
     for (;;) {
-        bool any_running = false, any_finite = false;
-        for (int w = 0; w < wires; ++w) {
+        for_each_item(wires, wire_grain, [&](int w) {
             NewtonWire& newton = work_[w]->newton;
             evaluate_[w] = 0;
-            if (!active[w] || !newton.running()) continue;
-            any_running = true;
+            running_[w] = active[w] && newton.running();
+            if (!running_[w]) return;
             write_trial(w);
             evaluate_[w] = newton.problem.update();
-            any_finite = any_finite || evaluate_[w];
+        });
+        if (!any(running_)) return;
+        if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
+        for_each_item(wires, wire_grain, [&](int w) {
+            if (!running_[w]) return;
+            work_[w]->newton.advance(evaluate_[w], contact, w);
+            if (contact && work_[w]->newton.took_trial()) contact->take(w);
+        });
+    }
+}
+
+/// Newton, and again each time that contact renews its multipliers (D8).
+void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+{
+    iterate(h, contact, active);
+    if (!contact) return;
+    for (int round = 0; round <= most_rounds; ++round) {
+        for (int w = 0; w < rods_.wire_count(); ++w) solved_[w] = active[w] && work_[w]->newton.converged();
+        if (!contact->refine(solved_, again_)) return;
+        for (int w = 0; w < rods_.wire_count(); ++w) {
+            if (!again_[w]) continue;
+            if (round < most_rounds) work_[w]->newton.resume();
+            else work_[w]->newton.stop_short();
         }
-        if (!any_running) return;
-        if (contact && any_finite) contact->evaluate(trial_, h, evaluate_);
-        for (int w = 0; w < wires; ++w)
-            if (active[w] && work_[w]->newton.running()) work_[w]->newton.advance(evaluate_[w], contact, w);
+        iterate(h, contact, again_);
     }
 }
 
@@ -64,8 +89,8 @@ void Solver::begin(Motion motion, double h, std::span<const WireConstraints> con
                    SpinAngles spins)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
-    std::fill(again_.begin(), again_.end(), 0);
-    for (int w = 0; w < rods_.wire_count(); ++w) {
+    std::fill(with_spins_.begin(), with_spins_.end(), 0);
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         WireProblem& problem = work_[w]->newton.problem;
         const auto choice = spin_records_[w].wait == 0 ? spins : SpinAngles::SolvedFor;
         if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, choice);
@@ -75,7 +100,7 @@ void Solver::begin(Motion motion, double h, std::span<const WireConstraints> con
         std::copy_n(rod.y.begin(), rod.n, trial_.y.begin() + at);
         std::copy_n(rod.z.begin(), rod.n, trial_.z.begin() + at);
         std::copy_n(rod.theta.begin(), rod.n - 1, trial_.theta.begin() + at);
-    }
+    });
 }
 
 /// Failure leaves the wire as it was: the trial and the frames are those of the accepted state again.
@@ -90,17 +115,17 @@ void Solver::restore(int wire)
 
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!active[w]) continue;
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
-        if (again_[w]) {
+        if (with_spins_[w]) {
             reports[w].iterations += first_[w].iterations;
             reports[w].evaluations += first_[w].evaluations;
         }
         if (newton.converged()) newton.problem.commit(spec_.newmark);
         else restore(w);
-    }
+    });
 }
 
 // ---- one step -------------------------------------------------------------------------------------------------------------
@@ -116,9 +141,10 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
-    for (int w = 0; w < rods_.wire_count(); ++w)
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
-    iterate(h, contact, active);
+    });
+    iterate_with_multipliers(h, contact, active);
     check_spins(h, constraints, contact, active, options);
     finish(active, reports);
 }
@@ -142,13 +168,13 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
             continue;
         }
         record.wait = record.last_wait = std::min(std::max(2 * record.last_wait, 1), 256);
-        again_[w] = 1;
+        with_spins_[w] = 1;
         any = true;
         first_[w] = newton.report();
         newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
         newton.start(options, move_limit(contact, w));
     }
-    if (any) iterate(h, contact, again_);
+    if (any) iterate_with_multipliers(h, contact, with_spins_);
 }
 
 double Solver::move_limit(const ContactTerm* contact, int wire)
@@ -166,7 +192,7 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
         if (!active[w]) continue;
         WireProblem& problem = work_[w]->newton.problem;
         for (int i = 0; i < problem.size(); ++i) {
-            if (problem.prescribed[i]) problem.trial[i] = problem.prescribed_value[i];
+            if (problem.prescribed[i]) problem.move_prescribed(i);
             else problem.trial[i] += h * (problem.velocity(i) - h * problem.residual[i] / problem.inertia[i]);
         }
         write_trial(w);

@@ -33,6 +33,14 @@ public:
     [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
     /// Largest contact force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
     [[nodiscard]] virtual double largest_force(int wire) const = 0;
+    /// The wire's last evaluated trial has been taken: the next ones start from there.
+    virtual void take(int) {}
+    /// How much of the straight way from the last state taken to the trial is free of the wall, 1: all. A law that never overlaps
+    /// refuses a trial whose way is not.
+    [[nodiscard]] virtual double free_way(int) const { return 1; }
+    /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not settled
+    /// there (D8), renews them and sets again[w]: these wires are to be solved on from there. @return whether any
+    virtual bool refine(std::span<const std::uint8_t> /*solved*/, std::span<std::uint8_t> /*again*/) { return false; }
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int wire) const = 0;
 };
@@ -45,6 +53,7 @@ struct WireConstraints {
     std::vector<PointLoad> loads;
     struct Spring { int edge; double bary; Vec3 anchor; double stiffness; };
     std::vector<Spring> springs;
+    Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
 };
 
 struct SolveReport {
@@ -111,6 +120,7 @@ private:
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
     void iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
     void finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports);
     void step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                        std::span<const std::uint8_t> active, std::span<SolveReport> reports);
@@ -125,9 +135,10 @@ private:
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
     bool best_effort_ = false;
-    std::vector<std::uint8_t> evaluate_;  // [wires] takes part in the present evaluation of contact
-    std::vector<std::uint8_t> again_;     // [wires] solved a second time in this step, with spin angles
-    std::vector<SolveReport> first_;      // [wires] what the first solve took
+    std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
+    std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
+    std::vector<std::uint8_t> with_spins_;  // [wires] solved a second time in this step, with spin angles
+    std::vector<SolveReport> first_;        // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_;
 };
 

@@ -11,6 +11,8 @@ constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and st
 constexpr double smallest_alpha = 1e-6;
 constexpr int most_polish = 4;
 constexpr int most_kicks = 3;
+constexpr int most_jumps = 8;
+constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
 
 }  // namespace
 
@@ -42,7 +44,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     move_limit_ = move_limit;
     phase_ = Phase::Guess;
     non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
-    iterations_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = 0;
+    iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
     norm_ = contraction_ = 0;
     const int size = problem.size(), n = problem.rod.n;
     std::fill(guess_.begin(), guess_.begin() + size, 0.0);
@@ -52,6 +54,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
             const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < n - 1 ? rod.spin_rate[i] : 0.0};
             for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
         }
+    if (problem.fed()) std::fill_n(&guess_[4 * (n - 1)], 3, 0.0);  // material moves through the inlet, the node does not
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
     if (move > move_limit) fraction = move_limit / move;
@@ -83,10 +86,25 @@ void NewtonWire::set_guess(double fraction)
     }
 }
 
-/// The trial cannot be: nearer to the last state that could.
-void NewtonWire::retreat()
+void NewtonWire::resume()
 {
-    if (phase_ == Phase::Search) return shorten(0.3 * alpha_);
+    phase_ = Phase::Guess;
+    guess_fraction_ = 0;
+    shift_ = 0;
+    shortened_ = false;
+    first_iteration_ = iterations_;
+}
+
+void NewtonWire::stop_short()
+{
+    settling_ = options_.best_effort;
+    phase_ = settling_ ? Phase::Done : Phase::Failed;
+}
+
+/// The trial cannot be: nearer to the last state that could. @param free_way  of the way from there, as far as contact knows
+void NewtonWire::retreat(double free_way)
+{
+    if (phase_ == Phase::Search) return shorten((free_way < 1 ? std::clamp(0.9 * free_way, 0.05, 0.5) : 0.3) * alpha_);
     if (guess_fraction_ == 0) {
         give_up();
         return;
@@ -99,11 +117,12 @@ void NewtonWire::retreat()
 void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
 {
     ++evaluations_;
+    took_trial_ = false;
     const bool usable = finite && (!contact || contact->admissible(wire));
     if (!usable || !problem.evaluate_residual(contact, wire)) {
         non_finite_ = non_finite_ || !finite;
         if (settling_) phase_ = Phase::Failed;
-        else retreat();
+        else retreat(finite && contact ? contact->free_way(wire) : 1);
         return;
     }
     norm_ = problem.residual_norm();
@@ -121,11 +140,18 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (phase_ == Phase::Search && !acceptable()) {
-        if (at_kink(contact, wire)) phase_ = Phase::Done;
-        return;
+    if (phase_ == Phase::Search) {
+        const Jump jump = jump_of_force(contact, wire);
+        if (jump == Jump::Turns) {
+            phase_ = Phase::Done;
+            return;
+        }
+        if (jump == Jump::None && !acceptable()) {
+            if (at_kink(contact, wire)) phase_ = Phase::Done;
+            return;
+        }
     }
-    if (iterations_ >= options_.max_iterations) {
+    if (iterations_ - first_iteration_ >= options_.max_iterations) {
         if (at_kink(contact, wire)) phase_ = Phase::Done;
         else give_up();
         return;
@@ -160,10 +186,8 @@ bool NewtonWire::at_prescribed() const
 /// The tests at the top of newton_wire.h; a shorter trial is set when they fail.
 bool NewtonWire::acceptable()
 {
-    double slope = 0;
-    for (int i = 0; i < problem.size(); ++i)
-        if (!problem.prescribed[i]) slope += problem.residual[i] * direction_[i];
-    const bool slope_falls = std::abs(slope) <= 0.9 * std::abs(slope_);
+    const double slope = residual_along(direction_);
+    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
     if (options_.gradient_flow) {
         if (slope_falls || slope <= 0) return true;
         raise_shift();
@@ -178,6 +202,48 @@ bool NewtonWire::acceptable()
     const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
     shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
     return false;
+}
+
+/// R.d over the free unknowns
+double NewtonWire::residual_along(std::span<const double> d) const
+{
+    double sum = 0;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) sum += problem.residual[i] * d[i];
+    return sum;
+}
+
+double NewtonWire::smallest_radius() const
+{
+    return *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
+}
+
+/// When no point of the wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base, and
+/// yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the wall are
+/// nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or
+/// contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is
+/// there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
+NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact, int wire)
+{
+    if (!contact || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (alpha_ * largest_surface_move(direction_) > located * smallest_radius()) return Jump::None;
+    double change = 0, base = contact->largest_force(wire);
+    for (int i = 0; i < problem.size(); ++i) {
+        if (problem.prescribed[i] || i % 4 == 3) continue;
+        change = std::max(change, std::abs(problem.residual[i] - base_residual_[i]));
+        base = std::max(base, std::abs(base_residual_[i]));
+    }
+    if (change <= 0.1 * base) return Jump::None;
+    if (residual_along(direction_) * slope_ < 0) return Jump::Turns;
+    return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+}
+
+/// Of a node, or of the surface by spin [m].
+double NewtonWire::largest_surface_move(std::span<const double> d) const
+{
+    double largest = problem.largest_move(d);
+    for (int j = 0; j < problem.rod.n - 1; ++j) largest = std::max(largest, std::abs(d[4 * j + 3]) * problem.rod.radius[j]);
+    return largest;
 }
 
 /// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
@@ -196,9 +262,8 @@ void NewtonWire::correct()
 bool NewtonWire::at_kink(const ContactTerm* contact, int wire) const
 {
     if (iterations_ < 4 || options_.shifted) return false;
-    const double smallest_radius = *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
     const double jump = contact ? 1e-3 * contact->largest_force(wire) : 0.0;
-    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= 1e-6 * smallest_radius &&
+    return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= located * smallest_radius() &&
            at_prescribed();
 }
 
@@ -227,6 +292,7 @@ void NewtonWire::take_base()
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());
     phase_ = Phase::Search;
+    took_trial_ = true;
     ++iterations_;
 }
 
@@ -386,9 +452,7 @@ void NewtonWire::launch()
         non_finite_ = true;
         return;
     }
-    slope_ = 0;
-    for (int i = 0; i < problem.size(); ++i)
-        if (!problem.prescribed[i]) slope_ += problem.residual[i] * direction_[i];
+    slope_ = residual_along(direction_);
     const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
     first_alpha_ = 1;
     if (move > move_limit_) first_alpha_ = move_limit_ / move;

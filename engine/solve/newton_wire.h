@@ -13,7 +13,7 @@
 // Step length. There is no potential (friction), and no residual norm fits stretching and bending at once. A trial is taken when
 // either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk against d (the
 // natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
-// |R(q + alpha d).d| <= 0.9 |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
+// |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no node moves farther
 // than contact has searched in one update. Between two evaluations of contact, which cost most of a step, the equations with
 // contact taken as linear are solved on by further back-substitutions (polish), so that what the next evaluation finds is
 // contact's own curvature only.
@@ -46,6 +46,13 @@ public:
     /// @param finite  frames at the trial are finite, and contact has been evaluated there
     void advance(bool finite, const ContactTerm* contact, int wire);
 
+    /// After convergence, contact's multipliers having changed: Newton goes on from where it is.
+    void resume();
+    /// They have not settled, and will not: the wire has failed, or takes what it has (best effort).
+    void stop_short();
+    /// Whether the last advance() took its trial: the next ones start from there.
+    [[nodiscard]] bool took_trial() const { return took_trial_; }
+
     [[nodiscard]] bool running() const { return phase_ == Phase::Guess || phase_ == Phase::Search; }
     [[nodiscard]] bool converged() const { return phase_ == Phase::Done; }
     [[nodiscard]] SolveReport report() const;
@@ -54,12 +61,17 @@ public:
 
 private:
     enum class Phase { Guess, Search, Done, Failed };
+    enum class Jump { None, Turns, Passed };
 
     void set_guess(double fraction);
-    void retreat();
+    void retreat(double free_way);
     void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
+    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact, int wire);
+    [[nodiscard]] double residual_along(std::span<const double> d) const;
+    [[nodiscard]] double smallest_radius() const;
+    [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
     void shorten(double alpha);
@@ -84,9 +96,9 @@ private:
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
-    bool non_finite_ = false, unsymmetric_ = false, shortened_ = false;
+    bool non_finite_ = false, unsymmetric_ = false, shortened_ = false, took_trial_ = false;
     int safe_steps_ = 0;           // full steps in a row with the safe Hessian
-    int iterations_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0;
+    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;

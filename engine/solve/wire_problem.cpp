@@ -200,9 +200,16 @@ bool WireProblem::update()
     return true;
 }
 
+/// Of material through a prescribed unknown that stands still: the hub's of a fed wire.
+double WireProblem::flow(int i) const
+{
+    const int axis = i - 4 * (rod.n - 1);
+    return axis >= 0 && axis < 3 ? constraints_->hub_flow[axis] : 0.0;
+}
+
 double WireProblem::velocity(int i) const
 {
-    if (motion == Motion::Implicit && prescribed[i]) return (trial[i] - start[i]) / h;
+    if (motion == Motion::Implicit && prescribed[i]) return (trial[i] - start[i]) / h + flow(i);
     return velocity_rate_ * (trial[i] - start[i]) + velocity_base_[i];
 }
 
@@ -552,11 +559,17 @@ void WireProblem::commit(bool newmark)
     accept_frames(rod, trial_view(), frames);
 }
 
+void WireProblem::move_prescribed(int i)
+{
+    trial[i] = prescribed_value[i];
+    residual[i] += inertia[i] * ((trial[i] - start[i]) / h + flow(i) - start_velocity_[i]) / h;
+}
+
 void WireProblem::commit_explicit()
 {
     for (int i = 0; i < rod.n; ++i) {
         double v[4];
-        for (int c = 0; c < 4; ++c) v[c] = (trial[4 * i + c] - start[4 * i + c]) / h;
+        for (int c = 0; c < 4; ++c) v[c] = (trial[4 * i + c] - start[4 * i + c]) / h + flow(4 * i + c);
         write_velocity(i, v);
     }
     accept_frames(rod, trial_view(), frames);

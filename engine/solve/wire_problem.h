@@ -72,7 +72,7 @@ public:
     /// the base's tangents. Equal to R where prediction and trial agree, so at the solution.
     void mixed_residual(std::span<double> out) const;
 
-    /// Velocity and acceleration of unknown i at `trial`.
+    /// Velocity and acceleration of unknown i at `trial`; of the material, where it passes through the hub.
     [[nodiscard]] double velocity(int i) const;
     [[nodiscard]] double acceleration(int i) const;
     /// Static solves that turn far: frames at `trial` become the reference for the next trials (wire_problem.cpp).
@@ -83,12 +83,15 @@ public:
 
     /// Makes `trial` the accepted state in the wire's arrays (velocities zero when static).
     void commit(bool newmark);
+    /// Symplectic Euler: a prescribed unknown goes to its value, and its residual, the hold's force, takes in its inertia.
+    void move_prescribed(int i);
     /// The same for symplectic Euler, where v+ = (q - q_0)/h.
     void commit_explicit();
     /// M a = -R, 0 where prescribed, into the wire's arrays.
     void set_acceleration_from_residual();
 
     [[nodiscard]] int size() const { return 4 * rod.n; }
+    [[nodiscard]] bool fed() const { return !constraints_->hub_flow.isZero(0); }
     [[nodiscard]] RodTrial trial_view() const;
 
     RodView rod;
@@ -112,6 +115,7 @@ private:
     void write_velocity(int i, const double (&v)[4]);
     void write_acceleration(int i, const double (&a)[4]);
     [[nodiscard]] double actual_tension(int j) const;
+    [[nodiscard]] double flow(int i) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);

@@ -9,8 +9,8 @@
 // Candidate triangles of listed samples.
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  candidates [samples][slots], counts [samples]: how many were found, also beyond `slots`
-SEL_KERNEL void contact_find(const ContactParams par, const real skin, __global const uint* restrict list,
+//   writes  candidates [samples][slots], counts [samples]: how many are within radius + reach + slack, also beyond `slots`
+SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
@@ -20,14 +20,14 @@ SEL_KERNEL void contact_find(const ContactParams par, const real skin, __global 
     if (item < par.item_count) {
         const uint s = list[item];
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
-        counts[s] = find_near(at.origin + at.offset, models[s].radius + skin, nodes, vertices, par.slots,
+        counts[s] = find_near(at.origin + at.offset, models[s].radius + models[s].reach + slack, nodes, vertices, par.slots,
                               candidates + (ulong)s * par.slots);
     }
 }
 
 // Forces of active samples.
 //   item    one entry of `list` (samples with candidates, ordered by wire and edge)
-//   reads   ... and touches_t0 [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
+//   reads   ... and touches_t0, hard [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
 SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
                                  __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                  __global const uint* restrict candidates, __global const uint* restrict counts,
@@ -36,13 +36,14 @@ SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* r
                                  __global const real* restrict theta, __global const float* restrict hi_t0,
                                  __global const real* restrict lo_t0, __global const real* restrict theta_t0,
                                  __global const TouchState* restrict touches_t0, __global TouchState* restrict touches,
-                                 __global SampleForce* restrict forces, __global real* restrict barys)
+                                 __global SampleForce* restrict forces, __global real* restrict barys,
+                                 __global const HardState* restrict hard)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         forces[item] = evaluate_sample(s, par, models[s], places[s], candidates + (ulong)s * par.slots, counts[s], vertices, rims,
-                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches);
+                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
         barys[item] = places[s].bary;
     }
 }

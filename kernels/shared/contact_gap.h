@@ -5,9 +5,13 @@
 //   * touch 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the other;
 //     there the depth is a smooth maximum over facets of different normals,
 //         depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = blend r |n_j - n_0|,
-//     whose width vanishes with the angle between them. Bias at most eps/4 for each facet that is within eps. Facets in one plane
-//     are never blended: near their common edge both see the same plane, and n_j would be tilted by nothing but the edge's offset.
-//   * touch 1: the nearest point whose normal faces touch 0 (n_0 . n_1 < 0): the opposite wall of a narrow lumen.
+//     whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once,
+//     with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest point
+//     is never blended: there n_j would be tilted by nothing but the edge's offset.
+//   * touch 1: the nearest point of the opposite wall of a narrow lumen. Which facets are of the one side and which of the other is
+//     told by an axis: a facet whose normal looks against it is of the other side. The axis is the normal of touch 0 when contact
+//     begins, and its last normal from then on: it stands still during a step, so that the forces of both sides are continuous even
+//     where the lumen is as narrow as the wire and walls all round push at once.
 //   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
 //     through an opening), unless it is the nearest of all and the sample touched the wall from inside in the last step: then
 //     the axis has passed the wall, the depth is r + distance and the normal points back.
@@ -21,6 +25,7 @@ SEL_BEGIN
 typedef struct Touch {
     vec3 normal;    // into the lumen; unit up to blending
     vec3 to_wall;   // from the axis point to the wall's [m]
+    vec3 side;      // facets whose normal looks along it are of this side of the lumen, the others of the opposite one
     real depth;     // overlap [m], negative when apart
     real bend[6];   // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
     uint triangle;
@@ -34,6 +39,35 @@ typedef struct Touch {
 #endif
 
 #define SEL_COPLANAR 1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
+
+#define SEL_BLEND_PLANES 8  // round one sample; beyond, the shallowest is left out: facets of a few um on a doubly curved wall
+
+// A plane next to the nearest facet's, as the sample sees it.
+typedef struct BlendPlane {
+    vec3 facet;  // its normal
+    vec3 turn;   // direction to the sample, less that of the nearest point
+    real depth, eps, rest;  // see above; rest = eps_j - (depth_0 - depth_j) > 0
+} BlendPlane;
+
+SEL_FN int in_one_plane(vec3 a, vec3 b)
+{
+    const vec3 turn = a - b;
+    return dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR;
+}
+
+// Takes `found` into the list: in the place of its plane when it is nearer, else at the end, else for the shallowest.
+SEL_FN uint keep_plane(BlendPlane* planes, uint count, BlendPlane found)
+{
+    uint at = count, shallowest = 0;
+    for (uint k = 0; k < count; ++k) {
+        if (in_one_plane(planes[k].facet, found.facet)) at = k;
+        if (planes[k].depth < planes[shallowest].depth) shallowest = k;
+    }
+    const int is_new = at == count;
+    if (at == SEL_BLEND_PLANES) at = shallowest;
+    if (at == count || planes[at].depth < found.depth) planes[at] = found;
+    return is_new && count < SEL_BLEND_PLANES ? count + 1 : count;
+}
 
 // rim bits of a triangle: bit k: edge k (v_k, v_{k+1}) lies on an opening; bit 3 + k: vertex k does
 SEL_FN int on_rim(uint bits, int feature)
@@ -49,6 +83,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
     touch.to_wall = make_vec3(0, 0, 0);
+    touch.side = make_vec3(0, 0, 0);
     touch.found = 0;
     touch.outside = 0;
     touch.triangle = 0;
@@ -95,7 +130,12 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     if (!first->found || first->outside || first->depth < -reach) return second;
     const vec3 n0 = first->normal, facet0 = triangle_normal(load_triangle(vertices, first->triangle, origin));
     const real depth0 = first->depth;
+    const real along = dot3(n0, first->side);
+    first->side = along == 0 ? n0 : (along > 0 ? 1 : -1) * first->side;
+    second.side = -first->side;
     real second_depth = -reach;
+    BlendPlane planes[SEL_BLEND_PLANES];
+    uint plane_count = 0;
     for (uint k = 0; k < count; ++k) {
         const uint t = candidates[k];
         if (t == first->triangle) continue;
@@ -109,7 +149,7 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         const real d = sqrt(d2);
         const vec3 n = (1 / d) * v;
         const real depth = radius - d;
-        if (dot3(n, n0) < 0) {
+        if (dot3(n, first->side) < 0) {
             if (depth > second_depth) {
                 second_depth = depth;
                 second.found = 1;
@@ -120,15 +160,21 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
             }
             continue;
         }
-        const vec3 turn = facet - facet0;
-        if (dot3(turn, turn) < (real)SEL_COPLANAR * (real)SEL_COPLANAR) continue;
-        const vec3 dn = n - n0;
-        const real eps = blend * radius * sqrt(dot3(dn, dn));
-        const real rest = eps - (depth0 - depth);
-        if (eps < (real)1e-7 * blend * radius || rest <= 0) continue;
+        if (in_one_plane(facet, facet0)) continue;
+        BlendPlane plane;
+        plane.facet = facet;
+        plane.turn = n - n0;
+        plane.depth = depth;
+        plane.eps = blend * radius * sqrt(dot3(plane.turn, plane.turn));
+        plane.rest = plane.eps - (depth0 - depth);
+        if (plane.eps < (real)1e-7 * blend * radius || plane.rest <= 0) continue;
+        plane_count = keep_plane(planes, plane_count, plane);
+    }
+    for (uint k = 0; k < plane_count; ++k) {
+        const vec3 dn = planes[k].turn;
+        const real eps = planes[k].eps, rest = planes[k].rest, bend = 1 / (2 * eps);
         first->depth += rest * rest / (4 * eps);
         first->normal = first->normal + (rest / (2 * eps)) * dn;
-        const real bend = 1 / (2 * eps);
         first->bend[0] += bend * dn.x * dn.x;
         first->bend[1] += bend * dn.x * dn.y;
         first->bend[2] += bend * dn.x * dn.z;

@@ -11,6 +11,7 @@
 #define SEL_SHARED_CONTACT_LAW_H
 #include "shared/contact_gap.h"
 #include "shared/contact_types.h"
+#include "shared/hard_law.h"
 
 SEL_BEGIN
 
@@ -57,6 +58,7 @@ typedef struct SampleMove {
     real spin;     // of the edge about its tangent [rad]
     int fresh;     // no start position: no friction yet
     uint stamp;    // of this step for this wire
+    real shrink;   // SamplePlace's [m]
 } SampleMove;
 
 // adds s * a a^T to the 4 x 4 symmetric block, a = (v, w)
@@ -155,12 +157,44 @@ SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, Cont
     if (!stuck) out->sliding_sum += force;
 }
 
+// A trial that the law does not allow, however the forces balance.
+SEL_FN int blocked(real depth, real depth_t0, real shrink, SampleModel m, ContactParams par)
+{
+    if (par.normal_law == SEL_NORMAL_BARRIER) return depth >= shrink;
+    return m.depth_limit > 0 && depth > SEL_BLOCKED_AT * m.depth_limit && depth > depth_t0;
+}
+
+// Force of a touch per metre of wire by the law that is asked for, and its slope with depth; 0 where it exerts none.
+// @param rate  (depth - depth_t0) inv_dt     rate_t0  that of the last step     approach  v- of (D7)
+SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int fresh, real rate_t0, real shrink, SampleModel m,
+                        ContactParams par, HardState hard, real* slope)
+{
+    *slope = 0;
+    if (par.normal_law == SEL_NORMAL_DAMPED) {
+        if (depth <= 0) return 0;
+        const real force = normal_law(depth, rate, approach, par.inv_dt, m, slope);
+        if (fresh && rate > m.speed_floor) {  // v- is this step's own rate: the factor 1 + beta does not change with depth
+            (void)elastic_normal(depth, m, slope);
+            *slope *= 1 + m.damping;
+        }
+        return force;
+    }
+    if (par.normal_law == SEL_NORMAL_BARRIER) return barrier_law(shrink - depth, m.hard_length, m.hard_stiffness, slope);
+    if (par.normal_law == SEL_NORMAL_IMPULSE && par.inv_dt > 0) {
+        if (fresh || depth_t0 <= 0) return 0;
+        depth -= impulse_goal(depth_t0, rate_t0, par.inv_dt, m);
+    }
+    return multiplier_law(depth, hard, slope);
+}
+
 // Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.
-SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_active, real depth, real fn, TouchState* now,
-                        SampleForce* out)
+// @param g  gradient of the gap     sunk, dsunk  depth that a is reckoned from, and its derivative with the touch's depth
+// @param dfn  derivative of fn with depth [N/m]
+SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, TouchState old, int was_active, real sunk, real dsunk, real fn, real dfn,
+                        TouchState* now, SampleForce* out)
 {
     if (m.roll_arm <= 0 || mv.fresh) return;
-    const real half_width = sqrt(m.roll_depth * depth + m.roll_force * fn / m.weight);
+    const real half_width = sqrt(m.roll_depth * sunk + m.roll_force * fn / m.weight);
     const real most = m.roll_arm * half_width * fn;
     // the spring is as stiff as the surface's tangential one at the wire's radius, so that it adds no softer mode
     const real k = m.friction_stiffness * m.weight * m.radius * m.radius;
@@ -169,15 +203,33 @@ SEL_FN void add_rolling(SampleModel m, SampleMove mv, TouchState old, int was_ac
     const real moment = trial < most ? trial : most;
     const real sign = angle < 0 ? (real)-1 : (real)1;
     out->force[3] -= sign * moment;
-    if (trial < most) out->sym[9] += k;
+    if (trial < most) {
+        out->sym[9] += k;
+    } else if (half_width > 0) {
+        // -dM/dx = sign dM/d(depth) (-g)
+        const real widening = (m.roll_depth * dsunk + m.roll_force * dfn / m.weight) / (2 * half_width);
+        const real dmost = sign * m.roll_arm * (widening * fn + half_width * dfn);
+        out->skew[9] -= dmost * g.x;
+        out->skew[10] -= dmost * g.y;
+        out->skew[11] -= dmost * g.z;
+        out->flags |= SEL_SAMPLE_SLIDING;
+    }
     now->roll = sign * moment / k;
     now->moment = -sign * moment;
     out->rolling_sum += moment;
 }
 
+// Sticking of `constraint`: the multiplier of this step instead of the elastic slip that the touch had (hard_law.h).
+SEL_FN TouchState held_by_multiplier(TouchState old, HardState hard, real friction_stiffness, int was_active)
+{
+    for (int i = 0; i < 3; ++i) old.slip[i] = -hard.friction[i] / friction_stiffness;
+    if (!was_active) old.flags |= SEL_TOUCH_STUCK;
+    return old;
+}
+
 // One touch of one sample: normal law, friction, rolling. `old` is its state at the start of the step.
-SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, ContactParams par, TouchState old, TouchState* now,
-                      SampleForce* out)
+SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, ContactParams par, TouchState old, HardState hard,
+                      TouchState* now, SampleForce* out)
 {
     const int fresh = old.stamp + 1 != mv.stamp;
     const int was_active = !fresh && (old.flags & SEL_TOUCH_ACTIVE);
@@ -202,21 +254,16 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     now->point[2] = p_centre.z + touch.to_wall.z;
     out->depth = max_r(out->depth, touch.depth);
     if (touch.outside) out->flags |= SEL_SAMPLE_OUTSIDE;
-    if (m.depth_limit > 0 && touch.depth > SEL_BLOCKED_AT * m.depth_limit && touch.depth > depth_t0)
-        out->flags |= SEL_SAMPLE_BLOCKED;
-    if (touch.depth <= 0) return;
+    if (blocked(touch.depth, depth_t0, mv.shrink, m, par)) out->flags |= SEL_SAMPLE_BLOCKED;
     real slope;
-    const real per_metre = normal_law(touch.depth, rate, approach, par.inv_dt, m, &slope);
-    if (fresh && rate > m.speed_floor) {  // v- is this step's own rate: the factor 1 + beta does not change with depth
-        (void)elastic_normal(touch.depth, m, &slope);
-        slope *= 1 + m.damping;
-    }
+    const real per_metre = touch_force(touch.depth, depth_t0, rate, approach, fresh, old.rate, mv.shrink, m, par, hard, &slope);
     const real fn = m.weight * per_metre;
     if (fn <= 0) return;
-    now->flags |= SEL_TOUCH_ACTIVE;
-    now->normal_force = fn;
     const real dfn = m.weight * slope;
     const vec3 g = touch.normal;
+    const real pushed = fn * size;  // |fn g|: between two facets the blended gradient g of the depth is a little shorter than 1
+    now->flags |= SEL_TOUCH_ACTIVE;
+    now->normal_force = pushed;
     out->force[0] += fn * g.x;
     out->force[1] += fn * g.y;
     out->force[2] += fn * g.z;
@@ -227,10 +274,21 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     out->sym[4] += fn * touch.bend[3];
     out->sym[5] += fn * touch.bend[4];
     out->sym[7] += fn * touch.bend[5];
-    out->normal_sum += fn;
+    out->normal_sum += pushed;
     out->contacts += 1;
-    add_friction(touch, n, m, mv, par, old, was_active, fn, dfn, now, out);
-    add_rolling(m, mv, old, was_active, touch.depth, fn, now, out);
+    const real dpushed = dfn * size;
+    if (par.normal_law == SEL_NORMAL_CONSTRAINT && hard.live) {
+        SampleModel held = m;
+        held.friction_stiffness = SEL_TANGENTIAL * hard.stiffness;
+        add_friction(touch, n, held, mv, par, held_by_multiplier(old, hard, held.friction_stiffness, was_active), 1, pushed, dpushed, now,
+                     out);
+    } else {
+        add_friction(touch, n, m, mv, par, old, was_active, pushed, dpushed, now, out);
+    }
+    const int soft = par.normal_law == SEL_NORMAL_DAMPED;
+    const real sunk = soft ? touch.depth : depth_carrying(per_metre, m);
+    const real dsunk = soft ? (real)1 : sunk * slope / (m.exponent * per_metre);
+    add_rolling(g, m, mv, old, was_active, sunk, dsunk, pushed, dpushed, now, out);
 }
 
 SEL_END

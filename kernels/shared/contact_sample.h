@@ -73,18 +73,59 @@ SEL_FN int same_side(TouchState touch, vec3 normal)
     return touch.normal[0] * normal.x + touch.normal[1] * normal.y + touch.normal[2] * normal.z > 0;
 }
 
-// Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step.
+typedef struct TouchPair {
+    Touch first, second;  // the nearer side of the lumen, and the opposite one
+} TouchPair;
+
+// What a sample touches. a, b: its records; lives: of the last step
+SEL_FN TouchPair touches_of(AxisPoint at, SampleModel m, ContactParams par, TouchState a, int a_lives, TouchState b, int b_lives,
+                            SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
+                            SEL_GLOBAL const uint* rims)
+{
+    TouchPair out;
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
+    if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
+    if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
+    else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    // both sides are blended alike: which of them is nearer may change without a jump
+    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    out.first = first;
+    out.second = second;
+    return out;
+}
+
+SEL_FN HardState no_hard_state(void)
+{
+    HardState none;
+    for (int i = 0; i < 3; ++i) none.normal[i] = none.friction[i] = 0;
+    none.force = none.stiffness = none.miss = 0;
+    none.live = none.pad = 0;
+    return none;
+}
+
+// How well a record fits a wall: the cosine between its last normal and the wall's.
+SEL_FN real fit(TouchState touch, HardState hard, int lives, vec3 normal)
+{
+    if (!lives && hard.live) return normal.x * hard.normal[0] + normal.y * hard.normal[1] + normal.z * hard.normal[2];
+    return normal.x * touch.normal[0] + normal.y * touch.normal[1] + normal.z * touch.normal[2];
+}
+
+// Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step; so is `hard`,
+// which only augmented, constraint and impulse read.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* candidates,
                                    uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims,
                                    SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
                                    SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
-                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches)
+                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches,
+                                   SEL_GLOBAL const HardState* hard)
 {
     SampleForce out;
     for (int k = 0; k < 4; ++k) out.force[k] = 0;
     for (int k = 0; k < 10; ++k) out.sym[k] = 0;
     for (int k = 0; k < 12; ++k) out.skew[k] = 0;
-    out.depth = -(m.radius + par.reach);
+    out.depth = -(m.radius + m.reach);
     out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
     out.flags = 0;
     out.contacts = 0;
@@ -93,6 +134,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     SampleMove mv;
     mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
     mv.stamp = place.stamp;
+    mv.shrink = place.shrink;
     mv.fresh = place.edge_t0 == SEL_NO_EDGE;
     mv.move = make_vec3(0, 0, 0);
     mv.spin = 0;
@@ -111,20 +153,17 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     }
     const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
     const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 0, candidates, count, vertices, rims);
-    if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, par.reach, 1, candidates, count, vertices, rims);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
-    // both sides are blended alike: which of them is nearer may change without a jump
-    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, par.reach, par.blend, candidates, count, vertices, rims);
+    const TouchPair touching = touches_of(at, m, par, a, a_lives, b, b_lives, candidates, count, vertices, rims);
+    const Touch first = touching.first, second = touching.second;
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
-        const real to_a = first.normal.x * a.normal[0] + first.normal.y * a.normal[1] + first.normal.z * a.normal[2];
-        const real to_b = first.normal.x * b.normal[0] + first.normal.y * b.normal[1] + first.normal.z * b.normal[2];
-        const int swap = b_lives && (!a_lives || to_b > to_a);
+        const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
+        const HardState ha = plain ? no_hard_state() : hard[2 * s], hb = plain ? no_hard_state() : hard[2 * s + 1];
+        const real to_a = fit(a, ha, a_lives, first.normal), to_b = fit(b, hb, b_lives, first.normal);
+        const int swap = (b_lives || hb.live) && (!(a_lives || ha.live) || to_b > to_a);
         const vec3 centre = at.origin + at.offset;
-        add_touch(first, centre, m, mv, par, swap ? b : a, &now[swap ? 1 : 0], &out);
-        if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, &now[swap ? 0 : 1], &out);
+        add_touch(first, centre, m, mv, par, swap ? b : a, swap ? hb : ha, &now[swap ? 1 : 0], &out);
+        if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, swap ? ha : hb, &now[swap ? 0 : 1], &out);
         if (out.contacts > 0) out.length = m.length;
     }
     touches[2 * s] = now[0];

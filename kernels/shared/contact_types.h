@@ -15,6 +15,13 @@ SEL_BEGIN
 #define SEL_FRICTION_SIGN 2
 #define SEL_FRICTION_NONE 3
 
+// Normal laws as the kernels tell them apart, see contact/contact_spec.h: hunt-crossley and lankarani-nikravesh are one, damped.
+#define SEL_NORMAL_DAMPED 0
+#define SEL_NORMAL_AUGMENTED 1
+#define SEL_NORMAL_CONSTRAINT 2
+#define SEL_NORMAL_IMPULSE 3
+#define SEL_NORMAL_BARRIER 4
+
 // Flags of a touch.
 #define SEL_TOUCH_ACTIVE 1u   // normal force > 0
 #define SEL_TOUCH_STUCK 2u    // inside the static cone
@@ -26,6 +33,7 @@ typedef struct SampleModel {
     real weight;              // [m]; 1 for the tip's point law
     real length;              // metres of wire that it stands for in readings: weight, or 0 at the tip
     real radius;              // wire [m]
+    real reach;               // beyond the radius where a second wall is looked for [m]
     real stiffness;           // k: force per metre = k depth^n [N/m^(n+1)]
     real exponent;            // n
     real friction_stiffness;  // k_t per metre [N/m^2], constant in time (D9)
@@ -36,6 +44,11 @@ typedef struct SampleModel {
     real roll_arm;            // bracket of (D10): moment per metre = roll_arm a f; 0: no rolling resistance
     real roll_depth;          // a^2 = roll_depth depth + roll_force f  (half-width of the line contact) [m]
     real roll_force;          // [m^2 / (N/m)]
+    // of the laws in hard_law.h only
+    real hard_stiffness;      // augmented, constraint, impulse: least k of (D8) [N/m^2]; barrier: kappa [N/m^2]
+    real hard_length;         // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
+    real line_mass;           // of the wire [kg/m]
+    real restitution;         // impulse
 } SampleModel;
 
 // Which edge a sample lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in the
@@ -47,6 +60,7 @@ typedef struct SamplePlace {
     real bary_t0;
     uint stamp;      // of this step for the sample's wire; what the last one wrote has stamp - 1
     uint pad;
+    real shrink;     // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
 } SamplePlace;
 #define SEL_NO_EDGE 0xffffffffu
 
@@ -68,12 +82,23 @@ typedef struct TouchState {
     uint pad;
 } TouchState;
 
+// What augmented, constraint and impulse know of one touch while a step is solved (hard_law.h).
+typedef struct HardState {
+    real normal[3];    // of the wall that it speaks of
+    real force;        // lambda of (D8) [N/m]
+    real friction[3];  // tangential multiplier of `constraint` [N/m]
+    real stiffness;    // k of (D8) [N/m^2]
+    real miss;         // |change of a multiplier| / its stiffness at the last update [m]
+    uint live;         // there is such a touch
+    uint pad;
+} HardState;
+
 // What one sample exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding friction
 // makes unsymmetric. q = (x, y, z, theta).
 typedef struct SampleForce {
     real force[4];     // on the axis point [N], about the tangent [N m]
     real sym[10];      // symmetric part: xx xy xz xt yy yz yt zz zt tt
-    real skew[12];     // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding
+    real skew[12];     // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
     real depth;        // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
     real length;       // metres of wire in contact
@@ -102,10 +127,11 @@ typedef struct ContactParams {
     uint slots;          // candidates per sample
     uint friction;       // SEL_FRICTION_*
     uint all_stuck;      // settling: every touch sticks, whatever the cone (scene start = "settled")
+    uint normal_law;     // SEL_NORMAL_*
+    uint pad;
     real inv_dt;         // [1/s]; 0 in static equilibrium: no damping
     real blend;          // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;   // regularisation of `smooth` [m/s]
-    real reach;          // beyond the wire's radius where a second wall is looked for [m]
 } ContactParams;
 
 SEL_END

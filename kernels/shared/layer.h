@@ -259,6 +259,7 @@ SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, L
         mv.spin = theta[e.node] - theta_t0[e.node];
         mv.fresh = 0;
         mv.stamp = e.stamp;
+        mv.shrink = 0;
         Touch touch;
         touch.normal = ray.normal;
         touch.to_wall = ray.centre - p;
@@ -267,7 +268,7 @@ SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, L
         touch.triangle = pair.triangle;
         touch.found = 1;
         touch.outside = 0;
-        add_touch(touch, at.origin + p, e.model, mv, par, old, &now, &out);
+        add_touch(touch, at.origin + p, e.model, mv, par, old, no_hard_state(), &now, &out);
     }
     touches[item] = now;
     return out;

@@ -79,7 +79,7 @@ TEST_CASE("property: a wrong command line is exit 2") {
     refused(folder, "run s.toml -o D --set wire.radius_m=-1", 2, "wire.radius_m");
     refused(folder, "render nothing --size 12", 2, "--size");
     refused(folder, "vessel m.stl --units ell", 2, "--units");
-    for (const char* name : {"plan s.toml --tolerance 0.2mm", "batch s.toml --vary v.toml", "bench", "chart", "stability"})
+    for (const char* name : {"plan s.toml --tolerance 0.2mm", "bench"})
         refused(folder, name, 2, "not available yet");
 }
 

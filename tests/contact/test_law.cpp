@@ -1,6 +1,6 @@
 // kernels/shared/contact_law.h and engine/contact/wall_law.h: normal law, friction and rolling of one sample.
 
-#include "contact/wall_fixture.h"
+#include "contact/one_sample.h"
 
 #include "contact/wall_law.h"
 
@@ -25,91 +25,6 @@ WireSection steel()
     s.mu_static = 0.25;
     s.mu_sliding = 0.2;
     return s;
-}
-
-/// One edge of 2 mm over walls, with one sample in it. Everything a trial changes is in q = (x, y, z, theta).
-struct OneSample {
-    Soup soup;
-    ContactParams par{};
-    SampleModel model{};
-    SamplePlace place{0, 0, 0.3, 0.3, 5, 0};
-    TouchState touches[2] = {};
-    vec3 start = {0, 0, 0}, along = {2e-3, 0, 0};  // of the sample at the start of the step; of the edge
-    double theta0 = 0.4;
-
-    explicit OneSample(const SampleModel& m) : model(m)
-    {
-        par.item_count = 1;
-        par.friction = SEL_FRICTION_STICK_SLIP;
-        par.inv_dt = 1e3;
-        par.blend = 0.002;
-        par.smooth_speed = 1e-3;
-        par.reach = 0.1 * m.radius;
-    }
-    void nodes(vec3 at, std::array<float, 6>& hi, std::array<double, 6>& lo) const
-    {
-        const vec3 a = at - place.bary * along, b = a + along;
-        const double p[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
-        for (int k = 0; k < 6; ++k) {
-            hi[k] = static_cast<float>(p[k]);
-            lo[k] = p[k] - hi[k];
-        }
-    }
-    SampleForce at(std::array<double, 4> q, TouchState* out = nullptr) const
-    {
-        std::array<float, 6> hi, hi_t0;
-        std::array<double, 6> lo, lo_t0;
-        nodes(v3(q[0], q[1], q[2]), hi, lo);
-        nodes(start, hi_t0, lo_t0);
-        const double theta[2] = {q[3], 0}, theta_t0[2] = {theta0, 0};
-        TouchState scratch[2];
-        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.vertices.data(),
-                               soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(), lo_t0.data(), theta_t0, touches,
-                               out ? out : scratch);
-    }
-    /// Accepts q as the start of the next step.
-    void accept(std::array<double, 4> q)
-    {
-        TouchState now[2];
-        (void)at(q, now);
-        std::copy(now, now + 2, touches);
-        start = v3(q[0], q[1], q[2]);
-        theta0 = q[3];
-        place.stamp++;
-    }
-};
-
-void add_floor(Soup& soup) { soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0)); }
-
-// -dF/dq as evaluate_sample says it is
-double tangent(const SampleForce& f, int row, int column)
-{
-    static constexpr int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    return f.sym[place[row][column]] + (column < 3 ? f.skew[3 * row + column] : 0);
-}
-
-/// Largest difference between the tangent and central differences, each row and column scaled so that a unit of q moves the
-/// surface by a metre; relative to the largest entry.
-double tangent_error(const OneSample& s, std::array<double, 4> q)
-{
-    const double step =
-        1e-10;  // [m] of some 1e-6 of overlap: truncation 1e-8 of the third derivative, rounding 1e-16 / 1e-10 * 1e-3
-    const SampleForce f = s.at(q);
-    double worst = 0, largest = 0;
-    for (int c = 0; c < 4; ++c) {
-        const double scale_c = c == 3 ? 1 / s.model.radius : 1;
-        std::array<double, 4> up = q, down = q;
-        up[c] += step * scale_c;
-        down[c] -= step * scale_c;
-        const SampleForce fu = s.at(up), fd = s.at(down);
-        for (int k = 0; k < 4; ++k) {
-            const double scale_k = k == 3 ? 1 / s.model.radius : 1;
-            const double difference = -(fu.force[k] - fd.force[k]) / (up[c] - down[c]) * scale_c;
-            worst = std::max(worst, scale_k * std::abs(scale_c * tangent(f, k, c) - difference));
-            largest = std::max(largest, std::abs(scale_k * scale_c * tangent(f, k, c)));
-        }
-    }
-    return worst / largest;
 }
 
 struct Bounce {
@@ -446,13 +361,13 @@ TEST_SUITE("contact/law")
             mv.spin = 1;  // [rad] far beyond what the spring holds
             TouchState now{};
             SampleForce out{};
-            add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &out);
+            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &out);
             CHECK(out.rolling_sum / force == about(k).epsilon(1e-6));
             CHECK(out.force[3] == about(-k * force).epsilon(1e-6));
             // below yield: a spring
             mv.spin = 1e-9;
             SampleForce small{};
-            add_rolling(m, mv, TouchState{}, 0, 0, force, &now, &small);
+            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &small);
             CHECK(small.force[3] == about(-small.sym[9] * 1e-9).epsilon(1e-9));
         }
         // stress terms enter as stated
@@ -460,6 +375,37 @@ TEST_SUITE("contact/law")
         contact.rolling_sigma_s = 1000;
         contact.rolling_hardness = 1e5;
         CHECK(line_sample(s, contact, bed, INFINITY, 1e-3).roll_arm == about(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
+    }
+
+    // beyond the yield M = K(a) f_n changes with the normal force and with the half-width: the spin's row against the position
+    TEST_CASE("derivative: the rolling moment at its yield, from the wall's law and from a user's stiffness")
+    {
+        for (const bool from_wall : {true, false})
+            for (const double spin : {0.02, -0.02}) {
+                CAPTURE(from_wall);
+                CAPTURE(spin);
+                ContactSpec contact;
+                contact.rolling = true;
+                contact.stiffness_from_wall = from_wall;
+                contact.stiffness = 1e8;
+                OneSample s(line_sample(steel(), contact, wall(), INFINITY, 1e-3));
+                add_floor(s.soup);
+                s.start = v3(0, 0, r - 1.9e-6);
+                s.touches[0].stamp = s.place.stamp - 1;
+                s.touches[0].flags = SEL_TOUCH_ACTIVE;
+                s.touches[0].normal[2] = 1;
+                s.touches[0].approach = 0.02;
+                s.touches[0].gap = -1.9e-6;
+                for (const uint friction : {SEL_FRICTION_NONE, SEL_FRICTION_STICK_SLIP}) {
+                    s.par.friction = friction;
+                    const std::array<double, 4> q = {3e-6, -2e-6, r - 2e-6, s.theta0 + spin};
+                    const SampleForce f = s.at(q);
+                    REQUIRE(f.rolling_sum > 0);
+                    REQUIRE((f.flags & SEL_SAMPLE_SLIDING) != 0);
+                    CHECK(std::abs(f.skew[11]) > 0.1 * f.rolling_sum / 2e-6);  // M grows like depth^2
+                    CHECK(tangent_error(s, q) <= 2e-6);
+                }
+            }
     }
 
     TEST_CASE("property: rolling resistance only takes energy, and stops a spinning wire in a bounded time")

@@ -62,6 +62,7 @@ SampleModel linear_law(double weight)
     SampleModel m{};
     m.weight = m.length = weight;
     m.radius = r;
+    m.reach = 0.1 * r;
     m.stiffness = 1e5;
     m.exponent = 1;
     m.friction_stiffness = 1e4;
@@ -110,17 +111,17 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
     const int samples = static_cast<int>(length / r);
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;
-    par.reach = 0.1 * r;
     par.blend = 0.002;
     double force = 0;
     for (int k = 0; k < samples; ++k) {
-        SamplePlace place{0, 0, (k + 0.5) / samples, (k + 0.5) / samples, 5, 0};
+        SamplePlace place{0, 0, (k + 0.5) / samples, (k + 0.5) / samples, 5, 0, 0};
         const TouchState t0[2] = {};
         TouchState t1[2];
         force +=
             evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
                             static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.vertices.data(), floor.soup.rims.data(),
-                            edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1)
+                            edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1,
+                            nullptr)
                 .force[2];
     }
     return force;

@@ -14,6 +14,9 @@ TEST_SUITE("contact/twin_float32")
     TEST_CASE("twin: contact_find") { find_case(); }
     TEST_CASE("twin: contact_evaluate") { evaluate_case(); }
     TEST_CASE("twin: contact_evaluate with an exponent that needs pow") { evaluate_pow_case(); }
+    TEST_CASE("twin: contact_evaluate with laws that have multipliers, and the barrier") { evaluate_hard_case(); }
+    TEST_CASE("twin: contact_start and contact_multipliers") { multipliers_case(); }
+    TEST_CASE("twin: contact_clearance and contact_sweep") { sweep_case(); }
     TEST_CASE("twin: contact_reduce") { reduce_case(); }
     TEST_CASE("twin: layer_find") { layer_find_case(); }
     TEST_CASE("twin: layer_evaluate") { layer_evaluate_case(); }

@@ -1,7 +1,9 @@
 // The bodies of the twin tests, compiled once in double (test_twin.cpp) and once in float (test_twin_float32.cpp, where
 // `seldinger` is another namespace). Every kernel runs against a plain loop over the same shared functions; the arithmetic is the
 // same operation by operation (contraction off on both sides, divisions and roots correctly rounded), so the bits are the same.
+#include "shared/hard_step.h"
 #include "shared/layer.h"
+#include "shared/sweep.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -37,6 +39,7 @@ struct Scene {
     std::vector<SampleModel> models;
     std::vector<SamplePlace> places;
     std::vector<TouchState> touches_t0;
+    std::vector<HardState> hard;
     std::vector<TreeNode> nodes;
     ContactParams par{};
     const sel_twin::TwinWall& wall = sel_twin::twin_wall();
@@ -60,7 +63,6 @@ struct Scene {
         par.inv_dt = 1000;
         par.blend = static_cast<real>(0.002);
         par.smooth_speed = static_cast<real>(1e-3);
-        par.reach = static_cast<real>(0.1 * 0.4445e-3);
     }
 
     void add_wire(uint n)
@@ -82,6 +84,7 @@ struct Scene {
         SampleModel m{};
         m.weight = m.length = static_cast<real>(k % 17 == 16 ? 0.0 : 4e-4);
         m.radius = static_cast<real>(k % 2 ? 0.4445e-3 : 0.35e-3);
+        m.reach = static_cast<real>(0.1 * 0.4445e-3);
         m.exponent = static_cast<real>(std::array{1.0, 1.5, 2.0}[k % 3]);
         m.stiffness = static_cast<real>(1.5e8 * std::pow(1e-6, 1.5 - m.exponent));
         m.friction_stiffness = static_cast<real>(1e5);
@@ -93,6 +96,10 @@ struct Scene {
         m.roll_arm = static_cast<real>(k % 3 ? 0.04 : 0.0);
         m.roll_depth = 2 * m.radius;
         m.roll_force = static_cast<real>(k % 2 ? 1e-9 : 0.0);
+        m.hard_stiffness = static_cast<real>(1e5);
+        m.hard_length = static_cast<real>(1e-5);
+        m.line_mass = static_cast<real>(5e-3);
+        m.restitution = static_cast<real>(0.5);
         return m;
     }
 
@@ -105,6 +112,7 @@ struct Scene {
         p.bary = static_cast<real>(k % 7 == 0 ? 0 : k % 7 == 1 ? 1 : draw(0, 1));
         p.bary_t0 = p.bary;
         p.stamp = 9;
+        p.shrink = static_cast<real>(k % 3 ? 0 : 2e-4);
         places.push_back(p);
         for (int side = 0; side < 2; ++side) {
             TouchState t{};
@@ -119,7 +127,19 @@ struct Scene {
             t.roll = static_cast<real>(draw(-1e-3, 1e-3));
             t.flags = draw.below(4);
             t.stamp = draw.below(3) ? 8 : 3;  // of the last step, or stale
+            t.normal_force = static_cast<real>(draw(0, 1e-3));
+            for (real& f : t.friction) f = static_cast<real>(draw(-1e-4, 1e-4));
             touches_t0.push_back(t);
+            HardState h{};
+            for (int i = 0; i < 3; ++i) {
+                h.normal[i] = t.normal[i];
+                h.friction[i] = static_cast<real>(draw(-0.1, 0.1));
+            }
+            h.force = static_cast<real>(draw(0, 1));
+            h.stiffness = static_cast<real>(draw(1e5, 1e7));
+            h.miss = static_cast<real>(draw(0, 1e-5));
+            h.live = draw.below(3) > 0;
+            hard.push_back(h);
         }
     }
 };
@@ -138,12 +158,12 @@ struct Found {
     std::vector<real> touching{};  // layer: L'
 };
 
-Found host_find(const Scene& s, const std::vector<uint>& list, real skin, uint slots)
+Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint slots)
 {
     Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
     for (uint sample : list) {
         const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + skin, s.nodes.data(),
+        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + s.models[sample].reach + slack, s.nodes.data(),
                                        s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
     }
     return out;
@@ -163,7 +183,8 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
         out.forces[k] =
             evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
                             s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
-                            s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data());
+                            s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data(),
+                            s.hard.data());
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -184,9 +205,10 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, s.touches_t0);
     Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(list.size()));
     Guarded<real> barys(context, lane, std::vector<real>(list.size()));
+    Guarded<HardState> hard(context, lane, s.hard);
     kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                   vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(), lo_t0.buffer(),
-                  theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer());
+                  theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer());
     (void)candidates.read();
     return {forces.read(), barys.read(), t1.read()};
 }
@@ -248,10 +270,10 @@ void find_case()
             for (const uint slots : {1u, 5u, 64u}) {  // the first two overflow: what does not fit is counted, not written
                 Scene s(n);
                 const std::vector<uint> list = up_to(n);
-                const real skin = static_cast<real>(2e-4);
+                const real slack = static_cast<real>(1.5e-4);
                 s.par.item_count = static_cast<uint>(n);
                 s.par.slots = slots;
-                const Found host = host_find(s, list, skin, slots);
+                const Found host = host_find(s, list, slack, slots);
                 Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
                     counts(context, lane, std::vector<uint>(n));
                 Guarded<SampleModel> models(context, lane, s.models);
@@ -259,7 +281,7 @@ void find_case()
                 Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
                 Guarded<real> lo(context, lane, s.lo);
                 Guarded<TreeNode> nodes(context, lane, s.nodes);
-                kernel.launch(lane, n, s.par, skin, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
+                kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
                               nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
@@ -303,6 +325,126 @@ void evaluate_case()
             }
     REQUIRE(touched > 500);
     REQUIRE(sliding > 100);
+}
+
+void evaluate_hard_case()
+{
+    std::size_t touched = 0, blocked = 0, sliding = 0;
+    for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE, SEL_NORMAL_BARRIER})
+        for (const std::size_t n : {64u, 257u}) {
+            Scene s(n);
+            s.par.normal_law = law;
+            const std::vector<uint> list = up_to(n);
+            const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
+            const Evaluated host = host_evaluate(s, s.par, list, found),
+                            device = device_evaluate(s, s.par, list, found, n == 64 ? Lane::Light : Lane::Heavy);
+            CAPTURE(law);
+            CHECK(first_difference(device.forces, host.forces) == -1);
+            CHECK(first_difference(device.touches, host.touches) == -1);
+            for (const SampleForce& f : host.forces) {
+                touched += f.contacts > 0;
+                blocked += (f.flags & SEL_SAMPLE_BLOCKED) != 0;
+                sliding += (f.flags & SEL_SAMPLE_SLIDING) != 0;
+            }
+        }
+    REQUIRE(touched > 200);
+    REQUIRE(blocked > 20);
+    REQUIRE(sliding > 5);
+}
+
+void multipliers_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel start(context, "contact/hard.cl", "contact_start"), next(context, "contact/hard.cl", "contact_multipliers");
+    std::size_t changed = 0, stiffened = 0;
+    for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE})
+        for (const std::size_t n : counts_to_try) {
+            const Lane lane = n % 2 ? Lane::Light : Lane::Heavy;
+            Scene s(n);
+            s.par.normal_law = law;
+            s.par.item_count = static_cast<uint>(n);
+            std::vector<uint> counts(n);
+            for (uint& c : counts) c = s.draw.below(3);
+            std::vector<HardState> started(2 * n), after(2 * n);
+            std::vector<real> ratios(n);
+            std::vector<TouchState> touches = s.touches_t0;
+            for (std::size_t k = 0; k < 2 * n; ++k) touches[k].stamp = k % 5 ? 9 : 8;
+            for (std::size_t k = 0; k < n; ++k) {
+                real ratio = 0;
+                for (std::size_t side = 2 * k; side < 2 * k + 2; ++side) {
+                    started[side] = hard_start(s.touches_t0[side], s.places[k].stamp, s.models[k], s.par);
+                    TouchState touch = touches[side];
+                    if (counts[k] == 0) touch.flags = 0;
+                    after[side] = hard_next(s.hard[side], touch, s.touches_t0[side], s.places[k].stamp, s.models[k], s.par, &ratio);
+                    stiffened += after[side].stiffness > s.hard[side].stiffness;
+                }
+                ratios[k] = ratio;
+                changed += ratio > 1;
+            }
+            Guarded<SampleModel> models(context, lane, s.models);
+            Guarded<SamplePlace> places(context, lane, s.places);
+            Guarded<uint> found(context, lane, counts);
+            Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, touches);
+            Guarded<HardState> hard(context, lane, s.hard), out(context, lane, std::vector<HardState>(2 * n)),
+                fresh(context, lane, std::vector<HardState>(2 * n));
+            Guarded<real> result(context, lane, std::vector<real>(n));
+            start.launch(lane, n, s.par, models.buffer(), places.buffer(), t0.buffer(), fresh.buffer());
+            next.launch(lane, n, s.par, models.buffer(), places.buffer(), found.buffer(), t0.buffer(), t1.buffer(), hard.buffer(),
+                        out.buffer(), result.buffer());
+            CAPTURE(law);
+            CAPTURE(n);
+            CHECK(first_difference(fresh.read(), started) == -1);
+            CHECK(first_difference(out.read(), after) == -1);
+            CHECK(first_difference(result.read(), ratios) == -1);
+        }
+    REQUIRE(changed > 100);
+    REQUIRE(stiffened > 50);
+}
+
+void sweep_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel clearance(context, "contact/hard.cl", "contact_clearance"), sweep(context, "contact/hard.cl", "contact_sweep");
+    std::size_t stopped = 0, near_wall = 0;
+    for (const std::size_t n : counts_to_try) {
+        const Lane lane = n % 2 ? Lane::Light : Lane::Heavy;
+        Scene s(n);
+        for (std::size_t k = 0; k < s.lo_t0.size(); ++k) s.lo_t0[k] = s.lo[k] + static_cast<real>(s.draw(-1e-4, 1e-4));
+        const std::vector<uint> list = up_to(n);
+        const Found found = host_find(s, list, static_cast<real>(4e-4), s.par.slots);
+        std::vector<real> gaps(n), ways(n);
+        for (std::size_t k = 0; k < n; ++k) {
+            const uint at = list[k];
+            const uint* candidates = found.candidates.data() + at * s.par.slots;
+            const SamplePlace p = s.places[at];
+            const AxisPoint now = axis_point(p.edge, p.bary, s.hi.data(), s.lo.data());
+            const AxisPoint was = axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data());
+            gaps[k] = sample_gap(now, s.models[at], s.par, s.touches_t0[2 * at], s.touches_t0[2 * at + 1], p.stamp, candidates,
+                                 found.counts[at], s.wall.vertices.data(), s.wall.rims.data());
+            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.wall.vertices.data(),
+                                   s.wall.rims.data());
+            near_wall += gaps[k] < s.models[at].reach;
+            stopped += ways[k] > 0 && ways[k] < 1;
+        }
+        s.par.item_count = static_cast<uint>(n);
+        Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates), counts(context, lane, found.counts),
+            rims(context, lane, s.wall.rims);
+        Guarded<SampleModel> models(context, lane, s.models);
+        Guarded<SamplePlace> places(context, lane, s.places);
+        Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
+        Guarded<real> lo(context, lane, s.lo), lo_t0(context, lane, s.lo_t0), gap_out(context, lane, std::vector<real>(n)),
+            way_out(context, lane, std::vector<real>(n));
+        Guarded<TouchState> t0(context, lane, s.touches_t0);
+        clearance.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                         vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(), gap_out.buffer());
+        sweep.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                     vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(), way_out.buffer());
+        CAPTURE(n);
+        CHECK(first_difference(gap_out.read(), gaps) == -1);
+        CHECK(first_difference(way_out.read(), ways) == -1);
+    }
+    REQUIRE(near_wall > 100);
+    REQUIRE(stopped > 10);
 }
 
 void evaluate_pow_case()
@@ -419,14 +561,15 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                       \
-    X(SampleModel, length)                                                                                                  \
-    X(SampleModel, roll_force) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(TouchState, point)      \
-        X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym)           \
-            X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque)  \
-                X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)       \
-                    X(ContactParams, all_stuck) X(ContactParams, inv_dt) X(ContactParams, reach) X(TreeNode, left_or_first) \
-                        X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X) \
+    X(SampleModel, length) X(SampleModel, reach) X(SampleModel, roll_force) X(SampleModel, restitution) \
+    X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness) \
+    X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) \
+    X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) \
+    X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) \
+    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, all_stuck) X(ContactParams, normal_law) \
+    X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) \
+    X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {

@@ -47,14 +47,15 @@ struct Touches {
     Touch first, second;
 };
 
-/// Both touches of an axis point, as evaluate_sample finds them.
+/// Both touches of an axis point, as evaluate_sample finds them. `side`: last normal of a touch that lives, or 0.
 inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach, double blend,
-                          const std::vector<std::uint32_t>& order)
+                          const std::vector<std::uint32_t>& order, vec3 side = make_vec3(0, 0, 0))
 {
     const vec3 origin = v3(0, 0, 0);
     const auto count = static_cast<std::uint32_t>(order.size());
     Touches t;
     t.first = nearest_touch(p, origin, radius, reach, 0, order.data(), count, soup.vertices.data(), soup.rims.data());
+    t.first.side = side;
     t.second =
         blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
     if (t.second.found)

@@ -230,8 +230,20 @@ TEST_SUITE("scene/scene_errors")
     TEST_CASE("property: what is not built says so")
     {
         check_mistake({good, {"vessel.wall=elastic"}, "vessel.wall: \"elastic\" is not available yet"});
-        for (const std::string law : {"augmented", "constraint", "impulse", "barrier"})
-            check_mistake({good, {"contact.normal=" + law}, "contact.normal: \"" + law + "\" is not available yet"});
+    }
+
+    TEST_CASE("property: a normal law says what it cannot be joined with")
+    {
+        for (const std::string law : {"augmented", "constraint", "impulse", "barrier"}) {
+            const std::string asked = "contact.normal=" + law, key = "contact.normal: \"" + law + "\"";
+            check_mistake({good, {asked, "contact.detection=layer"}, key + " lives on material samples"});
+            for (const std::string scheme : {"linearised", "explicit"})
+                check_mistake({good, {asked, "integrator.scheme=" + scheme}, key + " is solved by Newton's method"});
+        }
+        check_mistake({good, {"contact.overlap_m=0"}, "contact.overlap_m: expected a number above 0"});
+        check_mistake({good, {"contact.overlap_m=0.001"}, "contact.overlap_m: 0.001 m is more than a quarter of the wire's radius"});
+        check_mistake({good, {"contact.barrier_distance_m=0.001"},
+                       "contact.barrier_distance_m: 0.001 m is more than a tenth of the wire's radius"});
     }
 
     TEST_CASE("property: a --set that cannot be understood is named whole")

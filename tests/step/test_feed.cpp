@@ -126,6 +126,32 @@ TEST_SUITE("step/feed")
         CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
     }
 
+    // A step of 20 ms moves 4 edges in and 3 out. The edges stay whole, the base edge within its limits, and the wire is where one
+    // that takes steps of a millisecond is: both are quasi-static, so what is left is the order of friction's path and Euler's damping.
+    TEST_CASE("property: more than an edge can be fed or pulled back in one step")
+    {
+        const auto end_of = [](double dt) {
+            WorldSetup setup = bend_setup(0, 49);
+            setup.dt = dt;
+            setup.wires[0].feed.keys = {{0, 0, 0}, {0.1, 0.05, 0}, {0.16, 0.0275, 0}, {0.24, 0.0675, 0}, {1, 0.0675, 0}};
+            World world(std::move(setup));
+            const double edge = world.impl().feeds[0].edge;
+            for (int k = 0; k < std::lround(0.6 / dt); ++k) {
+                const StepReport report = step(world, dt);
+                REQUIRE_FALSE(report.failed());
+                const RodView rod = world.rod(0);
+                if (!world.impl().feeds[0].inside) continue;
+                for (int j = 0; j + 1 < rod.n; ++j) REQUIRE(rod.rest_length[j] > 0);
+                if (rod.n > 2) CHECK(rod.rest_length[rod.n - 2] == about(edge).epsilon(0.5 + 1e-6));
+                CHECK(length_inside(rod) == about(world.readings(0).inserted).epsilon(1e-4));
+            }
+            CHECK(world.readings(0).outside == 0);
+            return Vec3(world.rod(0).pos(0));
+        };
+        const Vec3 coarse = end_of(0.02), fine = end_of(0.001);
+        CHECK((coarse - fine).norm() <= 1e-4);
+    }
+
     // A straight wire without friction, load or weight turns as a rigid shaft does: every section by the hub's angle.
     TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by the same angle, and the torque dies away")
     {

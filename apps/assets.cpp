@@ -1,0 +1,68 @@
+#include "assets.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <cstdlib>
+
+extern char** environ;
+
+namespace seldinger::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string python()
+{
+    // Debian's own: another python3 ahead of it in PATH need not have its packages
+    return fs::exists("/usr/bin/python3") ? "/usr/bin/python3" : "python3";
+}
+
+/// Exit code, or -1 when the program could not be started.
+int run_program(const std::vector<std::string>& words)
+{
+    std::vector<char*> argv;
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    pid_t child = 0;
+    int status = 0;
+    if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0) return -1;
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR) return -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+fs::path assets_folder()
+{
+    std::vector<fs::path> places;
+    std::error_code unreadable;
+    if (const char* named = std::getenv("SELDINGER_ASSETS")) places.emplace_back(named);
+    const fs::path program = fs::read_symlink("/proc/self/exe", unreadable).parent_path();
+    if (!program.empty())
+        places.insert(places.end(), {program.parent_path() / "assets", program.parent_path() / "share" / "seldinger"});
+    places.emplace_back(SEL_SOURCE_ASSETS);
+    for (const fs::path& place : places)
+        if (fs::exists(place / "scenes")) return place;
+    throw Error(ExitCode::BadFile,
+                fmt::format("the program's scenes were not found beside it; set SELDINGER_ASSETS to the project's "
+                            "folder \"assets\" (looked in {})",
+                            places.front().string()));
+}
+
+bool draw_with(const std::string& script, const std::vector<std::string>& arguments)
+{
+    std::vector<std::string> words = {python(), (assets_folder() / script).string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    if (run_program(words) == 0) return true;
+    fmt::print(stderr, "seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
+               fmt::join(words, " "));
+    return false;
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,75 @@
+// seldinger batch SCENE.toml --vary SWEEP.toml [-o DIR] [--set ...] [--resume | --overwrite] [--time-limit S] [--device N]
+//                 [--threads N] [--quiet] [--json]
+
+#include "batch_loop.h"
+#include "commands.h"
+#include "core/parallel.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+namespace seldinger::apps {
+namespace {
+
+struct Options {
+    std::filesystem::path scene, sweep;
+    RunOptions run;
+    int threads = 0;
+    bool resume = false, overwrite = false, json = false;
+};
+
+std::string for_people(const std::string& json, const std::filesystem::path& dir)
+{
+    const nlohmann::json s = nlohmann::json::parse(json);
+    return fmt::format(
+        "{}: {}, {} runs in {} worlds, {} stopped\n  {} wire-steps in {:.3g} s ({:.0f} per second) on {}, {} threads\n"
+        "  {}: results.csv, results.npz, summary.json, scene.toml, sweep.toml\n",
+        s.at("name").get<std::string>(), s.at("status").get<std::string>(), s.at("runs").get<long>(), s.at("worlds").get<long>(),
+        s.at("stopped").get<long>(), s.at("wire_steps").get<long>(), s.at("wall_s").get<double>(),
+        s.at("wire_steps_per_s").get<double>(), s.at("device").get<std::string>(), s.at("threads").get<int>(), dir.string());
+}
+
+ExitCode batch(Options& options)
+{
+    RunOptions& what = options.run;
+    if (options.resume) what.use = FolderUse::Resume;
+    if (options.overwrite) what.use = FolderUse::Overwrite;
+    if (what.dir.empty()) what.dir = options.scene.stem().string() + "-batch";
+    set_thread_count(options.threads);
+    const RunOutcome outcome = run_batch(options.scene, options.sweep, what);
+    if (options.json) print(outcome.summary);
+    else if (!what.quiet) print(for_people(outcome.summary, what.dir));
+    if (!outcome.message.empty()) throw Error(outcome.code, outcome.message);
+    return outcome.code;
+}
+
+}  // namespace
+
+void add_batch(CLI::App& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
+    command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
+    command->add_option("--vary", options->sweep, "sweep file: [vary] with lists (grid) and {min, max, n} (draws)")
+        ->type_name("SWEEP.toml")
+        ->required();
+    command->add_option("-o", options->run.dir, "folder for the results (default: <scene>-batch here)")->type_name("DIR");
+    command->add_option("--set", options->run.overrides, "change a key of the scene for all runs; repeats")
+        ->type_name("table.key=value")
+        ->allow_extra_args(false);
+    auto* resume =
+        command->add_flag("--resume", options->resume, "go on with the batch in DIR (from the start where there is none)");
+    command->add_flag("--overwrite", options->overwrite, "replace what is in DIR")->excludes(resume);
+    add_limits(*command, options->run.time_limit, options->run.device);
+    command->add_option("--threads", options->threads, "of the host's part (default: all cores); the results do not depend on it")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    command->add_flag("--quiet", options->run.quiet, "no progress, no summary");
+    command->add_flag("--json", options->json, "print the summary as one JSON object");
+    command->callback([options, &chosen] { chosen = [options] { return batch(*options); }; });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,299 @@
+#include "batch_loop.h"
+
+#include "core/file_io.h"
+#include "core/parallel.h"
+#include "core/sealed_file.h"
+#include "progress.h"
+#include "stop_signal.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace seldinger::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr double save_seconds = 5;
+constexpr std::string_view magic = "SELBATC1";
+constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
+struct Totals {
+    std::int64_t wire_steps = 0, world_steps = 0, resumes = 0;
+    double wall = 0;
+    StageTimes stages;
+};
+
+std::string resolved_scene(const BatchSource& source, const fs::path& dir)
+{
+    return write_scene(read_scene_text(source.scene_text, source.scene_file, source.overrides), dir);
+}
+
+bool holds_a_batch(const fs::path& dir)
+{
+    std::error_code ignored;
+    return holds_a_run(dir) || std::any_of(std::begin(batch_files), std::end(batch_files),
+                                           [&](const char* name) { return fs::exists(dir / name, ignored); });
+}
+
+void check_batch_folder(const fs::path& dir, FolderUse use, const BatchSource& source, const std::string& sweep_text)
+{
+    std::error_code ignored;
+    for (const fs::path& given : {source.scene_file, source.sweep.source})
+        for (const char* name : {"scene.toml", "sweep.toml"})
+            if (fs::equivalent(dir / name, given, ignored) && !fs::exists(dir / "checkpoint.bin", ignored))
+                throw Error(ExitCode::BadScene,
+                            fmt::format("{}: {} lies there itself and would be overwritten; choose another folder with -o",
+                                        dir.string(), given.string()));
+    if (!holds_a_batch(dir)) return;
+    if (use == FolderUse::Refuse)
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                                "or another folder with -o",
+                                dir.string()));
+    if (use == FolderUse::Overwrite || !fs::exists(dir / "checkpoint.bin", ignored)) return;
+    const bool same = fs::exists(dir / "sweep.toml", ignored) && read_file(dir / "sweep.toml") == sweep_text &&
+                      read_file(dir / "scene.toml") == resolved_scene(source, dir);
+    if (!same)
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: scene.toml or sweep.toml differs from what is to be resumed; give the same scene, sweep "
+                                "and --set, or --overwrite",
+                                dir.string()));
+}
+
+class Batch {
+public:
+    Batch(const BatchSource& source, std::string sweep_text, const RunOptions& options)
+        : source_(source), options_(options), worlds_(plan_worlds(source))
+    {
+        const fs::path file = options.dir / "checkpoint.bin";
+        std::error_code ignored;
+        if (options.use == FolderUse::Resume && fs::exists(file, ignored)) {
+            restore(file);
+            return;
+        }
+        const std::string scene = resolved_scene(source, options.dir);
+        make_folder(options.dir);
+        remove_old_run(options.dir);
+        for (const char* name : batch_files) fs::remove(options.dir / name, ignored);
+        write_file(options.dir / "scene.toml", scene);
+        write_file(options.dir / "sweep.toml", sweep_text);
+    }
+
+    RunOutcome go(Clock::time_point called)
+    {
+        start_ = last_save_ = Clock::now();
+        earlier_wall_ = totals_.wall;
+        BatchProgress progress(source_.sweep.run_count(), options_.quiet);
+        for (bool first = true; at_ < worlds_.size();) {
+            if (!world_) open_world();
+            for (; !world_->finished(); first = false) {
+                if (stop_asked_for() != 0)
+                    return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
+                if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
+                    return stop(RunStatus::TimeLimit);
+                take_step();
+                if (seconds_since(last_save_) >= save_seconds) save(RunStatus::Running);
+                progress.show(rows_.size(), at_, worlds_.size(), *world_, static_cast<double>(totals_.wire_steps) / wall());
+            }
+            device_ = world_->world().device_name();
+            world_.reset();
+            ++at_;
+        }
+        return stop(RunStatus::Done);
+    }
+
+private:
+    double wall() const { return earlier_wall_ + seconds_since(start_); }
+
+    void open_world()
+    {
+        // worlds in a row often share the vessel: it is loaded once
+        Scene scene = source_.scene(0);
+        scene.vessel = source_.scene(worlds_[at_].front()).vessel;
+        std::string key = write_scene(scene, options_.dir);
+        if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
+        vessel_key_ = std::move(key);
+        world_.emplace(source_, worlds_[at_], vessel_, options_.device);
+        device_ = world_->world().device_name();
+    }
+
+    void take_step()
+    {
+        const StageTimes before = world_->stages();
+        totals_.wire_steps += static_cast<std::int64_t>(world_->running());
+        totals_.world_steps++;
+        for (BatchRow& row : world_->step()) rows_.push_back(row);
+        totals_.stages += world_->stages();
+        totals_.stages -= before;
+    }
+
+    void save(RunStatus status)
+    {
+        totals_.wall = wall();
+        write_tables();
+        std::vector<std::uint8_t> bytes;
+        const auto put_list = [&](const auto& list) {
+            const std::uint64_t count = list.size();
+            put_bytes(bytes, &count, 1);
+            put_bytes(bytes, list.data(), list.size());
+        };
+        put_list(std::string(version()));
+        put_list(device_);
+        put_bytes(bytes, &status, 1);
+        put_bytes(bytes, &totals_, 1);
+        put_list(rows_);
+        const std::uint64_t at = at_;
+        const std::uint8_t open = world_.has_value();
+        put_bytes(bytes, &at, 1);
+        put_bytes(bytes, &open, 1);
+        if (world_) {
+            const std::uint64_t vessel = hash_of(world_->world().setup().mesh);
+            put_bytes(bytes, &vessel, 1);
+            world_->save(bytes);
+        }
+        write_sealed(options_.dir / "checkpoint.bin", magic, bytes);
+        last_save_ = Clock::now();
+    }
+
+    void restore(const fs::path& file)
+    {
+        const std::vector<std::uint8_t> bytes = read_sealed(file, magic);
+        const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
+        const auto take_list = [&](auto& list) {
+            std::uint64_t count = 0;
+            take_bytes(at, end, &count, 1);
+            if (count > static_cast<std::uint64_t>(end - at) / sizeof list[0])
+                throw Error(ExitCode::BadFile, file.string() + ": a list is longer than the file; run again with --overwrite");
+            list.resize(count);
+            take_bytes(at, end, list.data(), count);
+        };
+        std::string writer;
+        take_list(writer);
+        if (writer != version())
+            throw Error(ExitCode::BadFile,
+                        fmt::format("{}: was written by version {}, this is {}; resume with that one, or run again with "
+                                    "--overwrite",
+                                    file.string(), writer, version()));
+        take_list(device_);
+        take_bytes(at, end, &saved_status_, 1);
+        take_bytes(at, end, &totals_, 1);
+        take_list(rows_);
+        std::uint64_t index = 0;
+        std::uint8_t open = 0;
+        take_bytes(at, end, &index, 1);
+        take_bytes(at, end, &open, 1);
+        at_ = index;
+        if (open) restore_world(file, at, end);
+        if (saved_status_ != RunStatus::Done) totals_.resumes++;
+    }
+
+    void restore_world(const fs::path& file, const std::uint8_t*& at, const std::uint8_t* end)
+    {
+        const std::string before = device_;
+        open_world();
+        std::uint64_t vessel = 0;
+        take_bytes(at, end, &vessel, 1);
+        if (vessel != hash_of(world_->world().setup().mesh))
+            throw Error(
+                ExitCode::BadFile,
+                fmt::format("{}: the vessel has changed since the batch began; run again with --overwrite", file.string()));
+        if (before != device_ && !options_.quiet)
+            fmt::print(stderr, "seldinger: resumed on \"{}\" after \"{}\": the bits may differ from a batch in one piece\n",
+                       device_, before);
+        world_->restore(at, end);
+    }
+
+    void write_tables()
+    {
+        write_file(options_.dir / "results.csv", batch_csv(source_.sweep, rows_));
+        write_file(options_.dir / "results.npz", batch_npz(source_.sweep, rows_));
+    }
+
+    std::string summary(RunStatus status) const
+    {
+        const auto stopped =
+            std::count_if(rows_.begin(), rows_.end(), [](const BatchRow& row) { return row.status == RunStatus::Stopped; });
+        const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(totals_.world_steps, 1));
+        const StageTimes& s = totals_.stages;
+        Json out;
+        out["name"] = source_.scene(0).name;
+        out["status"] = status_word(status);
+        out["runs"] = source_.sweep.run_count();
+        out["done"] = rows_.size() - static_cast<std::size_t>(stopped);
+        out["stopped"] = stopped;
+        out["worlds"] = worlds_.size();
+        out["wire_steps"] = totals_.wire_steps;
+        out["wall_s"] = totals_.wall;
+        out["wire_steps_per_s"] = static_cast<double>(totals_.wire_steps) / std::max(totals_.wall, 1e-9);
+        out["stage_ms"] = {{"detect", s.detect * to_ms}, {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms},
+                           {"solve", s.solve * to_ms},   {"wall", s.wall * to_ms},         {"adapt", s.adapt * to_ms}};
+        out["threads"] = thread_count();
+        out["device"] = device_;
+        out["version"] = version();
+        out["resumes"] = totals_.resumes;
+        out["results"] = "results.csv";
+        return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    }
+
+    RunOutcome stop(RunStatus status)
+    {
+        RunOutcome outcome;
+        if (status != RunStatus::Done || saved_status_ != RunStatus::Done) save(status);
+        outcome.summary = summary(status);
+        write_file(options_.dir / "summary.json", outcome.summary);
+        const std::string dir = options_.dir.string();
+        const std::string saved = fmt::format("with {} of {} runs done, state saved in {}; run again with --resume", rows_.size(),
+                                              source_.sweep.run_count(), dir);
+        if (status == RunStatus::TimeLimit) outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved};
+        if (status == RunStatus::Interrupted) outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved};
+        if (status != RunStatus::Done) return outcome;
+        std::int64_t stopped = 0, first = -1;
+        for (const BatchRow& row : rows_)
+            if (row.status == RunStatus::Stopped && (stopped++ == 0 || row.run < first)) first = row.run;
+        if (stopped > 0)
+            outcome = {
+                ExitCode::Stopped, outcome.summary,
+                fmt::format(
+                    "{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s "
+                    "smaller or contact.stiffness lower there",
+                    stopped, rows_.size(), first, (options_.dir / "results.csv").string())};
+        return outcome;
+    }
+
+    const BatchSource& source_;
+    const RunOptions& options_;
+    std::vector<std::vector<std::size_t>> worlds_;  // runs of each
+    std::size_t at_ = 0;                            // world being run
+    std::optional<BatchWorld> world_;
+    LoadedVessel vessel_;
+    std::string vessel_key_, device_;
+    std::vector<BatchRow> rows_;
+    Totals totals_;
+    RunStatus saved_status_ = RunStatus::Running;
+    double earlier_wall_ = 0;
+    Clock::time_point start_, last_save_;
+};
+
+}  // namespace
+
+RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOptions& options)
+{
+    const auto called = Clock::now();
+    const StopSignal listening;
+    BatchSource source{read_file(scene), scene, options.overrides, {}};
+    const std::string sweep_text = read_file(sweep);
+    source.sweep = read_sweep_text(sweep_text, sweep, read_scene_text(source.scene_text, scene, options.overrides).seed);
+    check_batch_folder(options.dir, options.use, source, sweep_text);
+    return Batch(source, sweep_text, options).go(called);
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,94 @@
+// seldinger chart [--quick] [-o DIR] [--scenes NAME|FILE …] [--processor-time] [--overwrite] [--device N] [--quiet]
+
+#include "study/chart.h"
+#include "assets.h"
+#include "baselines/baselines.h"
+#include "commands.h"
+#include "stop_signal.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include <unistd.h>
+#include <chrono>
+#include <csignal>
+#include <memory>
+
+namespace seldinger::apps {
+namespace {
+
+struct Options {
+    ChartOptions chart;
+    bool overwrite = false, quiet = false;
+};
+
+/// One line on stderr; nothing when it is not a terminal.
+void show(const std::string& doing)
+{
+    if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", doing);
+}
+
+/// Only what a chart writes: a folder of the user's may hold other things.
+void forget(const std::filesystem::path& dir)
+{
+    for (const char* file : {"runs.csv", "chart.csv", "references.csv"}) std::filesystem::remove(dir / file);
+}
+
+ExitCode chart(Options& options)
+{
+    const StopSignal listening;
+    ChartOptions& what = options.chart;
+    what.scenes_folder = assets_folder() / "scenes";
+    what.baselines = baselines::all();
+    what.stop = [] { return stop_asked_for() != 0; };
+    if (!options.quiet) what.progress = show;
+    if (options.overwrite) forget(what.dir);
+    const ChartResult result = make_chart(what);
+    if (!options.quiet) show("");
+    const std::string dir = what.dir.string();
+    if (result.interrupted)
+        throw Error(stop_asked_for() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
+                    fmt::format("interrupted after {} of {} runs, all kept in {}; the same command goes on", result.runs_done,
+                                result.runs_wanted, dir));
+    const bool drawn = draw_with("plot_chart.py", {dir});
+    if (!options.quiet) {
+        print(chart_summary(result));
+        print(fmt::format("{}: chart.csv, references.csv, runs.csv{}\n", dir,
+                          drawn ? ", chart.svg, chart.png and one picture per scene" : ""));
+    }
+    return ExitCode::Done;
+}
+
+}  // namespace
+
+void add_chart(CLI::App& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("chart", "speed against accuracy: the same scenes under every model");
+    command->add_flag("--quick", options->chart.quick, "fewer models, shorter scenes: minutes instead of an hour");
+    command
+        ->add_option("-o", options->chart.dir,
+                     "folder for the results (default: chart, or chart-quick); what is there is not run again")
+        ->type_name("DIR");
+    command
+        ->add_option("--scenes", options->chart.scenes,
+                     fmt::format("some of {}, or scene files", fmt::join(benchmark_names(), ", ")))
+        ->type_name("NAME|FILE")
+        ->delimiter(',');
+    command->add_flag("--processor-time", options->chart.processor_time,
+                      "cost is processor time instead of wall time: for a machine that does other things too");
+    command->add_flag("--overwrite", options->overwrite, "run everything again");
+    command->add_option("--device", options->chart.device, "OpenCL device, as `seldinger devices` lists them")
+        ->type_name("N")
+        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+    command->add_flag("--quiet", options->quiet, "no progress, no summary");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            if (options->chart.dir.empty()) options->chart.dir = options->chart.quick ? "chart-quick" : "chart";
+            return chart(*options);
+        };
+    });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,49 @@
+// seldinger stability [--quick] [-o DIR] [--maps ...] [--methods ...] [--jobs N] [--json] [--quiet]
+
+#include "commands.h"
+#include "core/file_io.h"
+#include "stability_study.h"
+#include "stop_signal.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <csignal>
+#include <memory>
+
+namespace seldinger::apps {
+
+void add_stability(CLI::App& app, Command& chosen)
+{
+    struct Options : StabilityOptions {
+        bool json = false;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
+    command->add_option("-o", options->dir, "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
+        ->type_name("DIR");
+    command->add_flag("--quick", options->quick, "nine cells a map, five methods: a few minutes");
+    command->add_option("--maps", options->maps, "only these")->type_name("NAME")->delimiter(',');
+    // a method's name may hold a comma
+    command->add_option("--methods", options->methods, "only these; separate by spaces, quote names")->type_name("NAME");
+    command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(CLI::Range(1, 1024))->type_name("N");
+    command->add_flag("--quiet", options->quiet, "no progress, no summary");
+    command->add_flag("--json", options->json, "print the counts as one JSON object");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            const StabilityWork work = select_work(*options);
+            const StabilityProgress done = run_stability(work, *options);
+            const ResultTable table = open_stability_table(options->dir);
+            const std::string json = stability_json(work, table, options->dir);
+            write_file(options->dir / "maps.json", json);
+            if (options->json) print(json);
+            else if (!options->quiet) print(stability_summary(work, table, options->dir));
+            if (!done.interrupted) return ExitCode::Done;
+            throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
+                        fmt::format("interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",
+                                    done.left, (options->dir / stability_table_file).string()));
+        };
+    });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,48 @@
+#pragma once
+// Runs the cells of the stability maps that are not in the folder's table yet, on several threads.
+
+#include "study/result_table.h"
+#include "study/stability.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace seldinger::apps {
+
+struct StabilityOptions {
+    std::filesystem::path dir = "stability";
+    std::vector<std::string> maps, methods;  // names; empty: all
+    bool quick = false, quiet = false;
+    int jobs = 0;             // threads; 0: one per core
+    double cell_limit = 60;   // [s] of steps
+};
+
+/// What of the study there is to run.
+struct StabilityWork {
+    std::vector<StabilityMap> maps;
+    std::vector<Model> methods;
+    std::vector<double> steps;
+    bool quick = false;
+    [[nodiscard]] const std::vector<double>& values(const StabilityMap& map) const { return quick ? map.quick_values : map.values; }
+};
+
+/// @throws Error BadScene: no map or method of that name
+[[nodiscard]] StabilityWork select_work(const StabilityOptions& options);
+
+inline constexpr const char* stability_table_file = "stability.csv";
+[[nodiscard]] ResultTable open_stability_table(const std::filesystem::path& dir);
+
+struct StabilityProgress {
+    long asked = 0, left = 0;  // cells in the selection; of them not run yet
+    bool interrupted = false;
+};
+
+/// @throws Error BadFile: the folder cannot be written
+[[nodiscard]] StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options);
+
+/// Per map and method "hold of all", and every cell of the default method that does not hold with how to run it again.
+[[nodiscard]] std::string stability_summary(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);
+[[nodiscard]] std::string stability_json(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);
+
+}  // namespace seldinger::apps

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""Speed against accuracy, from what `seldinger chart` wrote.
+
+    plot_chart.py DIR [-o DIR2]
+
+Reads chart.csv and references.csv of DIR; writes chart.svg and chart.png (tip error of every scene) and chart-SCENE.svg and .png (every
+observable of one scene) into DIR2 (default: DIR).
+"""
+import argparse
+import csv
+import math
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")  # no display needed
+matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text: small files that can be searched
+matplotlib.rcParams["svg.hashsalt"] = "seldinger"
+import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
+
+# family -> (marker, size); what is varied
+MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120),
+           "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "explicit": ("X", 34)}
+BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
+CLOCKS = {"wall": "wall time", "cpu": "processor time"}
+BASELINES = {"mass-spring": ("v", PURPLE), "soft mass-spring": ("v", "#c4aee0"), "beam": ("<", GREEN), "beam · lin": ("<", "#a5d3ac")}
+
+
+def read_table(path):
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            return list(csv.DictReader(stream))
+    except OSError as error:
+        sys.exit(f"plot_chart.py: {path}: {error.strerror}; give a folder that `seldinger chart` wrote")
+
+
+def number(text):
+    return float(text) if text else math.nan
+
+
+def colour_of(row):
+    if row["family"] in BASELINES:
+        return BASELINES[row["family"]][1]
+    if row["published"] == "1":
+        return RED
+    if row["family"] == "explicit":
+        return BROWN
+    return ORANGE if "scheme=linearised" in row["settings"] else BLUE
+
+
+def marker_of(row):
+    if row["family"] in BASELINES:
+        return BASELINES[row["family"]][0], 30
+    if row["family"] == "published" and row["published"] != "1":
+        return "*", 60
+    return MARKERS.get(row["family"], ("o", 26))
+
+
+class Panel:
+    """One observable of one scene."""
+
+    def __init__(self, rows, reference):
+        self.word, self.unit = reference["observable"], reference["unit"]
+        self.factor, self.shown_unit = (1e3, "mm") if self.unit == "m" else (1e3, "mN")
+        self.uncertainty = number(reference["uncertainty"]) * self.factor
+        self.reference = reference
+        self.charted = reference["charted"] == "1"
+        error = f"{self.word}_rms_{self.unit}"
+        self.points = []
+        for row in rows:
+            cost, value = number(row[row["clock"] + "_s_per_s"]), number(row[error]) * self.factor
+            if row["complete"] == "1" and value > 0 and cost > 0:
+                self.points.append((cost, value, row))
+
+    def limits(self):
+        costs, errors = [p[0] for p in self.points], [p[1] for p in self.points]
+        floor = self.uncertainty if self.uncertainty > 0 else min(errors)
+        low = min(min(errors), floor)
+        return (min(costs) / 6, max(costs) * 1.6), (low / 3, max(errors) * 2)
+
+    def draw(self, axes, labels=True):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+        axes.set_ylabel(f"{self.reference['says']} [{self.shown_unit}]", fontsize=8)
+        axes.tick_params(labelsize=7)
+        if not self.charted or not self.points:
+            axes.set_xticks([])
+            axes.set_yticks([])
+            axes.minorticks_off()
+            axes.text(0.5, 0.5, f"not charted: the reference\n{self.reference['convergence']}", transform=axes.transAxes,
+                      ha="center", va="center", fontsize=8, color="0.4")
+            return
+        (left, right), (bottom, top) = self.limits()
+        axes.set_xlim(left, right)
+        axes.set_ylim(bottom, top)
+        axes.grid(True, which="major", color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+        if left < 1 < right:
+            axes.axvline(1, color="0.6", linewidth=0.8, linestyle=":")
+        if self.uncertainty > 0:
+            axes.axhspan(bottom, self.uncertainty, color="0.8", linewidth=0, zorder=0)
+            axes.axhline(10 * self.uncertainty, color="0.75", linewidth=0.7, linestyle="--", zorder=0)
+        self.draw_front(axes, labels)
+        for cost, error, row in self.points:
+            self.draw_point(axes, cost, error, row)
+
+    def draw_point(self, axes, cost, error, row):
+        colour, (marker, size) = colour_of(row), marker_of(row)
+        resolved = row[f"{self.word}_resolved"] == "1" or self.uncertainty == 0
+        held = row["outcome"] == "hold"
+        axes.plot([number(row[row["clock"] + "_lowest"]), number(row[row["clock"] + "_highest"])], [error, error], color=colour, linewidth=0.7, alpha=0.6, zorder=2)
+        axes.scatter([cost], [error], s=size, marker=marker, facecolors=colour if resolved else "white",
+                     edgecolors=colour, linewidths=0.9, alpha=0.9 if held else 0.45, zorder=5 if row["published"] == "1" else 3)
+        if not held:
+            axes.scatter([cost], [error], s=14, marker="x", color="0.15", linewidths=0.8, zorder=6)
+
+    def draw_front(self, axes, labels):
+        front = sorted((p for p in self.points if p[2][f"{self.word}_front"] == "1"), key=lambda p: p[0])
+        if not front:
+            return
+        xs, ys = [], []
+        for cost, error, _ in front:
+            if ys:
+                xs.append(cost)
+                ys.append(ys[-1])
+            xs.append(cost)
+            ys.append(max(error, self.uncertainty) if self.uncertainty > 0 else error)
+        axes.plot(xs, ys, color="0.25", linewidth=1.1, zorder=1)
+        if not labels:
+            return
+        (left, right), (bottom, top) = self.limits()
+        last = None
+        for cost, error, row in front:
+            place = (math.log(cost / left) / math.log(right / left), math.log(error / bottom) / math.log(top / bottom))
+            if last and last[1] - place[1] < 0.05 and place[0] - last[0] < 0.3:
+                continue  # labels would lie on each other
+            last = place
+            axes.annotate(row["model"], (cost, error), xytext=(-4, -3), textcoords="offset points", ha="right", va="top", fontsize=5.5,
+                          color="0.2", zorder=7)
+
+
+def legend_entries(rows):
+    def dot(colour, marker, label, **style):
+        return Line2D([], [], color=colour, marker=marker, linestyle="", markersize=5.5, label=label, **style)
+
+    families = {row["family"] for row in rows}
+    entries = [dot(BLUE, "o", "newton, uniform nodes"), dot(ORANGE, "o", "linearised, uniform nodes"), dot(BLUE, "D", "adaptive nodes")]
+    named = [("trapezoid", BLUE, "P", "trapezoid"), ("detection", BLUE, "^", "other detection"), ("friction", BLUE, "s", "other friction law"),
+             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("explicit", BROWN, "X", "explicit")]
+    entries += [dot(colour, marker, label) for family, colour, marker, label in named if family in families]
+    entries += [dot(colour, marker, name) for name, (marker, colour) in BASELINES.items() if name in families]
+    if "published" in families:
+        entries += [Line2D([], [], color=RED, marker="*", linestyle="", markersize=10, label="published method"),
+                    dot(ORANGE, "*", "its laws, capsule detection")]
+    entries += [dot("0.15", "x", "did not hold"), dot(BLUE, "o", "below 10 × the reference's uncertainty", markerfacecolor="white"),
+                Line2D([], [], color="0.25", linewidth=1.1, label="Pareto front"),
+                Line2D([], [], color="0.8", linewidth=6, label="reference's uncertainty"),
+                Line2D([], [], color="0.6", linewidth=0.8, linestyle=":", label="real time")]
+    return entries
+
+
+def save(figure, folder, stem):
+    for kind in ("svg", "png"):
+        figure.savefig(folder / f"{stem}.{kind}", dpi=110, metadata={"Date": None} if kind == "svg" else None)
+    plt.close(figure)
+
+
+def grid_figure(count, columns):
+    rows = math.ceil((count + 1) / columns)  # one cell for the legend
+    figure, axes = plt.subplots(rows, columns, figsize=(3.3 * columns, 2.9 * rows), squeeze=False)
+    cells = list(axes.flat)
+    for cell in cells[count:]:
+        cell.axis("off")
+    return figure, cells
+
+
+def draw_scene(folder, name, rows, references):
+    figure, cells = grid_figure(len(references), 3)
+    for cell, reference in zip(cells, references):
+        Panel(rows, reference).draw(cell)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
+    cells[len(references)].legend(handles=legend_entries(rows), loc="center", frameon=False, fontsize=7)
+    figure.suptitle(rows[0]["title"], fontsize=10)
+    figure.tight_layout()
+    save(figure, folder, f"chart-{name}")
+
+
+def draw_overview(folder, scenes, references):
+    figure, cells = grid_figure(len(scenes), 3)
+    every = [row for rows in scenes.values() for row in rows]
+    for cell, (name, rows) in zip(cells, scenes.items()):
+        tip = [r for r in references[name] if r["observable"] == "tip"]
+        if tip:
+            Panel(rows, tip[0]).draw(cell)
+        cell.set_title(name, fontsize=9)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
+    cells[len(scenes)].legend(handles=legend_entries(every), loc="center", frameon=False, fontsize=7)
+    figure.tight_layout()
+    save(figure, folder, "chart")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("dir", metavar="DIR", help="folder of a chart", type=pathlib.Path)
+    parser.add_argument("-o", "--output", metavar="DIR2", type=pathlib.Path, help="folder for the pictures (default: DIR)")
+    options = parser.parse_args()
+    folder = options.output or options.dir
+    folder.mkdir(parents=True, exist_ok=True)
+    references, scenes = {}, {}
+    for reference in read_table(options.dir / "references.csv"):
+        references.setdefault(reference["scene"], []).append(reference)
+    for row in read_table(options.dir / "chart.csv"):
+        if row["scene"] in references:
+            scenes.setdefault(row["scene"], []).append(row)
+    if not scenes:
+        sys.exit(f"plot_chart.py: {options.dir}: no scene is finished yet; run the chart again, it goes on")
+    for name, rows in scenes.items():
+        draw_scene(folder, name, rows, references[name])
+    draw_overview(folder, scenes, references)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""Contact and friction against independent solutions, where a run is too long for the tests. Rows go to a CSV.
+
+    validate_contact.py [--app build/seldinger] [--csv bench/results/validation/contact.csv] [--only capstan,stiff,insertion,cost]
+                        [--vessel MESH.stl]
+
+capstan    limp wire round a bend, 4 angles x 4 coefficients, against e^(mu wrap) corrected for what little stiffness there is
+stiff      stiff wire round a drum: shear, lift-off and point reactions taken into account (shooting solution, closed form)
+insertion  wire pushed into and pulled out of a bend, against a discrete rod with hard contact and mobilised friction
+cost       time per step with and without friction and rolling, experiment 2 from 10 to 24 cm, side by side; --vessel: the patient's
+"""
+import argparse
+import csv
+import json
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+
+SCENES = "assets/scenes/reference"
+STRING_ANGLES = [math.pi / 4, math.pi / 2, math.pi, 3 * math.pi / 2]
+STRING_MU = [0.01, 0.1, 0.3, 0.48]
+STIFF = [  # B [N m^2], R to the axis [m], back tension [N], mu, turn
+    (1.0e-4, 0.05, 0.2, 0.3, math.pi / 2),
+    (5.5e-5, 0.05, 1.0, 0.1, math.pi / 2),
+    (5.5e-5, 0.03, 0.5, 0.2, math.pi),
+]
+INSERTION = [  # tip angle [rad], mu, sense (+1 push), force on the base [N]
+    (0.8, 0.1, 1, 0.018721355515), (0.8, 0.1, -1, 0.002906038439), (0.8, 0.3, 1, 0.032947735678), (0.8, 0.3, -1, -0.014773599985),
+    (1.2, 0.1, 1, 0.020785370627), (1.2, 0.1, -1, 0.003701532913), (1.2, 0.3, 1, 0.035652599609), (1.2, 0.3, -1, -0.0169404),
+    (1.6, 0.1, 1, 0.0201211), (1.6, 0.1, -1, 0.00441641), (1.6, 0.3, 1, 0.0338997), (1.6, 0.3, -1, -0.0167818),
+]
+
+
+class Run:
+    """One `seldinger run`; what it wrote, and the command that repeats it."""
+
+    def __init__(self, app, scene, **settings):
+        sets = [f"{key.replace('__', '.')}={toml(value)}" for key, value in settings.items()]
+        self.command = " ".join(["run", scene] + [f"--set '{s}'" if "[" in s else f"--set {s}" for s in sets])
+        with tempfile.TemporaryDirectory() as folder:
+            out = os.path.join(folder, "run")
+            command = [app, "run", scene, "-o", out, "--quiet"]
+            for s in sets:
+                command += ["--set", s]
+            done = subprocess.run(command, capture_output=True, text=True)
+            if done.returncode != 0:
+                sys.exit(f"{self.command}: exit {done.returncode}: {done.stderr.strip()}")
+            with open(os.path.join(out, "trace.csv"), newline="") as file:
+                self.trace = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+            with open(os.path.join(out, "summary.json")) as file:
+                self.summary = json.load(file)
+
+    def mean(self, column, part=0.5):
+        rows = self.trace[int(len(self.trace) * (1 - part)):]
+        return sum(row[column] for row in rows) / len(rows)
+
+
+def toml(value):
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "[" + ", ".join(toml(v) for v in value) + "]" if isinstance(value, (list, tuple)) else repr(value)
+
+
+def lift_off(stiffness, radius, force):
+    """Angle by which a free tail lifts off a drum before it would turn into its force: cos t = 1 - B / (2 R^2 F)."""
+    return math.acos(1 - stiffness / (2 * radius * radius * force))
+
+
+def capstan_exponent(stiffness, radius, back, pull, mu, wrap):
+    """ln ratio inside the contact, of mu times the contact's angle; 1 is right."""
+    t1, t2 = lift_off(stiffness, radius, back), lift_off(stiffness, radius, pull)
+    inside = pull * (math.cos(t2) - mu * math.sin(t2)) / (back * (math.cos(t1) + mu * math.sin(t1)))
+    return math.log(inside) / (mu * (wrap - t1 - t2))
+
+
+def capstan_pull(stiffness, radius, back, mu, wrap):
+    pull = back * math.exp(mu * wrap)
+    for _ in range(200):
+        t1, t2 = lift_off(stiffness, radius, back), lift_off(stiffness, radius, pull)
+        grip = (math.cos(t1) + mu * math.sin(t1)) / (math.cos(t2) - mu * math.sin(t2))
+        pull = back * grip * math.exp(mu * (wrap - t1 - t2))
+    return pull
+
+
+def pull_and_wrap(run, turn):
+    """Mean pull over the second half, and the angle from its direction to that of the back tension, near `turn`."""
+    x, y, z = (-run.mean(f"base_force_{c}_n") for c in "xyz")  # what the wire does to the hand
+    # the wire leaves the base along +x and ends along (cos turn, sin turn)
+    return math.sqrt(x * x + y * y + z * z), turn - math.atan2(y, x)
+
+
+def capstan(app):
+    radius = 0.04 - 0.002 + 0.000178
+    for turn in STRING_ANGLES:
+        for mu in STRING_MU:
+            back = 0.05
+            length = 0.025 + 0.04 * turn + 0.045
+            run = Run(app, f"{SCENES}/capstan.toml", vessel__angle_deg=math.degrees(turn), wire__length_m=length,
+                      wire__nodes=round(length / 0.001) + 1, contact__mu_static=mu, contact__mu_sliding=mu,
+                      load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
+            pull, wrap = pull_and_wrap(run, turn)
+            got = capstan_exponent(1e-7, radius, back, pull, mu, wrap)
+            yield (f"capstan {math.degrees(turn):.0f} deg mu {mu}: exponent / (mu wrap), wrap {wrap:.4f} rad, ratio {pull / back:.5f}", 1, got, 0.03,
+                   run.command)
+
+
+def stiff(app):
+    for stiffness, radius, back, mu, turn in STIFF:
+        bend = radius - 0.000178 + 0.02
+        length = 0.08 + bend * turn + 0.09
+        run = Run(app, f"{SCENES}/capstan-stiff.toml", wire__bend_nm2=stiffness, wire__twist_nm2=stiffness, wire__length_m=length,
+                  wire__nodes=round(length / 0.001) + 1, vessel__bend_radius_m=bend, vessel__angle_deg=math.degrees(turn),
+                  contact__mu_static=mu, contact__mu_sliding=mu,
+                  load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
+        pull, wrap = pull_and_wrap(run, turn)
+        yield (f"stiff capstan B {stiffness} R {radius} F1 {back} mu {mu} wrap {wrap:.4f}: pull [N]",
+               capstan_pull(stiffness, radius, back, mu, wrap), pull, 0.03, run.command)
+
+
+def insertion(app):
+    travel = 0.006
+    for angle, mu, sense, expected in INSERTION:
+        run = Run(app, f"{SCENES}/bend-insertion.toml", wire__length_m=0.05 + 0.05 * angle, contact__mu_static=mu, contact__mu_sliding=mu,
+                  hold__0__velocity_m_s=[sense * 0.01, 0.0, 0.0],
+                  wire__place__from_m=0.012 - sense * travel)
+        got = run.summary["base_force_n"][0]
+        yield f"{'push into' if sense > 0 else 'pull out of'} a bend, {angle} rad in, mu {mu}: force on the base [N]", expected, got, 0.05, run.command
+
+
+def cost(app, vessel):
+    scene = "assets/scenes/patients/tha001-arch.toml" if vessel else "assets/scenes/experiment2.toml"
+    extra = {"vessel__mesh": vessel} if vessel else {}
+    variants = [("none", False), ("stick-slip", False), ("stick-slip", True)]
+    medians = {v: [] for v in variants}
+    for _ in range(5):  # side by side: what else the machine does hits all alike
+        for friction, rolling in variants:
+            run = Run(app, scene, contact__friction=friction, contact__rolling=rolling, scene__duration_s=12.0, scene__record_every=1,
+                      output__wire_every=0, output__contacts_every=0, **extra)
+            medians[friction, rolling].append(statistics.median(row["step_ms"] for row in run.trace if row["inserted_m"] >= 0.1))
+            command = run.command
+    base = statistics.median(medians["none", False])
+    for friction, rolling in variants[1:]:
+        got = statistics.median(medians[friction, rolling]) / base
+        yield (f"time per step with {friction}{' and rolling' if rolling else ''} over none ({base:.4f} ms)", 1, got, 0.15, command)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--app", default="build/seldinger")
+    parser.add_argument("--csv", default="bench/results/validation/contact.csv")
+    parser.add_argument("--only", default="capstan,stiff,insertion,cost")
+    parser.add_argument("--vessel", help="patient mesh of assets/scenes/patients/tha001-arch.toml")
+    options = parser.parse_args()
+    suites = {"capstan": capstan, "stiff": stiff, "insertion": insertion, "cost": lambda app: cost(app, options.vessel)}
+    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
+    missed = 0
+    kept = []
+    wanted = options.only.split(",")
+    if os.path.exists(options.csv):
+        with open(options.csv, newline="") as file:
+            kept = [row for row in csv.reader(file) if row[0] not in [*wanted, "suite"]]
+    with open(options.csv, "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["suite", "case", "expected", "got", "error", "tolerance", "command"])
+        table.writerows(kept)
+        for name in wanted:
+            for case, expected, got, tolerance, command in suites[name](options.app):
+                error = got / expected - 1
+                ok = error <= tolerance if name == "cost" else abs(error) <= tolerance
+                missed += not ok
+                table.writerow([name, case, f"{expected:.6g}", f"{got:.6g}", f"{error:.5f}", tolerance, command])
+                file.flush()
+                print(f"{'ok  ' if ok else 'MISS'} {case}: expected {expected:.6g}, got {got:.6g} ({100 * error:+.2f} %)", flush=True)
+    sys.exit(missed > 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,51 @@
+#include "solve/momentum.h"
+
+#include "solve/newton.h"
+
+namespace seldinger {
+
+namespace {
+
+Vec3 position_on(const RodView& rod, int edge, double bary) { return (1 - bary) * rod.pos(edge) + bary * rod.pos(edge + 1); }
+
+Vec3 rate_of_change(const RodView& rod, const IntegratorSpec& spec, const MomentumStart& start, double h)
+{
+    if (h == 0) return Vec3::Zero();
+    if (!spec.newmark || spec.scheme == Scheme::Explicit) return (momentum(rod) - start.momentum) / h;
+    Vec3 rate = start.fed / h;
+    for (int i = 0; i < rod.n; ++i) rate += rod.mass[i] * Vec3(rod.ax[i], rod.ay[i], rod.az[i]);
+    return rate;
+}
+
+}  // namespace
+
+Vec3 momentum(const RodView& rod)
+{
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.vel(i);
+    return sum;
+}
+
+MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& constraints, const Solver& solver, int wire,
+                                 const IntegratorSpec& spec, const Vec3& gravity, std::span<const Vec3> contact_force,
+                                 const MomentumStart& start, double h)
+{
+    MomentumBalance balance;
+    for (const auto& [unknown, value] : constraints.prescribed)
+        if (unknown % 4 < 3) balance.held[unknown % 4] += solver.reaction(wire, unknown);
+    for (int i = 0; i < rod.n; ++i) {
+        balance.weight += rod.mass[i] * gravity;
+        balance.contact += contact_force[i];
+    }
+    for (const auto& load : constraints.loads) balance.loads += load.force;
+    for (const auto& spring : constraints.springs)
+        balance.loads -= spring.stiffness * (position_on(rod, spring.edge, spring.bary) - spring.anchor);
+    if (h > 0) {
+        balance.loads -= spec.damping_mass * momentum(rod);
+        balance.fed = start.fed / h;
+    }
+    balance.rate = rate_of_change(rod, spec, start, h);
+    return balance;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,52 @@
+#pragma once
+// Balance of momentum of a whole wire, read off an accepted step (design section 1):
+//
+//   held + weight + contact + loads + fed = d/dt sum_i m_i v_i
+//
+// Every term is gathered where it is reported from (reactions of the solver, contact forces of the device's sums, velocities of
+// the state), so that `error` tells whether the numbers a user reads belong together. What may be left is what the solver leaves
+// on the free nodes: |error| <= sqrt(3) n force_residual and rounding.
+//
+// A fed wire's last node stands still at the inlet while material passes through it: its velocity is the material's, and its half
+// cell's momentum counts. What comes in brings its own, `fed` = sum_i (m_i+ - m_i-) v_i- / h, rho A v^2 for a steady feed.
+//
+// Backward Euler: the rate is (P+ - P-)/h. Newmark: M a+ at the end of the step, where the equations hold, and `fed`. `explicit`
+// takes its forces at the start of the step, and its readings are of the end: there the balance closes to O(h).
+
+#include "rod/rod_arrays.h"
+
+#include <span>
+
+namespace seldinger {
+
+class Solver;
+struct IntegratorSpec;
+struct WireConstraints;
+
+/// Of the last sub-step; all in newtons.
+struct MomentumBalance {
+    Vec3 held = Vec3::Zero();  // by all holds, and by the inlet of a fed wire
+    Vec3 weight = Vec3::Zero();
+    Vec3 contact = Vec3::Zero();
+    Vec3 loads = Vec3::Zero();  // dead loads, links, damping against the surroundings
+    Vec3 fed = Vec3::Zero();    // brought in by material
+    Vec3 rate = Vec3::Zero();   // of change of momentum
+    [[nodiscard]] Vec3 error() const { return held + weight + contact + loads + fed - rate; }
+};
+
+/// What the balance needs of the time before a sub-step.
+struct MomentumStart {
+    Vec3 momentum = Vec3::Zero();  // before feeding [kg m/s]
+    Vec3 fed = Vec3::Zero();       // that feeding added [kg m/s]
+};
+
+/// sum m v [kg m/s]
+[[nodiscard]] Vec3 momentum(const RodView& rod);
+
+/// @param rod      after the sub-step      @param contact_force  [n] on its nodes [N]
+/// @param h        its length [s]; 0 for an equilibrium
+[[nodiscard]] MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& constraints, const Solver& solver,
+                                               int wire, const IntegratorSpec& spec, const Vec3& gravity,
+                                               std::span<const Vec3> contact_force, const MomentumStart& start, double h);
+
+}  // namespace seldinger

@@ -1,0 +1,171 @@
+#include "study/batch.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace seldinger {
+namespace {
+
+/// What two scenes must agree in to be wires of one world: everything but the wire, how it is held and fed, and the numbers of
+/// contact that are kept per sample or edge. `first` stands in for what may differ.
+std::string shared_part(Scene scene, const Scene& first)
+{
+    scene.name = first.name;
+    scene.seed = first.seed;
+    scene.record_every = first.record_every;
+    scene.wire_every = first.wire_every;
+    scene.contacts_every = first.contacts_every;
+    scene.wire = first.wire;
+    scene.feed = first.feed;
+    scene.holds = first.holds;
+    scene.loads = first.loads;
+    scene.links = first.links;
+    ContactSpec& contact = scene.contact;
+    const ContactSpec& other = first.contact;
+    contact.stiffness_from_wall = other.stiffness_from_wall;
+    for (double ContactSpec::*member :
+         {&ContactSpec::stiffness, &ContactSpec::exponent, &ContactSpec::restitution, &ContactSpec::mu_static,
+          &ContactSpec::mu_sliding, &ContactSpec::rolling_alpha, &ContactSpec::rolling_sigma_b, &ContactSpec::rolling_sigma_s,
+          &ContactSpec::rolling_hardness, &ContactSpec::layer_height, &ContactSpec::pair_distance})
+        contact.*member = other.*member;
+    contact.rolling = other.rolling;
+    contact.samples_per_edge = other.samples_per_edge;
+    return write_scene(scene, scene.source.parent_path());
+}
+
+}  // namespace
+
+Scene BatchSource::scene(std::size_t run) const
+{
+    std::vector<std::string> all = overrides;
+    const std::vector<std::string> own = sweep.overrides(run);
+    all.insert(all.end(), own.begin(), own.end());
+    try {
+        return read_scene_text(scene_text, scene_file, all);
+    } catch (const Error& error) {
+        std::string message = error.what();
+        for (std::size_t a = 0; a < own.size(); ++a) {
+            const std::string blamed = "--set " + own[a];
+            if (!message.starts_with(blamed)) continue;
+            throw Error(error.code(), fmt::format("{}:{}: vary.{}: run {}{}", sweep.source.string(), sweep.axes[a].line,
+                                                  sweep.axes[a].key, run, message.substr(blamed.size())));
+        }
+        throw Error(error.code(), fmt::format("{}: run {} ({}): {}", sweep.source.string(), run, fmt::join(own, ", "), message));
+    }
+}
+
+std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source)
+{
+    const Scene first = source.scene(0);
+    std::vector<std::vector<std::size_t>> worlds;
+    std::unordered_map<std::string, std::size_t> open;  // the world that runs of this kind go to now
+    for (std::size_t run = 0; run < source.sweep.run_count(); ++run) {
+        const std::string key = shared_part(source.scene(run), first);
+        const auto [at, is_new] = open.try_emplace(key, worlds.size());
+        if (!is_new && worlds[at->second].size() == most_wires) at->second = worlds.size();
+        if (at->second == worlds.size()) worlds.emplace_back();
+        worlds[at->second].push_back(run);
+    }
+    return worlds;
+}
+
+BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device)
+    : left_(runs.size())
+{
+    std::vector<Scene> scenes;
+    for (const std::size_t run : runs) {
+        scenes.push_back(source.scene(run));
+        runs_.push_back({static_cast<std::int64_t>(run), prescribed_until(scenes.back()), {}, false});
+    }
+    scene_ = scenes.front();
+    world_ = std::make_unique<World>(make_setup(scenes, std::move(vessel), device));
+}
+
+void BatchWorld::finish(int wire, RunStatus status, std::vector<BatchRow>& rows)
+{
+    Run& run = runs_[static_cast<std::size_t>(wire)];
+    rows.push_back(make_row(run.index, status, *world_, wire, run.tally));
+    run.finished = true;
+    world_->retire(wire);
+    --left_;
+}
+
+void BatchWorld::settle_all(std::vector<BatchRow>& rows)
+{
+    settled_ = true;
+    if (!scene_.start_settled && scene_.integrator.scheme != Scheme::Static) return;
+    (void)settle(*world_);
+    for (int w = 0; w < world_->wire_count(); ++w) {
+        const bool failed = world_->report(w).failed();
+        if (!failed) runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w).flags, world_->report(w).newton_iterations);
+        if (failed || scene_.integrator.scheme == Scheme::Static) finish(w, failed ? RunStatus::Stopped : RunStatus::Done, rows);
+    }
+}
+
+std::vector<BatchRow> BatchWorld::step()
+{
+    std::vector<BatchRow> rows;
+    if (!settled_) settle_all(rows);
+    if (finished()) return rows;
+    const StepReport report = seldinger::step(*world_, scene_.dt);
+    stages_ += report.times;
+    for (int w = 0; w < world_->wire_count(); ++w) {
+        Run& run = runs_[static_cast<std::size_t>(w)];
+        if (run.finished) continue;
+        const WireReport& own = world_->report(w);
+        if (own.failed()) {
+            finish(w, RunStatus::Stopped, rows);
+            continue;
+        }
+        run.tally.steps++;
+        run.tally.take_in(world_->readings(w), own.flags, own.newton_iterations);
+        bool done = run.tally.steps >= scene_.steps();
+        if (scene_.until == Until::Rest) {
+            run.tally.rest_steps = world_->at_rest(w) ? run.tally.rest_steps + 1 : 0;
+            done = done || (run.tally.rest_steps >= steps_at_rest && world_->time(w) >= run.moving_until);
+        }
+        if (done) finish(w, RunStatus::Done, rows);
+    }
+    return rows;
+}
+
+void BatchWorld::save(std::vector<std::uint8_t>& bytes) const
+{
+    const std::uint8_t settled = settled_;
+    put_bytes(bytes, &settled, 1);
+    for (const Run& run : runs_) {
+        put_bytes(bytes, &run.tally, 1);
+        put_bytes(bytes, &run.finished, 1);
+    }
+    const std::vector<std::uint8_t> state = world_->save_state();
+    const std::uint64_t size = state.size();
+    put_bytes(bytes, &size, 1);
+    put_bytes(bytes, state.data(), state.size());
+}
+
+void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
+{
+    std::uint8_t settled = 0;
+    take_bytes(at, end, &settled, 1);
+    settled_ = settled;
+    left_ = 0;
+    for (Run& run : runs_) {
+        take_bytes(at, end, &run.tally, 1);
+        take_bytes(at, end, &run.finished, 1);
+        left_ += !run.finished;
+    }
+    std::uint64_t size = 0;
+    take_bytes(at, end, &size, 1);
+    if (size > static_cast<std::uint64_t>(end - at)) throw Error(ExitCode::BadFile, "the saved state is longer than the file");
+    std::vector<std::uint8_t> state(size);
+    take_bytes(at, end, state.data(), state.size());
+    world_->restore_state(state);
+    for (std::size_t w = 0; w < runs_.size(); ++w)
+        if (runs_[w].finished) world_->retire(static_cast<int>(w));
+}
+
+}  // namespace seldinger

@@ -1,0 +1,69 @@
+#pragma once
+// Many runs of one scene: runs whose scenes share vessel, time step and schemes are wires of one World, stepped in lockstep with
+// one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run alone.
+
+#include "core/bytes.h"
+#include "scene/vessel_load.h"
+#include "study/batch_table.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+/// Where the scenes of a batch come from.
+struct BatchSource {
+    std::string scene_text;
+    std::filesystem::path scene_file;
+    std::vector<std::string> overrides;  // of --set, before the sweep's
+    Sweep sweep;
+
+    /// The scene of one run. @throws Error that names the sweep's line and the run
+    [[nodiscard]] Scene scene(std::size_t run) const;
+};
+
+/// Reads the scene of every run, so that a mistake in any of them comes before the first step, and sorts them into worlds of at
+/// most `most_wires`: runs in increasing order, worlds by their first run.
+inline constexpr std::size_t most_wires = 1024;  // beyond some hundred nothing is gained, and memory grows
+[[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source);
+
+/// One world of a batch and how its wires fare.
+class BatchWorld {
+public:
+    BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device);
+
+    /// One step of every run that is not finished (the first settles, where the scene asks for it). @return rows of those that
+    /// ended
+    std::vector<BatchRow> step();
+    [[nodiscard]] bool finished() const { return left_ == 0; }
+    [[nodiscard]] std::size_t running() const { return left_; }
+    [[nodiscard]] long step_count() const { return world_->step_count(); }
+    [[nodiscard]] long steps_in_all() const { return scene_.steps(); }
+    [[nodiscard]] const StageTimes& stages() const { return stages_; }  // sums since construction [s]
+    [[nodiscard]] const World& world() const { return *world_; }
+
+    void save(std::vector<std::uint8_t>& bytes) const;
+    void restore(const std::uint8_t*& at, const std::uint8_t* end);
+
+private:
+    struct Run {
+        std::int64_t index = 0;
+        double moving_until = 0;  // [s] of its own scene
+        RunTally tally;
+        bool finished = false;
+    };
+    void finish(int wire, RunStatus status, std::vector<BatchRow>& rows);
+    void settle_all(std::vector<BatchRow>& rows);
+
+    Scene scene_;            // of the first run: what they share
+    std::vector<Run> runs_;  // in the order of the world's wires
+    std::unique_ptr<World> world_;
+    std::size_t left_ = 0;  // runs not finished
+    bool settled_ = false;
+    StageTimes stages_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,66 @@
+#pragma once
+// The results of a batch: one row per run, as CSV and as NumPy's .npz.
+
+#include "scene/summary.h"
+#include "study/sweep.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace seldinger {
+
+/// Names as in summary.json; `whole` ones are counts. Maxima are over all steps, the rest is the final state.
+struct BatchColumn {
+    std::string_view name;
+    bool whole;
+};
+inline constexpr BatchColumn batch_columns[] = {{"steps", true},
+                                                {"simulated_s", false},
+                                                {"inserted_m", false},
+                                                {"turned_rad", false},
+                                                {"nodes", true},
+                                                {"contacts", true},
+                                                {"contacts_max", true},
+                                                {"contact_length_m", false},
+                                                {"normal_n", false},
+                                                {"friction_n", false},
+                                                {"friction_max_n", false},
+                                                {"hand_force_n", false},
+                                                {"hand_torque_nm", false},
+                                                {"base_force_x_n", false},
+                                                {"base_force_y_n", false},
+                                                {"base_force_z_n", false},
+                                                {"overlap_max_m", false},
+                                                {"outside_max_m", false},
+                                                {"newton_max", true},
+                                                {"halved_steps", true},
+                                                {"energy_j", false},
+                                                {"kinetic_j", false},
+                                                {"elastic_j", false},
+                                                {"gravitational_j", false},
+                                                {"remesh_energy_j", false},
+                                                {"tip_x_m", false},
+                                                {"tip_y_m", false},
+                                                {"tip_z_m", false}};
+
+/// One finished run.
+struct BatchRow {
+    std::int64_t run = 0;                                    // from 0
+    RunStatus status = RunStatus::Done;                      // or Stopped: no state was found, the last good one is shown
+    std::array<double, std::size(batch_columns)> numbers{};  // in the order of batch_columns
+    std::array<char, 16> state_hash{};                       // as summary.json of the run alone
+};
+static_assert(std::is_trivially_copyable_v<BatchRow>);
+
+/// @param wire  of the world, in the state that the row is to show
+[[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int wire, const RunTally& tally);
+
+/// Rows by run: run, the varied keys, status, batch_columns, state_hash. A number that is not finite is an empty field.
+[[nodiscard]] std::string batch_csv(const Sweep& sweep, std::vector<BatchRow> rows);
+/// The same columns as arrays; a varied key whose values are all numbers is float64, any other is text.
+[[nodiscard]] std::string batch_npz(const Sweep& sweep, std::vector<BatchRow> rows);
+
+}  // namespace seldinger

@@ -1,0 +1,27 @@
+#pragma once
+// Which models a chart compares: each choice varied by itself around the scene's own, the cheap corners where two are varied
+// together, the published method, and the baselines.
+
+#include "study/simulation.h"
+
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct ChartModel {
+    Model model;             // named
+    std::string family;      // "nodes", "step", "cheap", "adaptive", "detection", ... : one colour or marker each
+    bool published = false;  // one linearised step, layer, Lankarani-Nikravesh, sgn(v) friction
+    std::string refused;     // why this build cannot run it here; empty when it can
+};
+
+/// In the order in which they are worth running: an interrupted chart has the most telling ones.
+/// @param scene  a scene without a vessel has no detection, laws or friction to vary
+[[nodiscard]] std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines);
+
+/// The longest step with which an explicit scheme can stay stable [s]: a quarter of 2 / omega of the fastest of axial, torsional
+/// and bending waves on edges of this many nodes. A quarter: a fed wire's base edge shrinks to half.
+[[nodiscard]] double explicit_step(const WireSpec& wire, int nodes);
+
+}  // namespace seldinger

@@ -1,0 +1,141 @@
+#include "study/classify.h"
+
+#include "core/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+
+namespace {
+
+double stored(const WireReadings& r) { return r.elastic + r.gravitational; }
+
+// what contact springs may give back later; a law f ~ depth^n holds f depth/(n+1), friction springs less
+double contact_storage(const WireReadings& r) { return (r.normal + r.friction) * r.overlap; }
+
+bool all_finite(const WireReadings& r)
+{
+    return std::isfinite(r.hand_force + r.hand_torque + r.normal + r.friction + r.overlap + r.outside + r.kinetic + r.elastic +
+                         r.gravitational + r.base_force.sum());
+}
+
+// A fed wire whose piece is still in the guide has no energies yet; they begin, with its weight's height, when it is inside.
+bool in_guide(const WireReadings& r) { return r.nodes == 2 && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0; }
+
+constexpr int least_window = 10;  // steps; fewer say nothing of jitter
+
+}  // namespace
+
+const char* name(Outcome outcome)
+{
+    static constexpr const char* names[] = {"hold", "jitter", "overlap", "escape", "gave-up", "blow-up"};
+    return names[static_cast<int>(outcome)];
+}
+
+FailureWatch::FailureWatch(const FailureLimits& limits, const WireReadings& start)
+    : limits_(limits), last_(start), turned_over_(start.kinetic), most_stored_(stored(start))
+{
+    SEL_ASSERT(limits.jitter_window >= least_window);
+    least_ = start.kinetic + stored(start) + contact_storage(start);
+}
+
+void FailureWatch::note(Outcome outcome)
+{
+    long& first = first_step_[static_cast<int>(outcome)];
+    if (first < 0) first = seen_.steps;
+}
+
+void FailureWatch::observe(const StepReport& report, const WireReadings& now, double work, double carried_in)
+{
+    seen_.steps++;
+    seen_.sub_steps = std::max(seen_.sub_steps, report.sub_steps);
+    seen_.newton_iterations = std::max(seen_.newton_iterations, report.newton_iterations);
+    iterations_ += report.newton_iterations;
+    if (report.flags & (StepNotConverged | StepBestEffort)) note(Outcome::GaveUp);
+    if ((report.flags & StepNonFinite) || !all_finite(now))
+        return note(Outcome::BlowUp);  // nothing in `now` can be reckoned with
+
+    seen_.overlap = std::max(seen_.overlap, now.overlap);
+    seen_.outside = std::max(seen_.outside, now.outside);
+    if (now.outside > 0 || (report.flags & StepWallPenetration)) note(Outcome::Escape);
+    if (now.overlap > std::min(2 * limits_.static_indentation, limits_.radius)) note(Outcome::Overlap);
+    watch_force(now.hand_force);
+    watch_energy(now, work, carried_in);
+    last_ = now;
+}
+
+void FailureWatch::watch_force(double force)
+{
+    seen_.hand_force = std::max(seen_.hand_force, std::abs(force));
+    if (++forces_ > 2) {
+        window_.push_back(std::abs(force_1_ - (force_2_ + force) / 2));
+        force_sum_ += std::abs(force_1_);
+    }
+    force_2_ = force_1_;
+    force_1_ = force;
+    if (static_cast<int>(window_.size()) == limits_.jitter_window) close_window();
+}
+
+void FailureWatch::close_window()
+{
+    const auto quartile = window_.begin() + static_cast<std::ptrdiff_t>(window_.size()) * 3 / 4;
+    std::nth_element(window_.begin(), quartile, window_.end());
+    const double ratio = *quartile / std::max(force_sum_ / static_cast<double>(window_.size()), limits_.force_floor);
+    seen_.jitter = std::max(seen_.jitter, ratio);
+    if (ratio > limits_.jitter) note(Outcome::Jitter);
+    force_sum_ = 0;
+    window_.clear();
+}
+
+void FailureWatch::watch_energy(const WireReadings& now, double work, double carried_in)
+{
+    const double step_work = work + (now.hand_force + last_.hand_force) / 2 * (now.inserted - last_.inserted) +
+                             (now.hand_torque + last_.hand_torque) / 2 * (now.turned - last_.turned);
+    work_ += step_work;
+    carried_ += carried_in;
+    const double own = stored(now) - carried_;  // wherever the origin of heights is
+    const double balance = now.kinetic + own - work_;
+    if (in_guide(last_)) {
+        least_ = balance + contact_storage(now);
+        most_stored_ = own;
+        return;
+    }
+    const double made = balance - least_;
+    seen_.energy_made = std::max(seen_.energy_made, made);
+
+    const double rounding = 1e-9 * (std::abs(now.kinetic) + std::abs(stored(now)) + std::abs(work_));
+    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + most_released_) + limits_.energy_floor + rounding)
+        note(Outcome::BlowUp);
+
+    turned_over_ += std::abs(step_work);
+    most_stored_ = std::max(most_stored_, own);
+    most_released_ = std::max(most_released_, most_stored_ - own);
+    least_ = std::min(least_, balance + contact_storage(now));
+}
+
+Verdict FailureWatch::verdict() const
+{
+    FailureWatch ended = *this;
+    // what is left of the last window counts where it is long enough, or where there is no other
+    const int left = static_cast<int>(window_.size());
+    if (left >= least_window && (2 * left >= limits_.jitter_window || forces_ <= limits_.jitter_window + 2)) ended.close_window();
+    Verdict verdict;
+    verdict.first_step = ended.first_step_;
+    verdict.readings = ended.seen_;
+    verdict.readings.mean_iterations = seen_.steps > 0 ? static_cast<double>(iterations_) / seen_.steps : 0;
+    for (int k = 1; k < 6; ++k)
+        if (verdict.first_step[k] >= 0) verdict.outcome = static_cast<Outcome>(k);
+    return verdict;
+}
+
+double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed)
+{
+    const WireSetup& w = setup.wires[wire];
+    const WireSection& section = w.wire.at((from + to) / 2);
+    const double line_density = section.density * std::numbers::pi * section.radius * section.radius;
+    return (to - from) * line_density * (speed * speed - setup.gravity.dot(w.feed.point));
+}
+
+}  // namespace seldinger

@@ -1,0 +1,135 @@
+#include "study/model.h"
+
+#include "core/error.h"
+#include "scene/scene_names.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+namespace {
+
+constexpr const char* no_float32 = "float32 contact is not available yet: no world selects those kernels";
+constexpr const char* no_spin_free = "spin = off is not available yet: the solver always carries the spin angles";
+
+/// "file:line:column: key: what" without the place: the text that was read is not the user's.
+std::string without_place(const std::string& message, const std::filesystem::path& file)
+{
+    const std::size_t after_file = message.find(file.string() + ":") == 0 ? file.string().size() + 1 : 0;
+    const std::size_t end = message.find(": ", after_file);
+    return after_file == 0 || end == std::string::npos ? message : message.substr(end + 2);
+}
+
+std::string milliseconds(double seconds) { return fmt::format("{:.4g} ms", 1e3 * seconds); }
+
+template <class Enum, std::size_t N>
+std::vector<Enum> keep_available(const Choice<Enum> (&words)[N], std::optional<Enum> Model::*choice, const Scene& scene)
+{
+    std::vector<Enum> kept;
+    for (const Choice<Enum>& word : words) {
+        Model model;
+        model.*choice = word.value;
+        if (why_not(model, scene).empty()) kept.push_back(word.value);
+    }
+    return kept;
+}
+
+}  // namespace
+
+Scene apply(const Model& model, Scene scene)
+{
+    if (model.nodes) scene.wire.nodes = *model.nodes;
+    if (model.min_edge) scene.wire.min_edge = *model.min_edge;
+    if (model.max_edge) scene.wire.max_edge = *model.max_edge;
+    if (model.dt) scene.dt = *model.dt;
+    if (model.scheme) scene.integrator.scheme = *model.scheme;
+    if (model.trapezoid) {
+        scene.integrator.newmark = *model.trapezoid;
+        scene.integrator.beta = IntegratorSpec{}.beta;
+        scene.integrator.gamma = IntegratorSpec{}.gamma;
+    }
+    if (model.tolerance) scene.integrator.tolerance = *model.tolerance;
+    if (model.detection) scene.contact.detection = *model.detection;
+    if (model.normal) scene.contact.normal = *model.normal;
+    if (model.friction) scene.contact.friction = *model.friction;
+    if (model.rolling) scene.contact.rolling = *model.rolling;
+    if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
+    return scene;
+}
+
+std::vector<std::string> set_texts(const Model& model, const Scene& scene)
+{
+    std::vector<std::string> texts;
+    const auto set = [&](const char* key, auto value) { texts.push_back(fmt::format("{}={}", key, value)); };
+    if (model.nodes && *model.nodes > 0) set("wire.nodes", *model.nodes);
+    if (model.nodes && *model.nodes == 0) set("wire.nodes", "adaptive");
+    if (model.min_edge) set("wire.min_edge_m", *model.min_edge);
+    if (model.max_edge) set("wire.max_edge_m", *model.max_edge);
+    if (model.dt) set("scene.dt_s", *model.dt);
+    if (model.scheme) set("integrator.scheme", word_of(scheme_words, *model.scheme));
+    if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
+    if (model.tolerance) set("integrator.tolerance", *model.tolerance);
+    if (scene.vessel.shape == VesselShape::None) return texts;
+    if (model.detection) set("contact.detection", word_of(detection_words, *model.detection));
+    if (model.normal) set("contact.normal", word_of(normal_words, *model.normal));
+    if (model.friction) set("contact.friction", word_of(friction_words, *model.friction));
+    if (model.rolling) set("contact.rolling", *model.rolling);
+    if (model.elastic_wall) set("vessel.wall", word_of(wall_words, *model.elastic_wall));
+    return texts;
+}
+
+std::string label(const Model& model)
+{
+    if (!model.name.empty()) return model.name;
+    std::string text = model.baseline;
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+    if (model.nodes) add(*model.nodes > 0 ? fmt::format("{} nodes", *model.nodes) : "adaptive");
+    if (model.min_edge || model.max_edge)
+        add(fmt::format("edges {:.3g} to {:.3g} mm", 1e3 * model.min_edge.value_or(WireSpec{}.min_edge),
+                        1e3 * model.max_edge.value_or(WireSpec{}.max_edge)));
+    if (model.dt) add(milliseconds(*model.dt));
+    if (model.scheme) add(std::string(word_of(scheme_words, *model.scheme)));
+    if (model.trapezoid) add(*model.trapezoid ? "trapezoid" : "backward Euler");
+    if (model.tolerance) add(fmt::format("tolerance {:.0e}", *model.tolerance));
+    if (model.detection) add(std::string(word_of(detection_words, *model.detection)));
+    if (model.normal) add(std::string(word_of(normal_words, *model.normal)));
+    if (model.friction) add(std::string(word_of(friction_words, *model.friction)) + " friction");
+    if (model.rolling) add(*model.rolling ? "rolling" : "no rolling");
+    if (model.elastic_wall) add(*model.elastic_wall ? "elastic wall" : "rigid wall");
+    if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
+    if (model.spin) add(*model.spin ? "spin" : "no spin");
+    return text.empty() ? "as the scene" : text;
+}
+
+std::string why_not(const Model& model, const Scene& scene)
+{
+    if (model.precision == Precision::Float32) return no_float32;
+    if (model.spin == false) return no_spin_free;
+    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall;
+    if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
+    try {
+        // the scene reader is the one place that knows what goes together and what is built
+        (void)read_scene_text(write_scene(apply(model, scene), scene.source.parent_path()), scene.source);
+    } catch (const Error& error) {
+        return without_place(error.what(), scene.source);
+    }
+    return {};
+}
+
+Available available_in(const Scene& scene)
+{
+    Available here;
+    here.schemes = keep_available(scheme_words, &Model::scheme, scene);
+    here.detections = keep_available(detection_words, &Model::detection, scene);
+    here.normals = keep_available(normal_words, &Model::normal, scene);
+    here.frictions = keep_available(friction_words, &Model::friction, scene);
+    Model elastic, single, still;
+    elastic.elastic_wall = true;
+    single.precision = Precision::Float32;
+    still.spin = false;
+    here.elastic_wall = why_not(elastic, scene).empty();
+    here.float32 = why_not(single, scene).empty();
+    here.spin_free = why_not(still, scene).empty();
+    return here;
+}
+
+}  // namespace seldinger

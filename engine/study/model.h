@@ -1,0 +1,56 @@
+#pragma once
+// A model: one way to compute a scene, as a named set of choices laid over it. What a model leaves empty stays as the scene has
+// it. The chart, the stability map and the planner all speak of models; only apply() knows which scene key a choice is.
+
+#include "scene/scene.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+enum class Precision { Float64, Float32 };  // of the contact kernels
+
+struct Model {
+    std::string name;          // in tables and pictures; unique within a table. Empty: label() stands in
+    std::string baseline;      // empty: the engine; else the name under which an application registered another simulation
+    std::optional<int> nodes;  // over the whole wire; 0: adaptive
+    std::optional<double> min_edge, max_edge;  // adaptive only [m]
+    std::optional<double> dt;                  // [s]
+    std::optional<Scheme> scheme;
+    std::optional<bool> trapezoid;    // Newmark (1/4, 1/2); false: backward Euler
+    std::optional<double> tolerance;  // of the converged step [-]
+    std::optional<Detection> detection;
+    std::optional<NormalLaw> normal;
+    std::optional<FrictionLaw> friction;
+    std::optional<bool> rolling;
+    std::optional<bool> elastic_wall;
+    std::optional<Precision> precision;
+    std::optional<bool> spin;  // false: spin angles eliminated
+};
+
+/// The scene under the model. A baseline's name changes nothing here: the simulation that it names reads the same scene.
+[[nodiscard]] Scene apply(const Model& model, Scene scene);
+
+/// The model as texts of `seldinger run SCENE --set`, so that any point of a chart can be run again.
+[[nodiscard]] std::vector<std::string> set_texts(const Model& model, const Scene& scene);
+
+/// Its choices in words, e.g. "101 nodes, 1 ms, newton, capsule"; its name when it has one.
+[[nodiscard]] std::string label(const Model& model);
+
+/// Why this build cannot run the model in the scene, in one sentence; empty when it can. What the scene reader refuses
+/// (scene/availability.cpp among it) is refused here in the same words.
+[[nodiscard]] std::string why_not(const Model& model, const Scene& scene);
+
+/// What this build can run in `scene`, one choice at a time, in the contract's order.
+struct Available {
+    std::vector<Scheme> schemes;
+    std::vector<Detection> detections;  // empty without a vessel, as the next two
+    std::vector<NormalLaw> normals;
+    std::vector<FrictionLaw> frictions;
+    bool elastic_wall = false, float32 = false, spin_free = false;
+};
+[[nodiscard]] Available available_in(const Scene& scene);
+
+}  // namespace seldinger

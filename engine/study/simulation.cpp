@@ -1,0 +1,81 @@
+#include "study/simulation.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <utility>
+
+namespace seldinger {
+namespace {
+
+/// The engine itself.
+class WorldSimulation final : public Simulation {
+public:
+    explicit WorldSimulation(WorldSetup setup) : world_(std::move(setup)) {}
+
+    StepReport step(double dt) override { return seldinger::step(world_, dt); }
+    StepReport settle() override { return seldinger::settle(world_); }
+    WireReadings readings() const override { return world_.readings(0); }
+
+    std::vector<Vec3> shape() const override
+    {
+        const RodView rod = world_.rod(0);
+        std::vector<Vec3> points(static_cast<std::size_t>(rod.n));
+        for (int i = 0; i < rod.n; ++i) points[static_cast<std::size_t>(i)] = rod.pos(i);
+        return points;
+    }
+
+    std::vector<ForceAt> contact_forces() const override
+    {
+        const RodView rod = world_.rod(0);
+        std::vector<ForceAt> forces;
+        for (const ContactRow& row : world_.contacts()) {
+            if (row.wire != 0 || row.edge + 1 >= rod.n) continue;
+            const Vec3 edge = rod.pos(row.edge + 1) - rod.pos(row.edge);
+            const double along = std::clamp((row.point - rod.pos(row.edge)).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+            forces.push_back({rod.material_s[row.edge] + along * rod.rest_length[row.edge], row.normal_force});
+        }
+        return forces;
+    }
+
+private:
+    World world_;
+};
+
+}  // namespace
+
+WorldSetup StudyScene::setup_under(const Model& model) const
+{
+    const Scene changed = apply(model, scene);
+    WorldSetup made = setup;
+    made.dt = changed.dt;
+    made.integrator = changed.integrator;
+    made.vessel.elastic = changed.vessel.elastic;
+    made.wires.front().wire = changed.wire;
+    made.wires.front().contact = changed.contact;
+    return made;
+}
+
+StudyScene load_study_scene(Scene scene, int device_index)
+{
+    StudyScene study;
+    study.setup = make_setup(scene, device_index);
+    study.scene = std::move(scene);
+    return study;
+}
+
+std::unique_ptr<Simulation> make_simulation(const StudyScene& scene, const Model& model, const std::vector<Baseline>& baselines)
+{
+    if (model.baseline.empty()) return std::make_unique<WorldSimulation>(scene.setup_under(model));
+    const auto found = std::find_if(baselines.begin(), baselines.end(),
+                                    [&](const Baseline& baseline) { return baseline.name == model.baseline; });
+    if (found == baselines.end())
+        throw Error(ExitCode::BadScene,
+                    fmt::format("model \"{}\": no baseline \"{}\" is registered", label(model), model.baseline));
+    if (const std::string reason = found->why_not(scene.scene); !reason.empty())
+        throw Error(ExitCode::BadScene, fmt::format("model \"{}\": {}", label(model), reason));
+    return found->make(scene, model);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,403 @@
+// The maps: failure rows F1 ... F17 as small scenes. A wire of 0.9 mm, 8 cm long, does in two thirds of a second what the row is
+// about; most do it in one scene, fed round a bend. Sizes are chosen so that a cell costs a fraction of a second.
+
+#include "study/stability.h"
+#include "study/stability_meshes.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+namespace {
+
+using Texts = std::vector<std::string>;
+using Folder = std::filesystem::path;
+
+constexpr double duration = 2.0 / 3;  // a whole number of steps of 1/30 s, 1/60 s and (almost) of the decimal ones [s]
+constexpr double radius = 4.445e-4;   // of the wire [m]
+
+constexpr const char* wire = R"(
+[wire]
+length_m = 0.08
+radius_m = 0.0004445
+density = 7900.0
+bend_nm2 = 1.0e-4
+twist_nm2 = 7.7e-5
+stretch_n = 1.0e4
+nodes = 33
+)";
+
+// 1.5 cm straight, then a quarter of a circle of 3 cm
+constexpr const char* bend = R"(
+[vessel]
+shape = "arc"
+radius_m = 0.004
+bend_radius_m = 0.03
+angle_deg = 90.0
+lead_in_m = 0.005
+lead_out_m = 0.02
+normal = [0.0, 0.0, 1.0]
+triangles = 3000
+
+[feed]
+inlet = "auto"
+keys = [ {t_s = 0.0, advance_m = 0.0} ]
+)";
+
+std::string head(const char* name)
+{
+    return fmt::format("[scene]\nname = \"stability: {}\"\ndt_s = 0.001\nduration_s = {}\n", name, duration);
+}
+
+/// Feeds `length` at an even speed over the whole run.
+Texts feed(double length, double time, double pace, double turn = 0)
+{
+    return {fmt::format("scene.duration_s={}", time * pace),
+            fmt::format("feed.keys=[{{t_s=0.0, advance_m=0.0, turn_rad=0.0}}, {{t_s={}, advance_m={}, turn_rad={}}}]", time * pace,
+                        length, turn)};
+}
+
+/// The usual run, 4 cm round the bend, and what else is set.
+Texts fed(double pace, Texts more = {})
+{
+    Texts texts = feed(0.04, duration, pace);
+    texts.insert(texts.end(), more.begin(), more.end());
+    return texts;
+}
+
+std::vector<double> decades(double from, double to, int per_decade = 1)
+{
+    std::vector<double> values;
+    const int count = static_cast<int>(std::lround(std::log10(to / from) * per_decade));
+    for (int k = 0; k <= count; ++k) values.push_back(from * std::pow(10.0, static_cast<double>(k) / per_decade));
+    return values;
+}
+
+/// First, middle and last.
+std::vector<double> few(const std::vector<double>& values) { return {values.front(), values[values.size() / 2], values.back()}; }
+
+StabilityMap map_of(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values)
+{
+    StabilityMap map;
+    map.name = name;
+    map.rows = rows;
+    map.title = title;
+    map.axis = axis;
+    map.values = std::move(values);
+    map.quick_values = few(map.values);
+    map.scene = head(name) + wire;
+    return map;
+}
+
+StabilityMap fed_map(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values)
+{
+    StabilityMap map = map_of(name, rows, title, axis, std::move(values));
+    map.scene += bend;
+    return map;
+}
+
+// ---- a free rod ---------------------------------------------------------------------------------------------------------------
+
+StabilityMap axial()
+{
+    StabilityMap map = map_of("axial", "F1", "a cantilever is let go level; explicit steps meet the axial wave", "stretching stiffness [N]",
+                              decades(1e-2, 1e4));
+    map.touches = map.static_load = false;
+    map.scene += "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
+                 "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n";
+    map.set = [](double value, double, double, const Folder&) { return Texts{fmt::format("wire.stretch_n={}", value)}; };
+    return map;
+}
+
+StabilityMap fold()
+{
+    StabilityMap map = map_of("fold", "F16", "a straight wire, bent by so much at every node, springs open", "turning per edge [degrees]",
+                              {10, 30, 60, 90, 120, 150, 170});
+    map.touches = map.static_load = map.logarithmic = false;
+    map.scene += "place = { shape = \"arc\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0], bend_radius_m = 1.0 }\n"
+                 "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n";
+    // 8 edges, each turned against the last; energy of a fold is bounded, so a soft wire
+    map.set = [](double value, double, double, const Folder&) {
+        const double edge = 0.08 / 8;
+        return Texts{"wire.nodes=9", "wire.bend_nm2=1e-6", "wire.twist_nm2=7.7e-7",
+                     fmt::format("wire.place.bend_radius_m={}", edge / (value * std::numbers::pi / 180))};
+    };
+    return map;
+}
+
+StabilityMap twist()
+{
+    StabilityMap map = map_of("twist", "F16", "the base turns, the tip is held: spin per edge far beyond pi", "turning of the base, per edge [rad]",
+                              {0.03, 0.1, 0.3, 1, 3, 10});
+    map.touches = map.static_load = false;
+    map.scene += "place = { shape = \"straight\", base = [0.0, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
+                 "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nturn = [[0.0, 0.0], [1.0, 0.0]]\n"
+                 "[[hold]]\nat = \"tip\"\nposition = true\ndirection = true\nspin = true\n";
+    map.set = [](double value, double, double, const Folder&) {
+        return Texts{fmt::format("hold.0.turn=[[0.0, 0.0], [{}, {}]]", duration, 32 * value)};
+    };
+    return map;
+}
+
+// ---- fed round a bend ---------------------------------------------------------------------------------------------------------
+
+StabilityMap stiffness()
+{
+    StabilityMap map = fed_map("stiffness", "F2 F3", "contact stiffness, by the wall's modulus", "stiffness of the wall, of nominal", decades(0.1, 1e3));
+    map.set = [](double value, double, double pace, const Folder&) { return fed(pace, Texts{fmt::format("vessel.youngs_pa={}", 1e6 * value)}); };
+    return map;
+}
+
+StabilityMap speed()
+{
+    StabilityMap map = fed_map("speed", "F4", "feed speed; at 1 m/s a step of 1/30 s is 75 radii long", "feed speed [m/s]", decades(1e-3, 1, 2));
+    map.static_load = false;  // a tip at 1 m/s hits
+    // the slow ones start at the wall and stop early: what is asked is whether a slow touch holds
+    map.set = [](double value, double, double, const Folder&) {
+        const double time = std::clamp(0.04 / value, 0.04, 2.0);
+        Texts texts = feed(value * time, time, 1);
+        texts.insert(texts.end(), {"feed.inlet=auto", "vessel.lead_in_m=0.002"});
+        if (value < 0.01) texts.push_back("vessel.radius_m=0.0005");
+        return texts;
+    };
+    return map;
+}
+
+StabilityMap bending()
+{
+    StabilityMap map = fed_map("bending", "F11", "bending stiffness, from a thread to a rod; EA stays", "bending stiffness [N m^2]", decades(1e-7, 1e-2));
+    map.set = [](double value, double, double pace, const Folder&) {
+        return fed(pace, {fmt::format("wire.bend_nm2={}", value), fmt::format("wire.twist_nm2={}", 0.77 * value)});
+    };
+    return map;
+}
+
+StabilityMap ratio()
+{
+    StabilityMap map = fed_map("ratio", "F11", "a tip so many times softer than the shaft", "shaft over tip stiffness", decades(1, 1e4));
+    map.set = [](double value, double, double pace, const Folder&) {
+        return fed(pace, {"wire.bend_nm2=1e-3", "wire.twist_nm2=7.7e-4",
+                          fmt::format("wire.section=[{{from_tip_m=[0.0, 0.02], bend_nm2={}, twist_nm2={}}}]", 1e-3 / value, 7.7e-4 / value)});
+    };
+    return map;
+}
+
+StabilityMap friction()
+{
+    StabilityMap map = fed_map("friction", "F8", "friction; sgn(v) chatters", "sliding friction coefficient", {0, 0.05, 0.1, 0.2, 0.4, 0.7, 1});
+    map.logarithmic = false;
+    map.set = [](double value, double, double pace, const Folder&) {
+        return fed(pace, {fmt::format("contact.mu_sliding={}", value), fmt::format("contact.mu_static={}", std::min(1.0, 1.2 * value))});
+    };
+    return map;
+}
+
+StabilityMap spacing()
+{
+    StabilityMap map = fed_map("spacing", "F5", "edges against the bend's radius of 12 mm", "edge length over bend radius", {0.05, 0.1, 0.2, 0.4, 0.8, 1.6});
+    map.set = [](double value, double, double pace, const Folder&) {
+        return fed(pace, {fmt::format("wire.nodes={}", std::max(3L, std::lround(0.08 / (value * 0.012)) + 1)), "wire.bend_nm2=1e-5",
+                          "wire.twist_nm2=7.7e-6", "vessel.bend_radius_m=0.012", "vessel.angle_deg=150.0", "vessel.radius_m=0.003"});
+    };
+    return map;
+}
+
+StabilityMap offset()
+{
+    StabilityMap map = fed_map("offset", "F14", "the scene stands so far from the origin", "distance from the origin [m]", {0, 0.1, 1, 10, 100});
+    map.logarithmic = false;
+    map.set = [](double value, double, double pace, const Folder&) {
+        return fed(pace, Texts{fmt::format("vessel.origin=[{0}, {0}, {0}]", value / std::sqrt(3.0))});
+    };
+    return map;
+}
+
+StabilityMap strokes()
+{
+    StabilityMap map = fed_map("strokes", "F15", "push 2.5 cm, then pull and push 5 mm, so many times a second", "strokes per second [1/s]", {3, 6, 12, 24, 48});
+    map.static_load = false;  // hands that reverse within a step hit
+    map.set = [](double value, double, double, const Folder&) {
+        std::string keys = "{t_s=0.0, advance_m=0.0}, {t_s=0.4, advance_m=0.03}";
+        const double half = 0.5 / value, end = 0.4 + duration;
+        int k = 1;
+        for (double t = 0.4 + half; t < end + half / 2; t += half, ++k) keys += fmt::format(", {{t_s={}, advance_m={}}}", t, k % 2 ? 0.025 : 0.03);
+        return Texts{fmt::format("scene.duration_s={}", end), fmt::format("feed.keys=[{}]", keys)};
+    };
+    return map;
+}
+
+StabilityMap whip()
+{
+    StabilityMap map = fed_map("whip", "F9", "a curved tip is turned in the bend and lets go", "tip curvature [1/m]", {1, 25, 50, 100, 200});
+    map.static_load = false;  // torque is stored and released
+    map.logarithmic = false;
+    map.set = [](double value, double, double, const Folder&) {
+        const double end = 0.4 + duration;
+        return Texts{fmt::format("scene.duration_s={}", end),
+                     fmt::format("feed.keys=[{{t_s=0.0, advance_m=0.0, turn_rad=0.0}}, {{t_s=0.4, advance_m=0.05, turn_rad=0.0}}, "
+                                 "{{t_s={}, advance_m=0.05, turn_rad={}}}]",
+                                 end, 4 * std::numbers::pi),
+                     fmt::format("wire.section=[{{from_tip_m=[0.0, 0.015], bend_nm2=1e-5, twist_nm2=7.7e-6, rest_curvature_1_m=[{}, 0.0]}}]", value)};
+    };
+    return map;
+}
+
+// ---- other walls --------------------------------------------------------------------------------------------------------------
+
+StabilityMap triangles()
+{
+    StabilityMap map = map_of("triangles", "F5", "a wire is fed down onto a floor and along it", "triangle's leg over wire radius",
+                              {0.1, 0.25, 1, 2.5, 10, 20});
+    map.scene += "[vessel]\nshape = \"plane\"\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.06\ntriangles = 8\n"
+                 "[feed]\npoint = [-0.012, 0.0, 0.0022]\ndirection = [0.98, 0.0, -0.2]\nkeys = [ {t_s = 0.0, advance_m = 0.0} ]\n";
+    map.set = [](double value, double, double pace, const Folder&) {
+        // r = 0.9 mm, so that the finest floor has a hundred thousand triangles and not a million
+        const double r = 2 * radius, leg = value * r, size = std::max(0.024, 2 * leg);
+        const double across = std::ceil(size / leg - 1e-9);
+        Texts texts = feed(0.016, duration, pace);
+        texts.insert(texts.end(), {fmt::format("wire.radius_m={}", r), "wire.length_m=0.03", "wire.nodes=16", "wire.bend_nm2=1e-5",
+                                   "wire.twist_nm2=7.7e-6", fmt::format("vessel.size_m={}", across * leg),
+                                   fmt::format("vessel.triangles={}", static_cast<long>(2 * across * across))});
+        return texts;
+    };
+    return map;
+}
+
+StabilityMap approach()
+{
+    StabilityMap map = map_of("approach", "F7", "a wire comes down on a floor so slowly, and lies", "approach speed [m/s]", decades(1e-6, 1));
+    map.static_load = false;  // the fast ones hit
+    map.scene += "place = { shape = \"straight\", base = [-0.04, 0.0, 0.0004495], direction = [1.0, 0.0, 0.0] }\nvelocity_m_s = [0.0, 0.0, 0.0]\n"
+                 "[vessel]\nshape = \"plane\"\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.1\ntriangles = 200\n";
+    map.set = [](double value, double, double, const Folder&) {
+        // 5 um above the floor; no weight would be felt for 1 ms on the way, so it starts at its speed
+        return Texts{fmt::format("wire.velocity_m_s=[0.0, 0.0, {}]", -value)};
+    };
+    return map;
+}
+
+StabilityMap buckling()
+{
+    StabilityMap map = map_of("buckling", "F10", "a wire in a tube, its tip held, is pushed 8 mm: sinusoidal, then helical", "tube radius over wire radius",
+                              {1.5, 2, 4, 8, 16});
+    map.scene += "place = { shape = \"straight\", base = [0.01, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
+                 "[[hold]]\nat = \"tip\"\nposition = true\n"
+                 "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
+                 "[vessel]\nshape = \"tube\"\nradius_m = 0.004\nlength_m = 0.1\ntriangles = 3000\n";
+    map.set = [](double value, double, double pace, const Folder&) {
+        return Texts{fmt::format("vessel.radius_m={}", value * radius), "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6",
+                     fmt::format("scene.duration_s={}", duration * pace),
+                     fmt::format("hold.1.move=[[0.0, 0.0, 0.0, 0.0], [{}, 0.008, 0.0, 0.0]]", duration * pace)};
+    };
+    return map;
+}
+
+StabilityMap alternating()
+{
+    StabilityMap map = map_of("alternating", "F17", "a side load that turns round at every step", "load [N]", decades(1e-3, 10));
+    map.static_load = false;
+    map.scene += "place = { shape = \"straight\", base = [0.01, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }\n"
+                 "[[hold]]\nat = \"base\"\nposition = true\ndirection = true\nspin = true\n"
+                 "[[link]]\nat = 0.02\nanchor = [0.07, 0.0, 0.0]\nstiffness_n_m = 1.0\nmove = [[0.0, 0.0, 0.0, 0.0]]\n"
+                 "[vessel]\nshape = \"tube\"\nradius_m = 0.002\nlength_m = 0.1\ntriangles = 3000\n";
+    // a soft spring to an anchor a metre off is a force that hardly knows where the wire is
+    map.set = [](double value, double dt, double, const Folder&) {
+        std::string rows;
+        const long steps = std::min(200L, std::lround(duration / dt));
+        for (long k = 0; k <= steps; ++k)
+            rows += fmt::format("{}[{}, 0.0, {}, {}]", k ? ", " : "", static_cast<double>(k) * dt, k % 2 ? 0.8 : -0.8, k % 2 ? 0.6 : -0.6);
+        return Texts{fmt::format("scene.duration_s={}", static_cast<double>(steps) * dt), fmt::format("link.0.stiffness_n_m={}", value),
+                     fmt::format("link.0.move=[{}]", rows)};
+    };
+    return map;
+}
+
+// ---- walls of a file ----------------------------------------------------------------------------------------------------------
+
+std::string file_vessel(const char* feed_point, const char* direction)
+{
+    return fmt::format("[vessel]\nmesh = \"mesh.ply\"\nunits = \"mm\"\n"
+                       "[feed]\npoint = {}\ndirection = {}\nkeys = [ {{t_s = 0.0, advance_m = 0.0}} ]\n",
+                       feed_point, direction);
+}
+
+Texts with_mesh(Texts texts, const Folder& folder, const std::string& mesh)
+{
+    texts.push_back(fmt::format("vessel.mesh='{}'", std::filesystem::absolute(folder / mesh).string()));
+    return texts;
+}
+
+StabilityMap damage()
+{
+    StabilityMap map = map_of("damage", "F6", "so many of the wall's triangles are doubled, flipped, missing or slivers", "share of spoilt triangles",
+                              {0, 0.01, 0.02, 0.05, 0.1, 0.2});
+    map.logarithmic = false;
+    map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
+    map.set = [](double value, double, double pace, const Folder& folder) { return with_mesh(fed(pace), folder, damaged_mesh_name(value)); };
+    map.write_meshes = [values = map.values](const Folder& folder) {
+        for (const double value : values) write_damaged_mesh(folder, value);
+    };
+    return map;
+}
+
+StabilityMap carina()
+{
+    StabilityMap map = map_of("carina", "F9", "a tip meets a carina, so far off its middle, bends and prolapses", "tip off the carina's middle, of the lumen's radius",
+                              {0, 0.05, 0.1, 0.2, 0.4});
+    map.logarithmic = false;
+    map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
+    map.set = [](double value, double, double pace, const Folder& folder) {
+        Texts texts = feed(0.06, duration, pace);
+        texts.insert(texts.end(), {fmt::format("feed.point=[0.0, {}, 0.0]", value * carina_radius), "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
+        return with_mesh(std::move(texts), folder, carina_mesh_name());
+    };
+    map.write_meshes = write_carina_mesh;
+    return map;
+}
+
+StabilityMap stenosis()
+{
+    StabilityMap map = map_of("stenosis", "F12", "pushed at a throat that may be narrower than the wire", "throat over wire radius", {0.6, 0.8, 0.95, 1.05, 1.2, 1.5, 2});
+    map.logarithmic = false;
+    map.static_load = false;  // overlap is what is asked for here; the radius is the limit
+    map.scene += file_vessel("[0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]");
+    map.set = [](double value, double, double pace, const Folder& folder) {
+        Texts texts = feed(0.04, duration, pace);
+        texts.insert(texts.end(), {"wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
+        return with_mesh(std::move(texts), folder, stenosis_mesh_name(value));
+    };
+    map.write_meshes = [values = map.values](const Folder& folder) {
+        for (const double value : values) write_stenosis_mesh(folder, value * radius, value);
+    };
+    return map;
+}
+
+StabilityMap septum()
+{
+    StabilityMap map = map_of("septum", "F13", "two lumens side by side: the neighbour's wall must not push", "thickness of the common wall over wire radius",
+                              {0.05, 0.2, 0.5, 1, 2});
+    map.scene += file_vessel("[0.0, 0.0, 0.0]", "[0.995, 0.0, -0.1]");
+    map.set = [](double value, double, double pace, const Folder& folder) {
+        Texts texts = feed(0.05, duration, pace);
+        texts.insert(texts.end(), {"wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
+        return with_mesh(std::move(texts), folder, septum_mesh_name(value));
+    };
+    map.write_meshes = [values = map.values](const Folder& folder) {
+        for (const double value : values) write_septum_mesh(folder, value * radius, value);
+    };
+    return map;
+}
+
+}  // namespace
+
+const std::vector<StabilityMap>& stability_maps()
+{
+    static const std::vector<StabilityMap> maps = {axial(),    stiffness(), speed(),   triangles(), spacing(), damage(),  approach(), friction(),
+                                                   carina(),   whip(),      buckling(), bending(),  ratio(),   stenosis(), septum(),   offset(),
+                                                   strokes(),  fold(),      twist(),   alternating()};
+    return maps;
+}
+
+}  // namespace seldinger

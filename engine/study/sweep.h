@@ -1,0 +1,42 @@
+#pragma once
+// A sweep file: which keys of a scene take which values, and the runs that follow from it.
+//
+//   [vary]
+//   "wire.bend_nm2" = [1e-5, 1e-4]                          # a list: every value, with every value of the other lists (grid)
+//   "contact.mu_sliding" = {min = 0.02, max = 0.3, n = 50}  # a draw: n values, even between min and max (log = true: in their
+//   logarithm)
+//
+// Draws are made together: run k of n takes the k-th value of every drawn key, and each point of the grid sees the same n of
+// them. A value depends on the scene's seed, its key and k alone, so that adding an axis leaves the others' values as they were.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct SweepAxis {
+    std::string key;                  // "wire.bend_nm2"
+    std::vector<std::string> values;  // as TOML, on one line each
+    bool drawn = false;
+    int line = 0;  // in the sweep file, from 1
+};
+
+struct Sweep {
+    std::filesystem::path source;
+    std::vector<SweepAxis> axes;  // in the file's order
+
+    /// Product of the lists' lengths, times n of the draws.
+    [[nodiscard]] std::size_t run_count() const;
+    /// Which value of each axis a run takes. The first list varies slowest, the draws fastest.
+    [[nodiscard]] std::vector<std::size_t> indices(std::size_t run) const;
+    /// The run's values as texts of --set.
+    [[nodiscard]] std::vector<std::string> overrides(std::size_t run) const;
+};
+
+/// @param seed  of the draws: scene.seed  @throws Error BadFile (missing), BadScene: one line, "file:line:column: key: ..."
+[[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed);
+[[nodiscard]] Sweep read_sweep_text(const std::string& text, const std::filesystem::path& file, std::int64_t seed);
+
+}  // namespace seldinger

@@ -1,0 +1,218 @@
+// `seldinger batch`: every run of a sweep as if it had been run alone, whatever the worlds, threads and stops.
+
+#include "apps/app_fixture.h"
+
+#include <map>
+
+using namespace seldinger::test;
+
+namespace {
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<Row> results(const fs::path& dir)
+{
+    const auto cells = csv_rows(dir / "results.csv");
+    std::vector<Row> rows;
+    for (std::size_t k = 1; k < cells.size(); ++k) {
+        REQUIRE(cells[k].size() == cells[0].size());
+        Row row;
+        for (std::size_t c = 0; c < cells[0].size(); ++c) row[cells[0][c]] = cells[k][c];
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+// stiffness and friction share a world; each dt has its own
+const std::string mixed_sweep = R"([vary]
+"scene.dt_s" = [0.001, 0.0005]
+"wire.bend_nm2" = [1.0e-5, 3.0e-5]
+"wire.radius_m" = [0.0004445, 0.0003]
+"contact.mu_sliding" = [0.1]
+)";
+
+}  // namespace
+
+TEST_SUITE("apps/batch")
+{
+    TEST_CASE("property: each row has the numbers and the state hash of that run alone")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.15));
+        folder.write("s.toml", mixed_sweep);
+        const AppResult result = run_app(folder, "batch t.toml --vary s.toml -o B --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        CHECK(result.err.empty());
+        const auto printed = nlohmann::json::parse(result.out);
+        CHECK(printed == summary_of(folder.path / "B"));
+        CHECK(printed["runs"] == 8);
+        CHECK(printed["done"] == 8);
+        CHECK(printed["worlds"] == 2);
+        CHECK(printed["wire_steps"] == 4 * (150 + 300));
+        const auto rows = results(folder.path / "B");
+        REQUIRE(rows.size() == 8);
+        int contacts = 0;
+        for (const Row& row : rows) {
+            std::string set;
+            for (const char* key : {"scene.dt_s", "wire.bend_nm2", "wire.radius_m", "contact.mu_sliding"})
+                set += fmt::format(" --set {}={}", key, row.at(key));
+            CAPTURE(set);
+            REQUIRE(run_app(folder, "run t.toml -o R --overwrite --quiet" + set).code == 0);
+            const auto alone = summary_of(folder.path / "R");
+            CHECK(row.at("state_hash") == alone["state_hash"]);
+            CHECK(row.at("status") == "done");
+            for (const char* key :
+                 {"steps", "simulated_s", "inserted_m", "nodes", "contacts_max", "friction_max_n", "hand_force_n",
+                  "hand_torque_nm", "overlap_max_m", "newton_max", "halved_steps", "energy_j"}) {
+                CAPTURE(key);
+                CHECK(std::stod(row.at(key)) == alone[key].get<double>());
+            }
+            contacts += alone["contacts_max"].get<int>();
+        }
+        CHECK(contacts > 20);
+    }
+
+    TEST_CASE("property: the table's bytes depend neither on threads nor on stops")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.3));
+        // twenty wires: more than one piece of work for the pool
+        folder.write(
+            "s.toml",
+            "[vary]\n\"scene.duration_s\" = [0.001, 0.3]\n\"wire.bend_nm2\" = {min = 1e-5, max = 1e-4, n = 20, log = true}\n");
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o one --threads 1").code == 0);
+        REQUIRE(run_app(folder, "batch t.toml --vary s.toml -o three --threads 3").code == 0);
+        CHECK(summary_of(folder.path / "three")["threads"] == 3);
+        const std::string csv = slurp(folder.path / "one/results.csv"), npz = slurp(folder.path / "one/results.npz");
+        REQUIRE(csv.size() > 1000);
+        CHECK(slurp(folder.path / "three/results.csv") == csv);
+        CHECK(slurp(folder.path / "three/results.npz") == npz);
+
+        // a limit that is over at once lets one step through: that is the first world's only one, then the second's first
+        const std::string parts = "batch t.toml --vary s.toml -o parts --quiet ";
+        const auto stops_after = [&](const std::string& arguments) {
+            const AppResult part = run_app(folder, parts + arguments);
+            CAPTURE(part.err);
+            REQUIRE(part.code == 75);
+            REQUIRE(part.error_lines() == 1);
+            CHECK(part.err.find("--resume") != std::string::npos);
+        };
+        stops_after("--time-limit 1e-6");
+        stops_after("--time-limit 1e-6 --resume");
+        CHECK(summary_of(folder.path / "parts")["wire_steps"] == 2 * 20);
+        REQUIRE(run_app(folder, parts + "--resume").code == 0);
+        CHECK(slurp(folder.path / "parts/results.csv") == csv);
+        CHECK(slurp(folder.path / "parts/results.npz") == npz);
+        CHECK(summary_of(folder.path / "parts")["resumes"] == 2);
+        // what is done is not run again
+        const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
+        CHECK(again.code == 0);
+        CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);
+    }
+
+    TEST_CASE("property: numpy reads the same table from the .npz as from the .csv")
+    {
+        const ScratchFolder folder;
+        folder.write("f.toml", free_scene(0.02));
+        folder.write("s.toml", "[vary]\n\"wire.density\" = [6450.0, 7900.0]\n\"scene.name\" = [\"a,b\", \"Gefäß\"]\n");
+        REQUIRE(run_app(folder, "batch f.toml --vary s.toml -o B").code == 0);
+        folder.write("check.py", R"(import csv, sys
+import numpy as np
+table, rows = np.load("B/results.npz"), list(csv.DictReader(open("B/results.csv", encoding="utf-8")))
+assert len(rows) == 4 and set(table.files) == set(rows[0]), (table.files, rows[0].keys())
+for name in table.files:
+    column = [row[name] for row in rows]
+    kind = table[name].dtype.kind
+    if kind == "f": assert np.array_equal(table[name], np.array(column, float)), name
+    elif kind == "i": assert np.array_equal(table[name], np.array(column, int)), name
+    else: assert list(table[name]) == column, name
+assert table["wire.density"].dtype == float and table["steps"].dtype == np.int64 and table["scene.name"][1] == "Gef\u00e4\u00df"
+print("same")
+)");
+        const fs::path out = folder.path / ".py";
+        const int status = std::system(
+            fmt::format("cd '{}' && /usr/bin/python3 check.py >'{}' 2>&1", folder.path.string(), out.string()).c_str());
+        CAPTURE(slurp(out));
+        CHECK(status == 0);
+        CHECK(slurp(out) == "same\n");
+    }
+
+    TEST_CASE("property: static equilibria, and runs that come to rest at their own time")
+    {
+        const ScratchFolder folder;
+        folder.write("f.toml", free_scene(20.0));
+        folder.write("stiff.toml", "[vary]\n\"wire.bend_nm2\" = [5e-5, 2e-4]\n");
+        for (const std::string set :
+             {"--set integrator.scheme=static", "--set scene.until=rest --set integrator.damping_mass_1_s=40.0"}) {
+            CAPTURE(set);
+            REQUIRE(run_app(folder, "batch f.toml --vary stiff.toml -o B --overwrite " + set).code == 0);
+            const auto rows = results(folder.path / "B");
+            REQUIRE(rows.size() == 2);
+            for (const Row& row : rows) {
+                REQUIRE(run_app(folder, fmt::format("run f.toml -o R --overwrite {} --set wire.bend_nm2={}", set,
+                                                    row.at("wire.bend_nm2")))
+                            .code == 0);
+                CHECK(row.at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
+                CHECK(std::stol(row.at("steps")) == summary_of(folder.path / "R")["steps"].get<long>());
+            }
+            CHECK(std::stod(rows[0].at("tip_z_m")) < std::stod(rows[1].at("tip_z_m")));  // the stiffer hangs less
+        }
+    }
+
+    TEST_CASE("property: a run that stops leaves the others alone, and the batch says so with exit 4")
+    {
+        const ScratchFolder folder;
+        // explicit integration far above the axial wave's limit ends at once, below it does not
+        folder.write("f.toml", free_scene(0.01));
+        folder.write("s.toml", "[vary]\n\"wire.stretch_n\" = [0.5, 7.0e12, 0.5]\n");
+        const std::string set =
+            " --set integrator.scheme=explicit --set scene.dt_s=1e-5 --set wire.bend_nm2=1e-9 --set wire.twist_nm2=1e-9";
+        const AppResult result = run_app(folder, "batch f.toml --vary s.toml -o B" + set);
+        CHECK(result.code == 4);
+        CHECK(result.error_lines() == 1);
+        CHECK(result.err.find("1 of 3 runs stopped") != std::string::npos);
+        CHECK(result.err.find("run 1 first") != std::string::npos);
+        const auto rows = results(folder.path / "B");
+        REQUIRE(rows.size() == 3);
+        CHECK(rows[1].at("status") == "stopped");
+        CHECK(rows[0].at("status") == "done");
+        CHECK(rows[2].at("state_hash") == rows[0].at("state_hash"));
+        CHECK(rows[0].at("steps") == "1000");
+        REQUIRE(run_app(folder, "run f.toml -o R --set wire.stretch_n=0.5" + set).code == 0);
+        CHECK(rows[0].at("state_hash") == summary_of(folder.path / "R")["state_hash"]);
+    }
+
+    TEST_CASE("property: refusals are those of `run`, before anything is written")
+    {
+        const ScratchFolder folder;
+        folder.write("f.toml", free_scene(0.01));
+        folder.write("s.toml", "[vary]\n\"wire.density\" = [6450.0, 7900.0]\n");
+        const auto says = [&](const std::string& arguments, int code, const std::string& what) {
+            const AppResult result = run_app(folder, "batch " + arguments);
+            CAPTURE(arguments);
+            CAPTURE(result.err);
+            CHECK(result.code == code);
+            CHECK(result.error_lines() == 1);
+            CHECK(result.err.find(what) != std::string::npos);
+        };
+        says("f.toml -o B", 2, "--vary");
+        says("f.toml --vary none.toml -o B", 3, "none.toml");
+        says("none.toml --vary s.toml -o B", 3, "none.toml");
+        folder.write("bad.toml", "[vary]\n\"wire.nodes\" = [21]\n\"wire.density\" = [6450.0, -1.0]\n");
+        says("f.toml --vary bad.toml -o B", 2, "bad.toml:3: vary.wire.density: run 1: wire.density: expected a number above 0");
+        folder.write("typo.toml", "[vary]\n\"wire.densty\" = [6450.0]\n");
+        says("f.toml --vary typo.toml -o B", 2, "nearest known one is wire.density");
+        says("f.toml --vary s.toml -o B --threads 0", 2, "threads");
+        CHECK_FALSE(fs::exists(folder.path / "B"));
+        REQUIRE(run_app(folder, "batch f.toml --vary s.toml -o B").code == 0);
+        says("f.toml --vary s.toml -o B", 2, "--overwrite");
+        says("f.toml --vary s.toml -o B --resume --set wire.nodes=31", 2, "differs");
+        folder.write("other.toml", "[vary]\n\"wire.density\" = [6450.0]\n");
+        says("f.toml --vary other.toml -o B --resume", 2, "differs");
+        CHECK(run_app(folder, "batch f.toml --vary other.toml -o B --overwrite").code == 0);
+        CHECK(results(folder.path / "B").size() == 1);
+        folder.write("B/checkpoint.bin", "SELBATC1 torn");
+        says("f.toml --vary other.toml -o B --resume", 3, "checkpoint.bin");
+    }
+}

@@ -1,0 +1,96 @@
+#pragma once
+// Vessels that are hard on contact: a box channel, a stenosis, a bifurcation with its carina, two channels side by side.
+
+#include "vessel/mesh_fixtures.h"
+#include "vessel/swept_lumen.h"
+
+#include "support/world_fixture.h"
+
+namespace seldinger::test {
+
+/// Wall swept along x over closed sections (all of the same number of points, counter-clockwise seen against x), open at both
+/// ends.
+inline WallMesh sweep_sections(const std::vector<std::vector<Vec3>>& sections)
+{
+    WallMesh mesh;
+    const int around = static_cast<int>(sections[0].size());
+    for (const auto& section : sections) mesh.vertices.insert(mesh.vertices.end(), section.begin(), section.end());
+    for (int row = 0; row + 1 < static_cast<int>(sections.size()); ++row)
+        for (int k = 0; k < around; ++k) {
+            const int a = row * around + k, b = row * around + (k + 1) % around, c = b + around, d = a + around;
+            mesh.triangles.push_back({a, c, b});
+            mesh.triangles.push_back({a, d, c});
+        }
+    return mesh;
+}
+
+/// Straight channel of rectangular section [y0, y1] x [z0, z1] from x = 0 to `length`, cut into `rows` along it; one panel per
+/// wall and row.
+inline WallMesh box_channel(double length, double y0, double y1, double z0, double z1, int rows)
+{
+    std::vector<std::vector<Vec3>> sections;
+    for (int k = 0; k <= rows; ++k) {
+        const double x = length * k / rows;
+        sections.push_back({{x, y0, z0}, {x, y1, z0}, {x, y1, z1}, {x, y0, z1}});
+    }
+    return sweep_sections(sections);
+}
+
+/// Tube along x of radius(x), `around` facets.
+inline WallMesh tube_of(const std::function<double(double)>& radius, double length, int rows, int around)
+{
+    std::vector<std::vector<Vec3>> sections;
+    for (int k = 0; k <= rows; ++k) {
+        const double x = length * k / rows;
+        std::vector<Vec3> section;
+        for (int i = 0; i < around; ++i) {
+            const double phi = 2 * std::numbers::pi * i / around;
+            section.emplace_back(x, radius(x) * std::cos(phi), radius(x) * std::sin(phi));
+        }
+        sections.push_back(std::move(section));
+    }
+    return sweep_sections(sections);
+}
+
+/// Tube that narrows to `neck` at `at` over a cosine `width` long.
+inline WallMesh stenosis(double radius, double neck, double at, double width, double length, int rows = 160, int around = 24)
+{
+    return tube_of(
+        [=](double x) {
+            const double u = (x - at) / width;
+            return std::abs(u) > 0.5 ? radius : radius - (radius - neck) * (0.5 + 0.5 * std::cos(2 * std::numbers::pi * u));
+        },
+        length, rows, around);
+}
+
+/// A trunk along x of 40 mm and 4 mm radius that divides into two branches of 2.8 mm at +-35 degrees in the x-z plane; the carina
+/// is a saddle at about x = 43 mm whose edge runs along y.
+inline WallMesh bifurcation(int triangles = 8000)
+{
+    const auto line = [](Vec3 from, const Vec3& step, int count, double radius) {
+        SweptTube tube;
+        for (int k = 0; k < count; ++k, from += step) {
+            tube.points.push_back(from);
+            tube.radius.push_back(radius);
+        }
+        return tube;
+    };
+    const double angle = 35 * std::numbers::pi / 180;
+    std::vector<SweptTube> tubes{line({-0.006, 0, 0}, {0.001, 0, 0}, 43, 0.004)};
+    std::vector<LumenEnd> ends{{{0, 0, 0}, {-1, 0, 0}, 0.010}};
+    for (const double side : {1.0, -1.0}) {
+        const Vec3 along(std::cos(angle), 0, side * std::sin(angle));
+        tubes.push_back(line({0.034, 0, 0}, 0.001 * along, 47, 0.0028));
+        ends.push_back({Vec3(0.034, 0, 0) + 0.040 * along, along, 0.008});
+    }
+    return mesh_lumen(SweptLumen(std::move(tubes), 0.0015), ends, triangles);
+}
+
+inline void use_mesh(WorldSetup& setup, WallMesh mesh)
+{
+    setup.vessel.shape = VesselShape::Mesh;
+    setup.mesh = std::move(mesh);
+    setup.centreline = {};
+}
+
+}  // namespace seldinger::test

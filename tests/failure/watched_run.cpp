@@ -1,0 +1,133 @@
+#include "failure/watched_run.h"
+
+#include "vessel/repair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace seldinger::test {
+
+namespace {
+
+constexpr int audit_period = 5;  // steps
+constexpr int points_per_edge = 4;
+
+WorldSetup prepared(WorldSetup setup, const Method& method, double dt)
+{
+    use(setup, method);
+    setup.dt = dt;
+    return setup;
+}
+
+}  // namespace
+
+void use(WorldSetup& setup, const Method& method)
+{
+    setup.integrator.scheme = method.scheme;
+    for (WireSetup& wire : setup.wires) {
+        wire.contact.detection = method.detection;
+        wire.contact.normal = method.normal;
+        wire.contact.friction = method.friction;
+    }
+}
+
+Outcome Outcomes::outcome() const
+{
+    Outcome worst = nearest < 0 ? Outcome::Escape : Outcome::Hold;
+    for (const Verdict& verdict : wires) worst = std::max(worst, verdict.outcome);
+    return worst;
+}
+
+WatchedRun::WatchedRun(WorldSetup setup, const Method& method, double dt, double static_indentation)
+    : world(prepared(std::move(setup), method, dt)), dt_(dt)
+{
+    for (int w = 0; w < world.wire_count(); ++w) {
+        FailureLimits limits;
+        limits.radius = world.setup().wires[w].wire.shaft.radius;
+        limits.static_indentation = static_indentation;
+        watches_.emplace_back(limits, world.readings(w));
+        inserted_.push_back(world.readings(w).inserted);
+    }
+    const WallMesh& mesh = world.setup().mesh;
+    const bool open = world.setup().vessel.shape != VesselShape::Plane;
+    if (!mesh.triangles.empty())
+        lumen_ = std::make_unique<LumenQuery>(mesh, open ? describe(mesh).loops : std::vector<BoundaryLoop>{});
+}
+
+void WatchedRun::audit()
+{
+    for (int w = 0; w < world.wire_count(); ++w) {
+        const WireSetup& setup = world.setup().wires[w];
+        const RodView rod = world.rod(w);
+        for (int j = 0; j + 1 < rod.n; ++j)
+            for (int k = 0; k < points_per_edge; ++k) {
+                const Vec3 p = rod.pos(j) + k / double(points_per_edge) * (rod.pos(j + 1) - rod.pos(j));
+                if (setup.feed.on && (p - setup.feed.point).dot(setup.feed.direction.normalized()) < 0) continue;  // in the guide
+                const LumenPlace place = lumen_->locate(p);
+                if (place.opening < 0) seen_.nearest = std::min(seen_.nearest, place.signed_distance);
+            }
+    }
+}
+
+void WatchedRun::run(int steps, const std::function<bool(World&)>& each)
+{
+    for (int k = 0; k < steps; ++k) {
+        const StepReport report = step(world, dt_);
+        ++steps_;
+        seen_.halved += (report.flags & StepHalved) != 0;
+        double normal = 0, friction = 0;
+        int contacts = 0;
+        for (int w = 0; w < world.wire_count(); ++w) {
+            const WireReadings now = world.readings(w);
+            const double speed = (now.inserted - inserted_[w]) / dt_;
+            const double carried =
+                world.setup().wires[w].feed.on ? fed_energy(world.setup(), w, inserted_[w], now.inserted, speed) : 0.0;
+            watches_[w].observe(report, now, w == 0 ? work : 0.0, carried);
+            inserted_[w] = now.inserted;
+            normal += now.normal;
+            friction += now.friction;
+            contacts += now.contacts;
+        }
+        seen_.normal = std::max(seen_.normal, normal);
+        seen_.friction = std::max(seen_.friction, friction);
+        seen_.contacts = std::max(seen_.contacts, contacts);
+        if (lumen_ && (steps_ % audit_period == 0 || k + 1 == steps)) audit();
+        if (each && !each(world)) break;
+    }
+}
+
+Outcomes WatchedRun::outcomes() const
+{
+    Outcomes result = seen_;
+    for (const FailureWatch& watch : watches_) result.wires.push_back(watch.verdict());
+    result.end = world.readings(0);
+    return result;
+}
+
+Outcomes watch(WorldSetup setup, const Method& method, double dt, int steps, double static_indentation)
+{
+    WatchedRun run(std::move(setup), method, dt, static_indentation);
+    run.run(steps);
+    return run.outcomes();
+}
+
+std::string tell(const Outcomes& o)
+{
+    std::string text = name(o.outcome());
+    for (std::size_t w = 0; w < o.wires.size(); ++w) {
+        const Verdict& v = o.wires[w];
+        const FailureReadings& r = v.readings;
+        for (int k = 1; k < 6; ++k)
+            if (v.first_step[k] >= 0) text += fmt::format(", {} at step {}", name(static_cast<Outcome>(k)), v.first_step[k]);
+        text += fmt::format(
+            "; overlap {:.3g} um, outside {:.3g} um, jitter {:.3g}, made {:.3g} J, |hand| {:.4g} N, sub-steps {}, Newton {} "
+            "({:.2f})",
+            1e6 * r.overlap, 1e6 * r.outside, r.jitter, r.energy_made, r.hand_force, r.sub_steps, r.newton_iterations,
+            r.mean_iterations);
+    }
+    return text + fmt::format("; nearest {:.4g} mm, normal {:.3g} N, friction {:.3g} N, contacts {}, halved {}", 1e3 * o.nearest,
+                              o.normal, o.friction, o.contacts, o.halved);
+}
+
+}  // namespace seldinger::test

@@ -1,0 +1,76 @@
+#pragma once
+// What the failure suite (design section 5, F1 ... F17) has in common: the two methods that are compared, and a run that is
+// watched step by step with the criteria of study/classify.h and, beside the engine's own readings, with the exact distance of
+// the axis to the wall.
+
+#include "study/classify.h"
+
+#include "support/world_fixture.h"
+#include "vessel/inside.h"
+
+#include <functional>
+#include <memory>
+
+namespace seldinger::test {
+
+struct Method {
+    const char* name;
+    Scheme scheme;
+    Detection detection;
+    NormalLaw normal;
+    FrictionLaw friction;
+};
+
+/// As published: one Newton step, the detection layer, Lankarani-Nikravesh damping, sgn(v).
+inline constexpr Method published{"published", Scheme::Linearised, Detection::Layer, NormalLaw::LankaraniNikravesh,
+                                  FrictionLaw::Sign};
+inline constexpr Method standard{"default", Scheme::Newton, Detection::Swept, NormalLaw::HuntCrossley, FrictionLaw::StickSlip};
+
+void use(WorldSetup& setup, const Method& method);
+
+/// What a run came to: the verdict per wire, and what the fixture measured itself.
+struct Outcomes {
+    std::vector<Verdict> wires;
+    double nearest = 1;   // least signed distance of any point of any axis to the wall, openings left aside [m]; < 0: outside
+    double friction = 0;  // largest sum [N]
+    double normal = 0;    // largest sum [N]
+    long halved = 0;      // steps that were
+    int contacts = 0;     // most
+    WireReadings end;     // of wire 0
+    [[nodiscard]] const Verdict& verdict() const { return wires[0]; }
+    [[nodiscard]] Outcome outcome() const;  // the worst wire's; an axis point found outside is an escape
+};
+
+class WatchedRun {
+public:
+    /// @param static_indentation  see FailureLimits; infinity where nothing static presses
+    WatchedRun(WorldSetup setup, const Method& method, double dt, double static_indentation = INFINITY);
+
+    /// @param each  after every step; returns false to end the run
+    void run(int steps, const std::function<bool(World&)>& each = {});
+    /// Work that the scene's loads, links or moving holds do on wire 0 in the next step [J], where there are any.
+    double work = 0;
+
+    [[nodiscard]] Outcomes outcomes() const;
+    World world;
+
+private:
+    void audit();
+
+    double dt_;
+    std::vector<FailureWatch> watches_;
+    std::vector<double> inserted_;
+    std::unique_ptr<LumenQuery> lumen_;
+    Outcomes seen_;
+    long steps_ = 0;
+};
+
+[[nodiscard]] Outcomes watch(WorldSetup setup, const Method& method, double dt, int steps, double static_indentation = INFINITY);
+
+/// One line: outcome, first steps of each failure, measured numbers.
+[[nodiscard]] std::string tell(const Outcomes& outcomes);
+
+/// Wall whose bed is `factor` times as stiff as the nominal 1 MPa one.
+inline void stiffen_wall(WorldSetup& setup, double factor) { setup.vessel.youngs *= factor; }
+
+}  // namespace seldinger::test
