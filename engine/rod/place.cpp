@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "rod/elastic.h"
+#include "rod/transport.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -96,6 +97,16 @@ double next_at_chord(const Curve& curve, double u, const Vec3& p, double chord)
     return (low + high) / 2;
 }
 
+// Curvature and frames are not defined where an edge turns back on the one before.
+void refuse_folds(const RodView& rod)
+{
+    for (int i = 1; i < rod.n - 1; ++i)
+        if (one_plus_cos(rod.tangent(i - 1), rod.tangent(i)) <= fold_limit)
+            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire folds back on itself {:.4g} m from its tip; expected a shape "
+                                                        "that turns by less than 180 degrees at a point, round the corner off",
+                                                        rod.material_s[i]));
+}
+
 }  // namespace
 
 double uniform_edge(const WireSpec& spec)
@@ -135,6 +146,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centrelin
                                                         spec.length, curve.length));
     }
     initialise_frames(rod, place.normal);
+    refuse_folds(rod);
     if (ring)
         for (int j = 0; j < n - 1; ++j) rod.theta[j] = place.twist * ((n - 2 - j) + 0.5) / (n - 1);
     set_rest_shape(rod, spec, place.rest_is_placed);

@@ -22,7 +22,7 @@ constexpr const char* own_series[] = {"wire_", "contacts_", "frame_"};
 constexpr std::string_view trace_header =
     "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
-    "gravitational_j,flags,momentum_error_n\n";
+    "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m\n";
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -172,7 +172,9 @@ void Recorder::write_row(const World& world)
     for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic, r.elastic,
                            r.gravitational})
         row += "," + csv(v);
-    trace_.append(row + fmt::format(",{},{}\n", tally_.row_flags, csv(r.momentum.error().norm())));
+    const Vec3 tip = world.rod(0).pos(0);
+    trace_.append(row + fmt::format(",{},{},{},{},{}\n", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
+                                    csv(tip.z())));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }

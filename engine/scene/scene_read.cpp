@@ -210,6 +210,8 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
         t.refuse("velocity_m_s", "needs position = true");
     }
     if (!hold.spin) t.refuse("turn", "needs spin = true");
+    if (scene.integrator.scheme == Scheme::Static && !hold.velocity.isZero())
+        t.fail("velocity_m_s", "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
     scene.holds.push_back(std::move(hold));
 }
 

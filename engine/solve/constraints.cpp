@@ -58,10 +58,20 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
                                                 what, index, at.from_tip, length, length));
 }
 
+/// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist that
+/// its inner node has per length.
+double twist_to_end(const RodView& rod, int node)
+{
+    if (rod.n < 3) return 0;
+    const int edge = std::min(node, rod.n - 2), inner = node == 0 ? 1 : rod.n - 2;
+    const double rate = (rod.theta[inner] - rod.theta[inner - 1] + rod.ref_twist[inner]) / rod.voronoi_length(inner);
+    return (node == 0 ? -0.5 : 0.5) * rod.rest_length[edge] * rate;
+}
+
 }  // namespace
 
 // At an inner node the mean of the two edges; at an end the straight continuation of the turning from edge to edge, since
-// the edge's own tangent is that of its middle.
+// the edge's own tangent and director are those of its middle.
 NodeFrame node_frame(const RodView& rod, int node)
 {
     const int last = rod.n - 2;
@@ -75,8 +85,24 @@ NodeFrame node_frame(const RodView& rod, int node)
     Vec3 director = transport(material_director(rod, before), rod.tangent(before), tangent) +
                     transport(material_director(rod, after), rod.tangent(after), tangent);
     director -= director.dot(tangent) * tangent;
-    return {tangent, director.normalized()};
+    director.normalize();
+    if (before == after) director = Eigen::AngleAxisd(twist_to_end(rod, node), tangent) * director;
+    return {tangent, director};
 }
+
+namespace {
+
+/// A wire may be placed with whole turns in it (a ring): the twist between a hold and its edges starts from their angles, so that none
+/// of them is lost. Reference twists as in rod/clamp.h.
+void count_turns(const RodView& rod, int node)
+{
+    const bool end = node == 0 || node == rod.n - 1;
+    const double beyond = end ? twist_to_end(rod, node) : 0.0;
+    if (node > 0) rod.clamp_twist_a[node] = rod.theta[node - 1] + beyond;
+    if (node < rod.n - 1) rod.clamp_twist_b[node] = -rod.theta[node] - beyond;
+}
+
+}  // namespace
 
 WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> loads, std::span<const LinkSpec> links,
                      const RodView& rod, double wire_length)
@@ -102,6 +128,7 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
         const NodeFrame frame = node_frame(rod, at_node);
         hold.tangent = frame.tangent;
         hold.director = frame.director;
+        if (spec.spin) count_turns(rod, at_node);
         holds_.push_back(hold);
     }
     const auto is_clamp = [](const Hold& h) { return h.spec.direction || h.spec.spin; };
@@ -189,6 +216,18 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
         const auto [x, y, z] = interpolate(link.move, t);
         if (place.inside) out.springs.push_back({place.edge, place.bary, link.anchor + Vec3(x, y, z), link.stiffness});
     }
+}
+
+double WireHolds::moving_until() const
+{
+    double end = 0;
+    const auto include = [&](const auto& keys) {
+        if (!keys.empty()) end = std::max(end, keys.back()[0]);
+    };
+    for (const Hold& hold : holds_) include(hold.spec.move), include(hold.spec.turn);
+    for (const LinkSpec& link : links_) include(link.move);
+    for (const LoadSpec& load : loads_) end = std::max(end, load.ramp);
+    return end;
 }
 
 FeedKey FeedSpec::at(double t) const

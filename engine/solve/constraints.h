@@ -27,6 +27,8 @@ public:
 
     /// Material distances [m] from the tip at which a node must stay (holds between the ends): not to be merged away.
     [[nodiscard]] std::span<const double> held_distances() const { return held_distances_; }
+    /// Time at which the last move, turn or ramp comes to its end [s]; 0 without any.
+    [[nodiscard]] double moving_until() const;
     /// Distance between where hold k was asked for and the node that took it [m].
     [[nodiscard]] double offset(int hold) const { return holds_[hold].offset; }
     /// Node that hold k acts on.
