@@ -78,8 +78,7 @@ void add_vector(double* to, const Vec3& v)
 }
 
 /// Rows of the band that belong to node i, and their mirror images below the diagonal. `before`, `after`: A_{i-1}, A_i;
-/// `c_before`, `c_after`: C_{i-1}, C_i; zero beyond the ends. Without spins the rows and columns of theta stay as they are.
-template <bool spins>
+/// `c_before`, `c_after`: C_{i-1}, C_i; zero beyond the ends.
 void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const EdgeBlock& after,
                 const EdgeCoupling& c_before, const EdgeCoupling& c_after)
 {
@@ -90,11 +89,10 @@ void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const E
     for (int c = 0; c < 4; ++c) rows[c] = band.row(4 * i + c) + centre - c;
     for (int c = 0; c < 3; ++c) {
         for (int d = 0; d < 3; ++d) rows[c][d] += own(c, d);
-        if constexpr (!spins) continue;
         rows[c][3] += own_t[c];
         rows[3][c] += own_t[c];
     }
-    if constexpr (spins) rows[3][3] += after.tt;
+    rows[3][3] += after.tt;
     if (i + 1 == n) return;
 
     const Mat3 next = c_before.xx + c_after.xx - after.xx;
@@ -106,16 +104,13 @@ void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const E
             rows[c][4 + d] += next(c, d);
             next_rows[d][c] += next(c, d);
         }
-        if constexpr (!spins) continue;
         rows[c][7] -= c_after.xt[c];
         next_rows[3][c] -= c_after.xt[c];
         rows[3][4 + c] += next_tx[c];
         next_rows[c][3] += next_tx[c];
     }
-    if constexpr (spins) {
-        rows[3][7] += c_after.tt;
-        next_rows[3][3] += c_after.tt;
-    }
+    rows[3][7] += c_after.tt;
+    next_rows[3][3] += c_after.tt;
     if (i + 2 == n) return;
 
     for (int d = 0; d < 3; ++d) {
@@ -124,17 +119,15 @@ void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const E
             rows[c][8 + d] -= c_after.xx(c, d);
             row[c] -= c_after.xx(c, d);
         }
-        if constexpr (!spins) continue;
         rows[3][8 + d] += c_after.tx[d];
         row[3] += c_after.tx[d];
     }
 }
 
 /// The walk from tip to hub: what it holds while it stands at node i.
-template <bool spins, bool second>
 struct Walk {
     std::span<double> gradient;
-    BandMatrix* hessian;               // second: with second derivatives, into this
+    BandMatrix* hessian;               // null: gradient only
     int n;
     EdgeBlock before = {}, current = {}, next = {};   // A_{i-2}, A_{i-1}, A_i
     EdgeCoupling c_before = {}, c_current = {};       // C_{i-2}, C_{i-1}
@@ -145,19 +138,16 @@ struct Walk {
     {
         force += terms.ge;
         force_next += terms.gf;
-        if constexpr (spins) {
-            if (i > 0) gradient[4 * (i - 1) + 3] += terms.ga;
-            gradient[4 * i + 3] += terms.gb;
-        }
-        if constexpr (!second) return;
+        if (i > 0) gradient[4 * (i - 1) + 3] += terms.ga;
+        gradient[4 * i + 3] += terms.gb;
+        if (!hessian) return;
         current.xx += terms.ee;
-        next.xx += terms.ff;
-        c_current.xx += terms.ef;
-        if constexpr (!spins) return;
         current.xt += terms.ea;
         current.tt += terms.aa;
+        next.xx += terms.ff;
         next.xt += terms.fb;
         next.tt += terms.bb;
+        c_current.xx += terms.ef;
         c_current.xt += terms.eb;
         c_current.tx += terms.fa;
         c_current.tt += terms.ab;
@@ -168,15 +158,13 @@ struct Walk {
     {
         if (i > 0) {
             add_vector(&gradient[4 * (i - 1)], force_before - force);
-            if constexpr (second) write_node<spins>(*hessian, i - 1, n, before, current, c_before, c_current);
+            if (hessian) write_node(*hessian, i - 1, n, before, current, c_before, c_current);
         }
-        if constexpr (second) {
-            before = current;
-            current = next;
-            next = EdgeBlock();
-            c_before = c_current;
-            c_current = EdgeCoupling();
-        }
+        before = current;
+        current = next;
+        next = EdgeBlock();
+        c_before = c_current;
+        c_current = EdgeCoupling();
         force_before = force;
         force = force_next;
         force_next.setZero();
@@ -185,7 +173,7 @@ struct Walk {
     void finish()
     {
         add_vector(&gradient[4 * (n - 1)], force_before);
-        if constexpr (second) write_node<spins>(*hessian, n - 1, n, before, EdgeBlock(), c_before, EdgeCoupling());
+        if (hessian) write_node(*hessian, n - 1, n, before, EdgeBlock(), c_before, EdgeCoupling());
     }
 };
 
@@ -233,15 +221,15 @@ double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, cons
     return energy;
 }
 
-namespace {
-
-template <bool spins, bool second>
-void walk_wire(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
-               BandMatrix* hessian, HessianMode asked)
+void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
+                 BandMatrix* hessian, HessianMode mode)
 {
     const int n = rod.n;
-    const HessianMode mode = second ? asked : HessianMode::None;  // known here, so that what it leaves out is not even cleared
-    Walk<spins, second> walk{gradient, hessian, n};
+    SEL_ASSERT(static_cast<int>(gradient.size()) >= 4 * n);
+    if (!hessian) mode = HessianMode::None;
+    SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * n);
+
+    Walk walk{gradient, mode == HessianMode::None ? nullptr : hessian, n};
     for (int i = 0; i < n; ++i) {
         if (i < n - 1) add_stretch(rod, frames, i, mode, walk.force_next, walk.next);
         if (i > 0 && i < n - 1) {
@@ -255,19 +243,6 @@ void walk_wire(const RodView& rod, std::span<const RodClamp> clamps, const RodFr
         walk.leave(i);
     }
     walk.finish();
-}
-
-}  // namespace
-
-void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
-                 BandMatrix* hessian, HessianMode mode)
-{
-    SEL_ASSERT(static_cast<int>(gradient.size()) >= 4 * rod.n);
-    if (!hessian) mode = HessianMode::None;
-    SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * rod.n);
-    const auto walk = mode == HessianMode::None ? (frames.spins ? walk_wire<true, false> : walk_wire<false, false>)
-                                                : (frames.spins ? walk_wire<true, true> : walk_wire<false, true>);
-    walk(rod, clamps, frames, gradient, hessian, mode);
 }
 
 // E depends on the base edge's rest length l through its strain and through the cells of its two ends, which grow by dl/2:

@@ -118,12 +118,11 @@ inline void add_bend_gradient(const Pair& p, double stiffness, PairTerms& out)
 inline void add_bend_hessian_exact(const Pair& p, double stiffness, PairTerms& out)
 {
     const double c = p.chi - 1, d1 = stiffness * bend_slope(p.q, p.chi), d2 = stiffness * bend_slope_rate(p.q, p.chi);
-    const Vec3 fe = p.tf - c * p.te, ef = p.te - c * p.tf;  // normal to te, to tf
-    const Mat3 one = Mat3::Identity();
-    out.ee += p.inv_e * p.inv_e * (outer(d2 * fe, fe) - d1 * (both(p.te, fe) + c * (one - outer(p.te, p.te))));
-    out.ff += p.inv_f * p.inv_f * (outer(d2 * ef, ef) - d1 * (both(p.tf, ef) + c * (one - outer(p.tf, p.tf))));
-    out.ef += p.inv_e * p.inv_f *
-              (outer(d2 * fe, ef) + d1 * (one - outer(p.te, p.te) - outer(p.tf, p.tf) + outer(c * p.te, p.tf)));
+    const Vec3 fe = p.tf - c * p.te, ef = p.te - c * p.tf;
+    const ChiHessian chi(p);
+    out.ee += outer((d2 * p.inv_e * p.inv_e) * fe, fe) + d1 * chi.ee;
+    out.ff += outer((d2 * p.inv_f * p.inv_f) * ef, ef) + d1 * chi.ff;
+    out.ef += outer((d2 * p.inv_e * p.inv_f) * fe, ef) + d1 * chi.ef;
 }
 
 /// Safe Hessian: omega (projector on b) + alpha (projector on g) in each block, written so that nothing is singular in a

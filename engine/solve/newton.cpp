@@ -161,7 +161,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         ++record.steps;
         if (record.wait > 0) --record.wait;
         if (!newton.problem.without_spins() || !newton.converged()) continue;
-        if (newton.problem.spins_hold()) {
+        if (newton.problem.spins_hold(contact, w)) {
             record.last_wait = 0;
             ++record.without;
             write_trial(w);

@@ -57,43 +57,14 @@ void WireProblem::take_spins_in()
     std::swap(start, trial);
 }
 
-bool WireProblem::spins_hold()
+bool WireProblem::spins_hold(const ContactTerm* contact, int wire)
 {
     take_spins_in();
-    if (!update()) return false;
-    if (evaluate_spins()) return true;
-    if (touched_) return false;
-    untwist();
-    return update() && evaluate_spins();
-}
-
-/// R of the spins' equations where no moment load acts, contact's torque as of the last evaluation. @return whether they hold
-bool WireProblem::evaluate_spins()
-{
-    bool hold = true;
-    for (int j = 0; j < rod.n - 1; ++j) {
-        const int k = 4 * j + 3;
-        residual[k] = inertia[k] * (acceleration(k) + damping_mass_ * mean_velocity(k)) + (touched_ ? contact_gradient_[k] : 0.0);
-    }
-    const auto twist_of = [&](std::span<const double> now, std::span<const double> before, int i) {
-        return conserving_ ? 0.5 * (now[i] + before[i]) : now[i];
-    };
-    for (int i = 1; i < rod.n - 1; ++i) {
-        if (clamped_at(clamps, i).twist) continue;
-        const double torque = rod.twist_stiffness[i] / rod.voronoi_length(i) * twist_of(frames.twist, start_frames_.twist, i);
-        residual[4 * i - 1] -= torque;
-        residual[4 * i + 3] += torque;
-    }
-    for (int k = 0; k < static_cast<int>(clamps.size()); ++k)
-        for (int side = 0; side < 2 && clamps[k].spin; ++side) {
-            const int j = clamp_edge(rod, clamps[k].node, side);
-            if (j < 0) continue;
-            const double stiffness = 2 * rod.twist_stiffness[clamps[k].node] / rod.rest_length[j];
-            const double torque = stiffness * twist_of(frames.clamp_twist, start_frames_.clamp_twist, 2 * k + side);
-            residual[4 * j + 3] += side == 0 ? -torque : torque;
-        }
-    for (int j = 0; j < rod.n - 1; ++j) hold = hold && std::abs(residual[4 * j + 3]) <= tolerance * length_scale;
-    return hold;
+    if (!contact && update()) untwist();
+    if (!update() || !evaluate_residual(contact, wire)) return false;
+    for (int j = 0; j < rod.n - 1; ++j)
+        if (!(std::abs(residual[4 * j + 3]) <= tolerance * length_scale)) return false;
+    return true;
 }
 
 /// Angles that leave no twist, from a clamp of the spin on or else with the spins' momentum kept, which no torque changes.

@@ -234,7 +234,6 @@ bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
 {
     const std::size_t size = 4 * rod.n;
     evaluate_host_residual();
-    touched_ = contact != nullptr;
     if (contact) {
         std::fill_n(contact_gradient_.begin(), size, 0.0);
         contact->add(wire, {contact_gradient_.data(), size}, nullptr, true);
@@ -338,16 +337,13 @@ using Mat3 = Eigen::Matrix3d;
 /// A stiffness between the ends of edge j: K (dx_{j+1} - dx_j) is the force on node j + 1, and its opposite that on node j.
 void add_edge_block(BandMatrix& matrix, int j, const Mat3& k)
 {
-    for (int c = 0; c < 3; ++c) {
-        double* first = matrix.row(4 * j + c) + BandMatrix::half_bandwidth - c;        // entry of node j's first unknown
-        double* second = matrix.row(4 * j + 4 + c) + BandMatrix::half_bandwidth - c;  // of node j + 1's
+    for (int c = 0; c < 3; ++c)
         for (int d = 0; d < 3; ++d) {
-            first[d] += k(c, d);
-            first[4 + d] -= k(c, d);
-            second[d] += k(c, d);
-            second[d - 4] -= k(c, d);
+            matrix.add(4 * j + c, 4 * j + d, k(c, d));
+            matrix.add(4 * j + 4 + c, 4 * j + 4 + d, k(c, d));
+            matrix.add(4 * j + c, 4 * j + 4 + d, -k(c, d));
+            matrix.add(4 * j + 4 + c, 4 * j + d, -k(c, d));
         }
-    }
 }
 
 }  // namespace
@@ -385,7 +381,7 @@ void WireProblem::replace_tension(HessianMode mode, bool symmetric)
         const double tension = std::max(tension_[j], least);
         if (!conserving_) {
             const double change = (tension - std::max(actual_tension(j), least)) / frames.edge_length[j];
-            if (change != 0) add_edge_block(matrix, j, change * (Mat3::Identity() - t * t.transpose()));
+            add_edge_block(matrix, j, change * (Mat3::Identity() - t * t.transpose()));
             continue;
         }
         const double axial = rod.stretch_stiffness[j] / rod.rest_length[j], sideways = tension / stretched_length(j);

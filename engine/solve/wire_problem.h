@@ -35,10 +35,10 @@ public:
     [[nodiscard]] bool without_spins() const { return !frames.spins; }
     /// Takes spin angles in again, as they were at the start of the step.
     void take_spins_in();
-    /// The same at the trial, which a solve without them has found, and whether the equations of the spins hold there too, to the
-    /// tolerance: then the trial solves the whole. Without contact the angles follow the shape, if they must, so that the wire is not
-    /// twisted, which is where torsion, far faster than bending, would take them.
-    [[nodiscard]] bool spins_hold();
+    /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
+    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first follow
+    /// the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
+    [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
 
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
@@ -124,7 +124,6 @@ private:
     void set_damping(const IntegratorSpec& spec);
     [[nodiscard]] bool may_leave(SpinAngles spins) const;
     void untwist();
-    [[nodiscard]] bool evaluate_spins();
     void evaluate_host_residual();
     [[nodiscard]] bool finish_residual();
     [[nodiscard]] Vec3 spring_pull(const WireConstraints::Spring& spring) const;
@@ -142,7 +141,6 @@ private:
 
     const WireConstraints* constraints_ = nullptr;
     bool conserving_ = false, start_usable_ = true;
-    bool touched_ = false;                       // contact takes part
     double end_share_ = 1;                       // of the end of the step in what the elastic force is taken from: 1/2 conserving
     RodFrames start_frames_;                     // conserving: of q_0
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
