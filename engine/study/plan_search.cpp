@@ -9,7 +9,7 @@ namespace {
 constexpr double grid_ratio = 1.25;      // between neighbours
 constexpr int fewest_nodes = 5;
 constexpr double worth_it = 0.97;        // a cost that is not below this share is noise
-constexpr double no_dearer = 1.03;
+constexpr double no_dearer = 1.25;       // what is left out is no work: more than the winner took is noise
 constexpr double room = 0.7;             // a family with an error below this share of the winner's has room for coarser places
 constexpr double no_change = 0.1;        // of the limit: an error that grows by less has not changed
 constexpr int strides[] = {4, 2, 1};     // grid places

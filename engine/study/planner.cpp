@@ -19,7 +19,9 @@ constexpr double longest_step = 1.0 / 30;   // [s]
 constexpr double reference_share = 0.6;     // of the budget
 constexpr double wanted_certainty = 1.0 / 6, least_certainty = 1.0 / 2;  // reference's uncertainty over the tolerance
 constexpr int final_repeats = 3;
-constexpr double contender = 1.25;          // costs up to this over the best are timed again
+constexpr double contender = 1.15;          // costs up to this over the winner's are timed again
+constexpr std::size_t most_contenders = 3;
+constexpr double plainly_cheaper = 0.95;
 
 class Planner {
 public:
@@ -136,7 +138,7 @@ private:
         result_.search_complete = found.complete;
         if (!found.complete) result_.notes.push_back(fmt::format("the budget of {:g} s ended the search: there may be cheaper models", options_.budget));
         if (!found.best) return nothing_meets(pilots, grid);
-        const std::optional<PlannedModel> best = timed_best(pilots);
+        const std::optional<PlannedModel> best = timed_best(*found.best, pilots);
         if (!best) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (goals_.rate > 0 && best->slowest > 1) return too_slow(*best, pilots, grid);
         result_.chosen = best;
@@ -185,23 +187,26 @@ private:
         return false;
     }
 
-    /// All that come into question are timed again, in turn, so that what else the machine does falls on each alike.
-    std::optional<PlannedModel> timed_best(Pilots& pilots)
+    /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only where
+    /// it is plainly cheaper.
+    std::optional<PlannedModel> timed_best(const Model& winner, Pilots& pilots)
     {
-        double least = std::numeric_limits<double>::infinity();
+        const std::string own = label(winner);
+        std::vector<std::pair<double, Model>> contenders;
         for (const auto& [key, pilot] : pilots.all())
-            if (pilot.meets) least = std::min(least, pilot.seconds);
-        std::vector<Model> contenders;
-        for (const auto& [key, pilot] : pilots.all())
-            if (pilot.meets && pilot.seconds <= contender * least) contenders.push_back(pilot.model);
+            if (pilot.meets && key != own && pilot.seconds <= contender * pilots.all().at(own).seconds)
+                contenders.emplace_back(pilot.seconds, pilot.model);
+        std::stable_sort(contenders.begin(), contenders.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+        if (contenders.size() > most_contenders) contenders.resize(most_contenders);
+        contenders.insert(contenders.begin(), {0, winner});
         std::optional<PlannedModel> best;
-        for (const Model& model : contenders) {
+        for (const auto& [seconds, model] : contenders) {
+            if (best && !may_go_on()) break;
             tell("timing " + label(model));
             const double slowest = pilots.time_again(model, final_repeats);
             if (pilots.stopped()) return std::nullopt;
             const Pilot& pilot = pilots.all().at(label(model));
-            if (best && pilot.seconds >= best->seconds) continue;
-            best = planned(pilot, slowest);
+            if (!best || pilot.seconds < plainly_cheaper * best->seconds) best = planned(pilot, slowest);
         }
         return best;
     }

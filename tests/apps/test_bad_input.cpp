@@ -79,7 +79,8 @@ TEST_CASE("property: a wrong command line is exit 2") {
     refused(folder, "run s.toml -o D --set wire.radius_m=-1", 2, "wire.radius_m");
     refused(folder, "render nothing --size 12", 2, "--size");
     refused(folder, "vessel m.stl --units ell", 2, "--units");
-    for (const char* name : {"plan s.toml --tolerance 0.2mm", "bench"})
+    refused(folder, "plan s.toml --tolerance 0.2parsec", 2, "--tolerance");
+    for (const char* name : {"bench"})
         refused(folder, name, 2, "not available yet");
 }
 

@@ -2,7 +2,6 @@
 
 #include "apps/app_fixture.h"
 #include "core/vtp_read.h"
-#include "support/approx.h"
 
 #include <cmath>
 
@@ -66,7 +65,7 @@ TEST_CASE("property: a run in a tube writes every file of the contract, and they
         REQUIRE(trace[k].size() == trace[0].size());
         CHECK(number(trace, k, "step") == 5.0 * static_cast<double>(k));
         // sums of the same numbers in another order: rounding only
-        CHECK(number(trace, k, "friction_n") == about(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
+        CHECK(number(trace, k, "friction_n") == doctest::Approx(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
         friction = std::max(friction, number(trace, k, "friction_n"));
     }
     CHECK(friction > 0);

@@ -116,35 +116,6 @@ TEST_CASE("property: an edge of no length is refused where the wire is placed")
     check_refusal(clamped, {"wire.place={shape=\"points\", points=[[0,0,0],[0.05,0,0],[0.05,0,0],[0.1,0,0]]}"}, {"wire.place", "no point twice"});
 }
 
-TEST_CASE("property: a fold of 180 degrees is refused, with its place")
-{
-    check_refusal(clamped, {"wire.place={shape=\"points\", points=[[0,0,0],[0.05,0,0],[0,0,0]]}"},
-                  {"wire.place", "folds back on itself 0.05 m from its tip"});
-}
-
-// It holds whatever energy its measure of curvature gives to the fold, and nothing else; straight, it has none.
-TEST_CASE("property: a fold of 179.9 degrees springs open, and its static equilibrium is straight")
-{
-    const double width = 0.05 * 0.1 * pi / 180;
-    const std::string fold = fmt::format("wire.place={{shape=\"points\", points=[[0,0,0],[0.05,0,0],[0,0,{}]]}}", width);
-    World at_rest = world_of(clamped, {fold, "integrator.scheme=static"});
-    REQUIRE_FALSE(settle(at_rest).failed());
-    CHECK(finite(at_rest.rod(0)));
-    CHECK(at_rest.readings(0).elastic < 1e-12 * bend / length);
-    CHECK(at_rest.rod(0).pos(0).x() == about(length).epsilon(1e-6));
-
-    World moving = world_of(clamped, {fold});
-    StepReport report = step(moving, 1e-3);
-    REQUIRE_FALSE(report.failed());
-    const double energy = moving.readings(0).kinetic + moving.readings(0).elastic;
-    for (int k = 0; k < 50; ++k) {
-        report = step(moving, 1e-3);
-        REQUIRE_FALSE(report.failed());
-        REQUIRE(finite(moving.rod(0)));
-    }
-    CHECK(moving.readings(0).kinetic + moving.readings(0).elastic <= energy);  // backward Euler takes energy out
-}
-
 // u = P (a^3/b_soft + (L^3 - a^3)/b)/3 for a soft tip of length a
 TEST_CASE("analytic: stiffness of 1000:1 between neighbours: deflection at rest, and steps of a millisecond")
 {

@@ -9,6 +9,7 @@
 #include <vector>
 
 using namespace seldinger;
+using seldinger::test::about;
 
 TEST_SUITE("study/plan_reference")
 {

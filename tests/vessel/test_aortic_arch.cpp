@@ -2,7 +2,6 @@
 #include "core/error.h"
 #include "mesh_fixtures.h"
 #include "scene/vessel_load.h"
-#include "support/approx.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/inlets.h"
 #include "vessel/repair.h"
@@ -29,7 +28,7 @@ TEST_CASE("property: one surface of genus 0 with five openings of the published 
     CHECK(report.vertices - edges + report.triangles == 2 - 5);
     // widest first: root, diaphragm, innominate, subclavian, carotid. Rim vertices lie on the wall, so on the true radius
     const double diameters[] = {spec.diameter_root, spec.diameter_diaphragm, spec.diameter_innominate, spec.diameter_subclavian, spec.diameter_carotid};
-    for (std::size_t k = 0; k < 5; ++k) CHECK(report.loops[k].radius == about(0.5 * diameters[k]).epsilon(1e-4));
+    for (std::size_t k = 0; k < 5; ++k) CHECK(report.loops[k].radius == doctest::Approx(0.5 * diameters[k]).epsilon(1e-4));
 }
 
 TEST_CASE("property: no slivers, near-uniform triangles, vertices on the wall")
