@@ -131,6 +131,7 @@ TEST_SUITE("study/chart")
         chart.reference.convergence.fill(Convergence::NotFalling);
         chart.reference.moved = {PerObservable{1e-3}, PerObservable{2e-3}};
         chart.reference.uncertainty = {2e-3};
+        chart.scale.fill(0.1);
         chart.finished = true;
         result.scenes.push_back(chart);
         CHECK(chart_summary(result).find(
