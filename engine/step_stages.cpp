@@ -149,16 +149,17 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
 
 }  // namespace
 
-void find_equilibrium(World::Impl& state, StepReport& report)
+namespace {
+
+/// Equilibrium of the wires of the mask. @param all_stuck  every touch holds, whatever its cone  @return wires that found none; they are where they were
+WireMask balance(World::Impl& state, const WireMask& mask, bool all_stuck)
 {
-    const WireMask all = everyone(state);
-    const bool all_stuck = state.setup.start_settled && state.steps == 0;
     if (state.contact) {
         state.contact->set_all_stuck(all_stuck);
         state.contact->begin_step(state.rods);
     }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = all[w] && (!state.feeds[w].on || state.feeds[w].inside);
+        state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -168,13 +169,11 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     const auto start = Clock::now();
     state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
-    WireMask done = all;
+    WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) {
-        if (!state.active[w]) continue;
-        note(state, report, w, StepOk, state.reports[w].iterations);
-        if (state.reports[w].converged) continue;
+        if (!state.active[w] || state.reports[w].converged) continue;
         done[w] = 0;
-        note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+        failed[w] = 1;
         state.restore_wire(w);
     }
     if (state.contact) {
@@ -182,7 +181,41 @@ void find_equilibrium(World::Impl& state, StepReport& report)
         state.contact->set_all_stuck(false);
     }
     for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) state.read_results(w, 0);
+        if (done[w]) {
+            state.save_wire(w);
+            state.read_results(w, 0);
+        }
+    return failed;
+}
+
+bool any_of(const WireMask& mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
+
+}  // namespace
+
+void find_equilibrium(World::Impl& state, StepReport& report)
+{
+    const WireMask all = everyone(state);
+    const bool all_stuck = state.setup.start_settled && state.steps == 0;
+    WireMask failed = balance(state, all, all_stuck);
+    const auto note_solves = [&](const WireMask& mask) {
+        for (int w = 0; w < state.wire_count(); ++w)
+            if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
+    };
+    note_solves(all);
+    if (all_stuck && any_of(failed)) {
+        // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its way there.
+        // It comes to rest with the friction that it has, and holds from there on.
+        WireMask rested = failed;
+        failed = balance(state, failed, false);
+        note_solves(rested);
+        for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
+        if (any_of(rested)) {
+            (void)balance(state, rested, true);  // where that fails the wire is at rest all the same
+            note_solves(rested);
+        }
+    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (failed[w]) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
 }
 
 namespace {

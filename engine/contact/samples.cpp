@@ -55,11 +55,15 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
         // `nodes`: one sample at each control node, with its Voronoi length (the tip's is half an edge)
         const bool at_nodes = contacts[w].detection == Detection::Nodes;
         add_model(tip_sample(spec.at(0), contact, wall, lumen_radius));
+        WireSection last;
+        SampleModel line{};
         for (int k = 0; k < stretches; ++k) {
             const double s = (at_nodes ? k : k + 0.5) * samples.spacing;
             const double weight = at_nodes && k == 0 ? samples.spacing / 2 : samples.spacing;
             samples.s.push_back(s);
-            add_model(line_sample(spec.at(s), contact, wall, lumen_radius, weight));
+            const WireSection section = spec.at(s);
+            if (k < 2 || section != last) line = line_sample(last = section, contact, wall, lumen_radius, weight);
+            add_model(line);
         }
         set.wires.push_back(std::move(samples));
     }

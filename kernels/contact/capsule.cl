@@ -25,6 +25,21 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
     }
 }
 
+// How far listed samples are from the wall.
+//   item    one entry of `list`
+//   reads   list [item_count]; places [samples]; hi, lo; tree; vertices     writes  distances [item_count] [m], at most `most`
+SEL_KERNEL void contact_clearance(const uint item_count, const real most, __global const uint* restrict list,
+                                  __global const SamplePlace* restrict places, __global const float* restrict hi,
+                                  __global const real* restrict lo, __global const TreeNode* restrict nodes,
+                                  __global const float* restrict vertices, __global real* restrict distances)
+{
+    const uint item = get_global_id(0);
+    if (item < item_count) {
+        const AxisPoint at = axis_point(places[list[item]].edge, places[list[item]].bary, hi, lo);
+        distances[item] = wall_distance(at.origin + at.offset, most, nodes, vertices);
+    }
+}
+
 // Forces of active samples.
 //   item    one entry of `list` (samples with candidates, ordered by wire and edge)
 //   reads   ... and touches_t0, hard [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
