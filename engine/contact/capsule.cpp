@@ -47,7 +47,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
       find_(context, "contact/capsule.cl", "contact_find"),
-      clearance_(context, "contact/capsule.cl", "contact_clearance"),
+      distance_(context, "contact/capsule.cl", "contact_distance"),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
@@ -89,7 +89,11 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     edge_first_.reserve(most_edges + 1);
     sums_.edge_node.reserve(most_edges);
     sums_.edges.resize(most_edges);
+    last_edges_.resize(most_edges);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    last_wire_edges_ = sums_.wire_edges;
+    some_.reserve(n);
+    some_first_.reserve(most_edges + 1);
     models_ = device::Buffer(context, n * sizeof(SampleModel));
     places_ = device::Buffer(context, n * sizeof(SamplePlace));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
@@ -98,6 +102,8 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     distance_buffer_ = device::Buffer(context, n * sizeof(real));
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
+    some_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    some_first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     forces_ = device::Buffer(context, n * sizeof(SampleForce));
     barys_ = device::Buffer(context, n * sizeof(real));
     edge_buffer_ = device::Buffer(context, most_edges * sizeof(EdgeForce));
@@ -119,9 +125,9 @@ void CapsuleContact::warm_up()
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
         launch_find(at, 1, none);
-        clearance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
+        distance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
                           distance_buffer_);
-        launch_evaluate(at, 1, none);
+        launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
         if (barrier_) barrier_->warm_up(at, none, sample_buffers());
@@ -135,9 +141,9 @@ void CapsuleContact::launch_find(device::Lane at, std::size_t items, const Conta
                  wall_.vertices, candidates_, count_buffer_);
 }
 
-void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par)
+void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
-    evaluate_.launch(at, items, par, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
+    evaluate_.launch(at, items, par, list, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
                      nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
                      nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
                      multipliers_ ? multipliers_->states() : no_multipliers_);
@@ -307,7 +313,7 @@ void CapsuleContact::probe(int stride)
     context_.enter(at);
     nodes_.upload(context_, at);
     context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-    clearance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_, nodes_.hi_buffer,
+    distance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_, nodes_.hi_buffer,
                       nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
     context_.read(at, distance_buffer_, distances_.data(), to_find_.size() * sizeof(real));
     for (std::size_t i = 0; i < to_find_.size(); ++i) {
@@ -369,6 +375,8 @@ void CapsuleContact::rebuild_active_list()
 {
     active_.clear();
     edge_first_.clear();
+    std::swap(sums_.wire_edges, last_wire_edges_);
+    sums_.edges.swap(last_edges_);
     sums_.edge_node.clear();
     for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
         const WireSamples& wire = samples_.wires[w];
@@ -388,6 +396,12 @@ void CapsuleContact::rebuild_active_list()
     }
     sums_.wire_edges.back() = static_cast<int>(sums_.edge_node.size());
     edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
+    // wires that are not evaluated again in this step keep their sums; their edges are the ones they had
+    for (std::size_t w = 0; w < samples_.wires.size() && !list_stale_; ++w) {
+        const int first = sums_.wire_edges[w], count = sums_.wire_edges[w + 1] - first;
+        if (count == last_wire_edges_[w + 1] - last_wire_edges_[w])
+            std::copy_n(last_edges_.begin() + last_wire_edges_[w], count, sums_.edges.begin() + first);
+    }
     const device::Lane at = lane(active_.size());
     context_.enter(at);
     context_.write(at, active_list_, active_.data(), bytes_of(active_));
@@ -405,29 +419,70 @@ void CapsuleContact::set_nodes(const TrialState& trial)
     });
 }
 
-void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+// What was read back of some wires goes where these wires' sums are.
+void CapsuleContact::spread_sums(std::span<const std::uint8_t> active)
+{
+    auto from = last_edges_.begin();
+    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
+        if (!active[w]) continue;
+        const int first = sums_.wire_edges[w], count = sums_.wire_edges[w + 1] - first;
+        std::copy_n(from, count, sums_.edges.begin() + first);
+        from += count;
+    }
+}
+
+/// The samples and edges of the wires that are evaluated now, when those are not all: a world of many wires solves on until its last one
+/// has converged. @return false: all
+bool CapsuleContact::pick_some(std::span<const std::uint8_t> active)
+{
+    if (multipliers_ || barrier_) return false;
+    const auto left_out = [&](std::size_t w) { return !active[w] && sums_.wire_edges[w + 1] > sums_.wire_edges[w]; };
+    std::size_t w = 0;
+    while (w < samples_.wires.size() && !left_out(w)) ++w;
+    if (w == samples_.wires.size()) return false;
+    some_.clear();
+    some_first_.clear();
+    for (w = 0; w < samples_.wires.size(); ++w) {
+        if (!active[w]) continue;
+        for (int e = sums_.wire_edges[w]; e < sums_.wire_edges[w + 1]; ++e) {
+            some_first_.push_back(static_cast<std::uint32_t>(some_.size()));
+            some_.insert(some_.end(), active_.begin() + edge_first_[e], active_.begin() + edge_first_[e + 1]);
+        }
+    }
+    some_first_.push_back(static_cast<std::uint32_t>(some_.size()));
+    return true;
+}
+
+void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
 {
     auto start = Clock::now();
     set_nodes(trial);
     find_candidates(false);
+    const bool part = pick_some(active);
+    const std::size_t samples = part ? some_.size() : active_.size();
     times.detect += since(start);
     start = Clock::now();
-    const device::Lane at = lane(active_.size());
-    if (!active_.empty()) {
+    const device::Lane at = lane(samples);
+    if (samples > 0) {
         context_.enter(at);
         nodes_.upload(context_, at);
-        params_.item_count = static_cast<uint>(active_.size());
+        if (part) {
+            context_.write(at, some_list_, some_.data(), bytes_of(some_));
+            context_.write(at, some_first_buffer_, some_first_.data(), bytes_of(some_first_));
+        }
+        params_.item_count = static_cast<uint>(samples);
         params_.inv_dt = h > 0 ? 1 / h : 0;
         if (multipliers_) multipliers_->before_evaluation(at, params_, sample_buffers());
-        launch_evaluate(at, active_.size(), params_);
+        launch_evaluate(at, samples, params_, part ? some_list_ : active_list_);
         if (at == device::Lane::Light) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
             context_.finish(at);
             times.evaluate += since(start);
             start = Clock::now();
         }
-        const std::size_t edges = sums_.edge_node.size();
-        reduce_.launch(at, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_buffer_);
-        context_.read(at, edge_buffer_, sums_.edges.data(), edges * sizeof(EdgeForce));
+        const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
+        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_, edge_buffer_);
+        context_.read(at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges * sizeof(EdgeForce));
+        if (part) spread_sums(active);
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
     }
     if (!barrier_) return;

@@ -41,7 +41,9 @@ private:
     [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
     void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
-    void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par);
+    void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list);
+    [[nodiscard]] bool pick_some(std::span<const std::uint8_t> active);
+    void spread_sums(std::span<const std::uint8_t> active);
     void set_nodes(const TrialState& trial);
     [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
     [[nodiscard]] double need(int sample) const { return samples_.models[sample].radius + samples_.models[sample].reach + list_margin_ - slack_; }
@@ -66,9 +68,12 @@ private:
     std::vector<double> distances_;        // read back of probes
     std::vector<std::uint32_t> counts_, device_counts_, to_find_, active_, edge_first_;
     std::vector<std::uint32_t> listed_;  // [samples] stamp of the last step in which the sample was evaluated
+    std::vector<std::uint32_t> some_, some_first_;  // as active_, edge_first_, of the wires that are evaluated now
+    std::vector<EdgeForce> last_edges_;             // scratch
+    std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
-    device::Kernel find_, clearance_, evaluate_, reduce_;
-    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, distance_buffer_, active_list_, first_buffer_, forces_, barys_, edge_buffer_;
+    device::Kernel find_, distance_, evaluate_, reduce_;
+    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, distance_buffer_, active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;             // for the laws that have none
     std::optional<Multipliers> multipliers_;    // augmented, constraint, impulse

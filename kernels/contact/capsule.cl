@@ -28,7 +28,7 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
 // How far listed samples are from the wall.
 //   item    one entry of `list`
 //   reads   list [item_count]; places [samples]; hi, lo; tree; vertices     writes  distances [item_count] [m], at most `most`
-SEL_KERNEL void contact_clearance(const uint item_count, const real most, __global const uint* restrict list,
+SEL_KERNEL void contact_distance(const uint item_count, const real most, __global const uint* restrict list,
                                   __global const SamplePlace* restrict places, __global const float* restrict hi,
                                   __global const real* restrict lo, __global const TreeNode* restrict nodes,
                                   __global const float* restrict vertices, __global real* restrict distances)
