@@ -26,10 +26,13 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 template <class T>
-std::size_t bytes_of(const std::vector<T>& v) { return v.size() * sizeof(T); }
+std::size_t bytes_of(const std::vector<T>& v)
+{
+    return v.size() * sizeof(T);
+}
 
 template <class T>
-std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::* member)
+std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::*member)
 {
     std::vector<T> list;
     for (const WireSetup& wire : setup.wires) list.push_back(wire.*member);
@@ -125,8 +128,8 @@ void CapsuleContact::warm_up()
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
         launch_find(at, 1, none);
-        distance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
-                          distance_buffer_);
+        distance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                         wall_.vertices, distance_buffer_);
         launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
@@ -137,8 +140,8 @@ void CapsuleContact::warm_up()
 
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
-    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                 wall_.vertices, candidates_, count_buffer_);
+    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer,
+                 wall_.nodes, wall_.vertices, candidates_, count_buffer_);
 }
 
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
@@ -243,8 +246,8 @@ Vec3 CapsuleContact::sample_position(int sample) const
             a * (hi[2] + lo[2]) + b * (hi[5] + lo[5])};
 }
 
-// Renews what is known of the wall near every live sample that has moved too far since it was found out; then the list of samples that
-// have candidates. Most of a wire is far from any wall: there one distance serves a stretch, for many steps.
+// Renews what is known of the wall near every live sample that has moved too far since it was found out; then the list of samples
+// that have candidates. Most of a wire is far from any wall: there one distance serves a stretch, for many steps.
 void CapsuleContact::find_candidates(bool all_live)
 {
     const int wires = static_cast<int>(samples_.wires.size());
@@ -313,8 +316,8 @@ void CapsuleContact::probe(int stride)
     context_.enter(at);
     nodes_.upload(context_, at);
     context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-    distance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_, nodes_.hi_buffer,
-                      nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+    distance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_,
+                     nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
     context_.read(at, distance_buffer_, distances_.data(), to_find_.size() * sizeof(real));
     for (std::size_t i = 0; i < to_find_.size(); ++i) {
         const int s = static_cast<int>(to_find_[i]);
@@ -328,8 +331,8 @@ void CapsuleContact::probe(int stride)
     for_each_item(static_cast<int>(samples_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
 }
 
-// Candidates of the samples that are stale still. Slacks differ a little from sample to sample, so that renewals spread over steps
-// instead of coming all at once.
+// Candidates of the samples that are stale still. Slacks differ a little from sample to sample, so that renewals spread over
+// steps instead of coming all at once.
 void CapsuleContact::find_listed()
 {
     to_find_.clear();
@@ -431,8 +434,8 @@ void CapsuleContact::spread_sums(std::span<const std::uint8_t> active)
     }
 }
 
-/// The samples and edges of the wires that are evaluated now, when those are not all: a world of many wires solves on until its last one
-/// has converged. @return false: all
+/// The samples and edges of the wires that are evaluated now, when those are not all: a world of many wires solves on until its
+/// last one has converged. @return false: all
 bool CapsuleContact::pick_some(std::span<const std::uint8_t> active)
 {
     if (multipliers_ || barrier_) return false;
@@ -480,7 +483,8 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
             start = Clock::now();
         }
         const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
-        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_, edge_buffer_);
+        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_,
+                       edge_buffer_);
         context_.read(at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges * sizeof(EdgeForce));
         if (part) spread_sums(active);
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
@@ -557,11 +561,16 @@ std::string CapsuleContact::describe_law(const SampleModel& m) const
 {
     const double k = m.hard_stiffness, um = 1e6 * m.hard_length;
     switch (params_.normal_law) {
-        case SEL_NORMAL_AUGMENTED: return fmt::format("augmented, k from {:.3g} N/m^2 per metre, overlap to {:.3g} um", k, um);
-        case SEL_NORMAL_CONSTRAINT: return fmt::format("constraint, to {:.3g} um of overlap and of stuck slip", um);
-        case SEL_NORMAL_IMPULSE: return fmt::format("impulse, restitution {:.3g} to {:.3g} mm/s", m.restitution, 1e3 * m.hard_length);
-        case SEL_NORMAL_BARRIER: return fmt::format("barrier, from a gap of {:.3g} um, kappa {:.3g} N/m^2 per metre", um, k);
-        default: return "damped";
+        case SEL_NORMAL_AUGMENTED:
+            return fmt::format("augmented, k from {:.3g} N/m^2 per metre, overlap to {:.3g} um", k, um);
+        case SEL_NORMAL_CONSTRAINT:
+            return fmt::format("constraint, to {:.3g} um of overlap and of stuck slip", um);
+        case SEL_NORMAL_IMPULSE:
+            return fmt::format("impulse, restitution {:.3g} to {:.3g} mm/s", m.restitution, 1e3 * m.hard_length);
+        case SEL_NORMAL_BARRIER:
+            return fmt::format("barrier, from a gap of {:.3g} um, kappa {:.3g} N/m^2 per metre", um, k);
+        default:
+            return "damped";
     }
 }
 
@@ -573,8 +582,8 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
             {"normal law", describe_law(m)},
             {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
             {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
-            {"friction stiffness", fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)",
-                                               m.friction_stiffness)},
+            {"friction stiffness",
+             fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)", m.friction_stiffness)},
             {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
 }
 
