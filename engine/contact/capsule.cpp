@@ -84,7 +84,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
         move_limit_.push_back(limit);
     }
     counts_.assign(n, 0);
-    device_counts_.assign(n, 0);
+    found_.assign(n, 0);
     listed_.assign(n, 0);
     to_find_.reserve(n);
     active_.reserve(n);
@@ -102,6 +102,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     distance_buffer_ = device::Buffer(context, n * sizeof(real));
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
@@ -141,7 +142,7 @@ void CapsuleContact::warm_up()
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
     find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer,
-                 wall_.nodes, wall_.vertices, candidates_, count_buffer_);
+                 wall_.nodes, wall_.vertices, candidates_, count_buffer_, found_buffer_);
 }
 
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
@@ -179,7 +180,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
-        place_samples(samples_, w, rod, begin, false);
+        place_new_samples(samples_, w, rod, begin);
         if (!live[w]) samples_.wires[w].live = 0;
         for (int i = 0; i < rod.n; ++i)
             nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
@@ -187,11 +188,20 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     list_stale_ = true;
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
-    context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
+    upload_places();
     find_candidates(false);
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
     times.detect += since(start);
+}
+
+// Those of samples that are inside: they change with every step.
+void CapsuleContact::upload_places()
+{
+    for (const WireSamples& wire : samples_.wires)
+        if (wire.live > 0)
+            context_.write(device::Lane::Light, places_, &samples_.places[wire.begin], wire.live * sizeof(SamplePlace),
+                           wire.begin * sizeof(SamplePlace));
 }
 
 void CapsuleContact::start_barrier()
@@ -355,9 +365,9 @@ void CapsuleContact::find_listed()
     ContactParams par = params_;
     par.item_count = static_cast<uint>(to_find_.size());
     launch_find(at, to_find_.size(), par);
-    context_.read(at, count_buffer_, device_counts_.data(), bytes_of(device_counts_));
+    context_.read(at, found_buffer_, found_.data(), bytes_of(to_find_));
     std::uint32_t most = 0;
-    for (std::uint32_t s : to_find_) most = std::max(most, counts_[s] = device_counts_[s]);
+    for (std::size_t i = 0; i < to_find_.size(); ++i) most = std::max(most, counts_[to_find_[i]] = found_[i]);
     if (most <= params_.slots) return;
     // a denser mesh than the lists were made for: make room once and find all again
     params_.slots = (most + most / 2 + 7) / 8 * 8;

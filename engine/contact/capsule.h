@@ -53,6 +53,7 @@ private:
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
     [[nodiscard]] SampleBuffers sample_buffers() const;
     [[nodiscard]] std::string describe_law(const SampleModel& m) const;
+    void upload_places();
     void start_barrier();
 
     bool swept_;
@@ -69,14 +70,14 @@ private:
     std::vector<std::uint32_t> stale_;            // [samples] of wire w: stale_[begin ...], stale_count_[w] of them
     std::vector<int> stale_count_;                // [wires]
     std::vector<double> distances_;               // read back of probes
-    std::vector<std::uint32_t> counts_, device_counts_, to_find_, active_, edge_first_;
+    std::vector<std::uint32_t> counts_, found_, to_find_, active_, edge_first_;
     std::vector<std::uint32_t> listed_;             // [samples] stamp of the last step in which the sample was evaluated
     std::vector<std::uint32_t> some_, some_first_;  // as active_, edge_first_, of the wires that are evaluated now
     std::vector<EdgeForce> last_edges_;             // scratch
     std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, distance_, evaluate_, reduce_;
-    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, distance_buffer_, active_list_, first_buffer_,
+    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, found_buffer_, distance_buffer_, active_list_, first_buffer_,
         some_list_, some_first_buffer_, forces_, barys_, edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none

@@ -275,18 +275,21 @@ void find_case()
                 s.par.slots = slots;
                 const Found host = host_find(s, list, slack, slots);
                 Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
-                    counts(context, lane, std::vector<uint>(n));
+                    counts(context, lane, std::vector<uint>(n)), by_item(context, lane, std::vector<uint>(n));
                 Guarded<SampleModel> models(context, lane, s.models);
                 Guarded<SamplePlace> places(context, lane, s.places);
                 Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
                 Guarded<real> lo(context, lane, s.lo);
                 Guarded<TreeNode> nodes(context, lane, s.nodes);
                 kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
-                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer());
+                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer(), by_item.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
                 CHECK(first_difference(counts.read(), host.counts) == -1);
                 CHECK(first_difference(candidates.read(), host.candidates) == -1);
+                std::vector<uint> listed;
+                for (uint sample : list) listed.push_back(host.counts[sample]);
+                CHECK(first_difference(by_item.read(), listed) == -1);
                 for (uint c : host.counts) {
                     found += c;
                     most = std::max(most, c);
