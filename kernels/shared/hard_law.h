@@ -20,7 +20,8 @@
 //     0 <= f  _|_  v_n + e v_n(last step) >= 0,       v_n h = -(depth - depth_t0):
 // the same multiplier law, of depth - goal. Overlap is what the first step in contact runs in; nothing takes it back.
 //
-// Barrier [Li20]: E = -kappa (d - dh)^2 ln(d / dh) for gaps d < dh, else 0: C2, infinite at d = 0. f = -dE/dd.
+// Barrier [Li20]: E = -kappa (d - dh)^2 ln(d / dh) for gaps d < dh, else 0: C2, infinite at d = 0. f = -dE/dd. Below 1e-12 dh, where f
+// is 1e12 kappa dh (millions of times what any wire can push with) and dh / d would soon leave the range of a float, f goes on as its tangent.
 #ifndef SEL_SHARED_HARD_LAW_H
 #define SEL_SHARED_HARD_LAW_H
 #include "shared/contact_types.h"
@@ -28,6 +29,7 @@
 
 SEL_BEGIN
 
+#define SEL_BARRIER_END ((real)1e-12)  // of dh: from here on the barrier is its own tangent; in float32 (1 / this)^2 kappa is still finite
 #define SEL_TANGENTIAL ((real)0.6666666666666666)  // tangential over normal stiffness, as in (D9)
 
 SEL_FN real multiplier_law(real depth, HardState hard, real* slope)
@@ -49,9 +51,10 @@ SEL_FN real barrier_law(real gap, real dh, real kappa, real* slope)
 {
     *slope = 0;
     if (gap >= dh || gap <= 0) return 0;
-    const real rest = dh - gap, ln = log_r(dh / gap), ratio = rest / gap;
+    const real at = max_r(gap, SEL_BARRIER_END * dh);
+    const real rest = dh - at, ln = log_r(dh / at), ratio = rest / at;
     *slope = kappa * (2 * ln + (4 + ratio) * ratio);
-    return kappa * rest * (2 * ln + ratio);
+    return kappa * rest * (2 * ln + ratio) + *slope * (at - gap);
 }
 
 // Depth at which the wall's own law, unhardened, carries `force` per metre: what the half-width of (D10) is reckoned from where the

@@ -19,7 +19,8 @@ SEL_FN real miss_allowed(SampleModel m, ContactParams par)
 
 SEL_FN real least_stiffness(SampleModel m, ContactParams par, real force)
 {
-    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), 2 * force / m.reach);
+    const real fades = m.reach > 0 ? 2 * force / m.reach : (real)0;  // without a reach no touch is ever lost sight of
+    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), fades);
 }
 
 // State of a touch at the start of a step, from what it exerted at the end of the last one.
