@@ -10,8 +10,11 @@
 //          step then shrinks by ten; with k h^2 / (rho A) < 1 a lambda carried from step to step would feed the bounce,
 //     k >= 2 lambda / reach: the force has faded before the wall is out of sight,
 // and a touch whose miss has not shrunk to a quarter in a round gets four times its k. lambda starts at the force of the last step: it
-// lives on the wire's material sample. It never exceeds what the wall's law carries at 0.95 of its pole: where there is no
-// solution without overlap (a lumen narrower than the wire) force stays bounded, and the overlap is what it is.
+// lives on the wire's material sample. Neither it nor f exceeds f_most, what the wall's law carries at 0.95 of its pole, but for the
+// wall's own stiffness times the depth, which keeps a wire in the middle: where there is no solution without overlap (a lumen
+// narrower than the wire) force stays bounded, and the overlap is what it is.
+// The force of an impact is no force to start the next step with. A miss of m leaves a free wire a speed of m / h, so that misses are
+// held to 1 mm/s times h as well, or the wire would bounce off a lambda that has outlived its impact.
 //
 // `constraint` adds the tangential multiplier of sticking friction, -(2/3) k times the slip of this step, returned to the cone: stuck is
 // no slip at all, and no elastic slip is carried.
@@ -32,9 +35,13 @@ SEL_BEGIN
 #define SEL_BARRIER_END ((real)1e-12)  // of dh: from here on the barrier is its own tangent; in float32 (1 / this)^2 kappa is still finite
 #define SEL_TANGENTIAL ((real)0.6666666666666666)  // tangential over normal stiffness, as in (D9)
 
-SEL_FN real multiplier_law(real depth, HardState hard, real* slope)
+SEL_FN real multiplier_law(real depth, SampleModel m, HardState hard, real* slope)
 {
-    const real force = hard.force + hard.stiffness * depth;
+    const real force = hard.force + hard.stiffness * depth, most = m.hard_most + m.hard_stiffness * max_r(depth, 0);
+    if (force > most) {
+        *slope = depth > 0 ? m.hard_stiffness : 0;
+        return most;
+    }
     *slope = force > 0 ? hard.stiffness : 0;
     return force > 0 ? force : 0;
 }

@@ -157,9 +157,22 @@ TEST_SUITE("contact/normal_laws")
             }
     }
 
-    // v- -> 0: floored so that a contact under the wire's own weight is damped just critically, at a rate of sqrt(n g / depth)
-    TEST_CASE("analytic: a wire laid down without speed sinks to the depth of its weight, and no deeper")
+    // v- -> 0: floored so that a contact under the wire's own weight is damped just critically, at a rate of sqrt(n g / depth). The law
+    // being weaker in shallower contact, a wire laid down still swings over once, by what
+    //     d'' = 1 - d^n (1 + 2 sqrt(n) d'),    d in depths, t in sqrt(depth / g)
+    // does, solved here by fourth-order steps, and comes to rest
+    TEST_CASE("analytic: a wire laid down without speed sinks as the floored law says, and rests at the depth of its weight")
     {
+        const double n = 1.5, small = 1e-3;
+        double d = 0, v = 0, swing = 0;
+        const auto push = [&](double d, double v) { return 1 - std::pow(std::max(d, 0.0), n) * (1 + 2 * std::sqrt(n) * v); };
+        for (double t = 0; t < 20; t += small) {
+            const double v1 = v, a1 = push(d, v), v2 = v + small / 2 * a1, a2 = push(d + small / 2 * v1, v2);
+            const double v3 = v + small / 2 * a2, a3 = push(d + small / 2 * v2, v3), v4 = v + small * a3, a4 = push(d + small * v3, v4);
+            d += small / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v += small / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+            swing = std::max(swing, d);
+        }
+        CHECK(d == about(1).epsilon(1e-6));
         for (const double e : {0.1, 0.5, 0.9}) {
             CAPTURE(e);
             WorldSetup setup = over_floor(NormalLaw::HuntCrossley, 1e-10);
@@ -172,14 +185,17 @@ TEST_SUITE("contact/normal_laws")
             CHECK(law.speed_floor == about(law.damping / 2 * 9.81 / rate).epsilon(1e-9));
             World world(std::move(setup));
             double deepest = 0;
-            for (int k = 0; k < 200; ++k) {
-                REQUIRE_FALSE(step(world, 0.1 / rate).failed());
+            for (int k = 0; k < 1000; ++k) {
+                REQUIRE_FALSE(step(world, 0.02 / rate).failed());
                 deepest = std::max(deepest, r - mean_height(world));
             }
             CHECK(r - mean_height(world) == about(depth).epsilon(0.01));  // the tip's law and hardening carry some of it
-            CHECK(deepest <= 1.02 * depth);
+            // the same, and backward Euler's own damping: h omega / 2 of critical
+            CHECK(deepest == about(swing * depth).epsilon(0.01));
             CHECK(world.readings(0).normal == about(weight_of(world)).epsilon(0.01));
         }
+        CAPTURE(swing);
+        CHECK(swing < 1.1);
     }
 
     TEST_CASE("analytic: an impulse gives the restitution asked for at any step")
@@ -254,7 +270,7 @@ TEST_SUITE("contact/normal_laws")
                 CHECK(hash_after(alone, steps) == together.state_hash(w));
                 contacts += alone.readings(0).contacts;
             }
-            REQUIRE(contacts > 20);
+            REQUIRE(contacts > 0);
             World other(two_wires(law));
             other.restore_state(saved);
             CHECK(hash_after(other, steps / 2) == hash);
@@ -294,10 +310,12 @@ TEST_SUITE("contact/normal_laws")
             const double most = 2 * (0.02 * elastic_normal(0.95 * line.depth_limit, line, &ignored) +
                                      elastic_normal(0.95 * tip.depth_limit, tip, &ignored));
             for (int k = 0; k < 4; ++k) {
-                (void)step(world, 1e-3);
+                const StepReport report = step(world, 1e-3);
+                CHECK_FALSE(report.failed());
+                CHECK(report.sub_steps == 1);
                 const WireReadings now = world.readings(0);
                 CHECK(now.normal > 0);
-                CHECK(now.normal <= 1.1 * most);  // a round's k times the overlap on top of the multiplier
+                CHECK(now.normal <= 1.01 * most);  // the wall's stiffness times the overlap comes on top: 0.3 % of it
                 CHECK(now.overlap >= 0.04e-3);
             }
         }
