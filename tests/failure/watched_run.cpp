@@ -83,7 +83,7 @@ void WatchedRun::run(int steps, const std::function<bool(World&)>& each)
             const double speed = (now.inserted - inserted_[w]) / dt_;
             const double carried =
                 world.setup().wires[w].feed.on ? fed_energy(world.setup(), w, inserted_[w], now.inserted, speed) : 0.0;
-            watches_[w].observe(report, now, w == 0 ? work : 0.0, carried);
+            watches_[w].observe(report, now, w == 0 && work ? work(world) : 0.0, carried);
             inserted_[w] = now.inserted;
             normal += now.normal;
             friction += now.friction;

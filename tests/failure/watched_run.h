@@ -48,8 +48,8 @@ public:
 
     /// @param each  after every step; returns false to end the run
     void run(int steps, const std::function<bool(World&)>& each = {});
-    /// Work that the scene's loads, links or moving holds do on wire 0 in the next step [J], where there are any.
-    double work = 0;
+    /// Work that the scene's loads, links or moving holds have done on wire 0 in the step just taken [J]; asked after every step.
+    std::function<double(World&)> work;
 
     [[nodiscard]] Outcomes outcomes() const;
     World world;
