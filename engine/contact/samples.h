@@ -20,7 +20,7 @@ struct WireSamples {
     int begin = 0;            // of this wire in the concatenated sample arrays
     int capacity = 0;         // samples of the whole wire
     int live = 0;             // samples inside now: 0 .. live-1
-    std::uint32_t stamp = 1;  // of the step being solved; commit raises it
+    std::uint32_t stamp = 2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
     double spacing = 0;       // [m]
     double placed_to = -1;    // material coordinate of the last node but one when they were placed last [m]
     std::vector<double> s;    // [capacity] material coordinate [m]
