@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace seldinger {
 
@@ -228,6 +229,39 @@ double WireHolds::moving_until() const
     for (const LinkSpec& link : links_) include(link.move);
     for (const LoadSpec& load : loads_) end = std::max(end, load.ramp);
     return end;
+}
+
+std::vector<double> WireHolds::path(double length) const
+{
+    constexpr double most_move = 0.005, most_turn = 2 * std::numbers::pi, most_parts = 4096;  // [-] of the length, [rad]
+    std::vector<double> times = {0};
+    const auto include = [&](const auto& keys) {
+        for (const auto& key : keys)
+            if (key[0] > 0) times.push_back(key[0]);
+    };
+    for (const Hold& hold : holds_) include(hold.spec.move), include(hold.spec.turn);
+    for (const LinkSpec& link : links_) include(link.move);
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    const auto travel = [&](const auto& keys, double from, double until, double most) {
+        const auto a = interpolate(keys, from), b = interpolate(keys, until);
+        double square = 0;
+        for (std::size_t c = 0; c < a.size(); ++c) square += (b[c] - a[c]) * (b[c] - a[c]);
+        return std::sqrt(square) / most;
+    };
+    std::vector<double> path;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+        const double from = times[k - 1], until = times[k];
+        double parts = 1;
+        for (const Hold& hold : holds_)
+            parts = std::max({parts, travel(hold.spec.move, from, until, most_move * length), travel(hold.spec.turn, from, until, most_turn)});
+        for (const LinkSpec& link : links_) parts = std::max(parts, travel(link.move, from, until, most_move * length));
+        const int count = static_cast<int>(std::min(std::ceil(parts - 1e-9), most_parts));
+        for (int p = 1; p <= count; ++p) path.push_back(from + (until - from) * p / count);
+    }
+    if (path.empty()) return {INFINITY};
+    path.back() = INFINITY;
+    return path;
 }
 
 FeedKey FeedSpec::at(double t) const
