@@ -94,6 +94,8 @@ def measure(result, quantity, expected):
         return abs(result.summary["base_force_n"][0])
     if quantity == "steepest":
         return steepest(result)
+    if quantity == "lag":
+        return math.degrees(result.wire["spin_rad"][0])
     if quantity.startswith("frequency_"):
         return frequency(result, int(quantity[-1]), expected)
     raise ValueError(quantity)
@@ -123,6 +125,16 @@ def threshold(run, case, settings):
     return critical, leaves
 
 
+def snap(run, case, settings):
+    """Angle of the base at which the tip whips round, to half a degree, by bisection [deg]; the base goes there in steps of 45 degrees."""
+    low, high = 180.0, 315.0
+    while high - low > 1:
+        middle = (low + high) / 2
+        result = run(case["scene"], {**settings, "hold.0.turn": [[0, 0], [1, math.radians(middle)]]})
+        low, high = (low, middle) if measure(result, "lag", 0) > 180 else (middle, high)
+    return (low + high) / 2
+
+
 def order_of(edges, errors, scale):
     """Slope of log(error) against log(1/edges), or none where fewer than three errors are above the floor."""
     kept = [(n, e) for n, e in zip(edges, errors) if e > FLOOR * scale]
@@ -150,6 +162,8 @@ def run_case(run, case):
             part, left = threshold(run, case, settings)
             got.append(part * scale)
             leaves = leaves and left
+        elif case["quantity"] == "snap":
+            got.append(snap(run, case, settings))
         else:
             got.append(measure(run(case["scene"], settings), case["quantity"], scale))
         errors.append(float(np.linalg.norm(got[-1] - expected)))

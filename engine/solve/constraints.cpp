@@ -233,7 +233,7 @@ double WireHolds::moving_until() const
 
 std::vector<double> WireHolds::path(double length) const
 {
-    constexpr double most_move = 0.005, most_turn = 2 * std::numbers::pi, most_parts = 4096;  // [-] of the length, [rad]
+    constexpr double most_move = 0.005, most_turn = std::numbers::pi / 4, most_parts = 4096;  // [-] of the length, [rad]
     std::vector<double> times = {0};
     const auto include = [&](const auto& keys) {
         for (const auto& key : keys)
