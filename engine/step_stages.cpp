@@ -219,8 +219,8 @@ void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes
     NodeAdapter& adapter = state.adapters[w];
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps,
-                                         spec.place.rest_is_placed && !state.feeds[w].on);
+    state.feeds[w].debt +=
+        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !state.feeds[w].on);
     constrain_now(state, w);
     int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
     for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
@@ -272,10 +272,8 @@ void adapt_one(World::Impl& state, int w, double dt)
 {
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
-    if (state.adapters[w].on)
-        (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
-    else if (feed.on)
-        (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
+    if (state.adapters[w].on) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
+    else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
 }
 
 }  // namespace
@@ -283,17 +281,18 @@ void adapt_one(World::Impl& state, int w, double dt)
 namespace {
 
 constexpr int most_static_halvings = 6;
-constexpr int most_adapt_rounds = 60;    // of one equilibrium; each takes out a few nodes at most
+constexpr int most_adapt_rounds = 60;  // of one equilibrium; each takes out a few nodes at most
 
-/// How a wire comes to its equilibrium. Holds and links that move are followed in parts (solve/constraints.h), so that the wire ends on the
-/// branch that it is on: a wire wound up and then pushed together has others. A part that does not converge is halved.
+/// How a wire comes to its equilibrium. Holds and links that move are followed in parts (solve/constraints.h), so that the wire
+/// ends on the branch that it is on: a wire wound up and then pushed together has others. A part that does not converge is
+/// halved.
 struct Approach {
     std::vector<double> times;  // [s] to be reached, one after the other
     std::size_t next = 0;
     double reached = 0, target = 0;
-    double end = 0;             // when the last move ends, which infinity stands for
+    double end = 0;  // when the last move ends, which infinity stands for
     int halvings = 0, rounds = 0;
-    bool adapting = false;      // at times[next], with nodes that have changed
+    bool adapting = false;  // at times[next], with nodes that have changed
     [[nodiscard]] bool done() const { return next == times.size(); }
 };
 
@@ -340,7 +339,8 @@ WireMask equilibrium_of(World::Impl& state, const std::vector<Approach>& approac
 bool adapt_at_rest(World::Impl& state, int w, Approach& approach)
 {
     constexpr int at_once = 8;
-    if (!state.adapters[w].on || (state.feeds[w].on && !state.feeds[w].inside) || ++approach.rounds > most_adapt_rounds) return false;
+    if (!state.adapters[w].on || (state.feeds[w].on && !state.feeds[w].inside) || ++approach.rounds > most_adapt_rounds)
+        return false;
     bool changed = false;
     for (int k = 0; k < at_once; ++k) {
         const int n = state.rods.node_count(w);
@@ -471,8 +471,8 @@ void adapt_nodes(World::Impl& state, double dt)
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
-// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need it
-// (a sample that passes the wall has touched it before, and says so).
+// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// it (a sample that passes the wall has touched it before, and says so).
 bool needs_audit(World::Impl& state, int wire)
 {
     const Detection detection = state.setup.wires[wire].contact.detection;
@@ -488,7 +488,8 @@ void audit_outside(World::Impl& state, int wire)
 {
     if (!state.lumen) {
         const bool open = state.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
-        state.lumen = std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
+        state.lumen =
+            std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
     const RodView rod = state.rods.view(wire);
     double& outside = state.results[wire].contact.outside;
@@ -511,7 +512,8 @@ void check_state(World::Impl& state, StepReport& report)
         if (state.retired[w]) continue;
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) note(state, report, w, StepNonFinite);
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
+                note(state, report, w, StepNonFinite);
         if (needs_audit(state, w)) audit_outside(state, w);
         if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }

@@ -2,8 +2,8 @@
 
 #include "core/error.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -39,10 +39,7 @@ double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std:
 constexpr int most_clamps = 12;  // RodFrames has room for 16; feeding and rings add their own
 
 /// Parallel transport of v from unit vector a to unit vector b.
-Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b)
-{
-    return Eigen::Quaterniond::FromTwoVectors(a, b) * v;
-}
+Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b) { return Eigen::Quaterniond::FromTwoVectors(a, b) * v; }
 
 Vec3 material_director(const RodView& rod, int edge)
 {
@@ -59,8 +56,8 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
                                                 what, index, at.from_tip, length, length));
 }
 
-/// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist that
-/// its inner node has per length.
+/// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist
+/// that its inner node has per length.
 double twist_to_end(const RodView& rod, int node)
 {
     if (rod.n < 3) return 0;
@@ -93,8 +90,8 @@ NodeFrame node_frame(const RodView& rod, int node)
 
 namespace {
 
-/// A wire may be placed with whole turns in it (a ring): the twist between a hold and its edges starts from their angles, so that none
-/// of them is lost. Reference twists as in rod/clamp.h.
+/// A wire may be placed with whole turns in it (a ring): the twist between a hold and its edges starts from their angles, so that
+/// none of them is lost. Reference twists as in rod/clamp.h.
 void count_turns(const RodView& rod, int node)
 {
     const bool end = node == 0 || node == rod.n - 1;
@@ -254,7 +251,8 @@ std::vector<double> WireHolds::path(double length) const
         const double from = times[k - 1], until = times[k];
         double parts = 1;
         for (const Hold& hold : holds_)
-            parts = std::max({parts, travel(hold.spec.move, from, until, most_move * length), travel(hold.spec.turn, from, until, most_turn)});
+            parts = std::max(
+                {parts, travel(hold.spec.move, from, until, most_move * length), travel(hold.spec.turn, from, until, most_turn)});
         for (const LinkSpec& link : links_) parts = std::max(parts, travel(link.move, from, until, most_move * length));
         const int count = static_cast<int>(std::min(std::ceil(parts - 1e-9), most_parts));
         for (int p = 1; p <= count; ++p) path.push_back(from + (until - from) * p / count);

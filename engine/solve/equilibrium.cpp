@@ -1,6 +1,6 @@
-// Static equilibrium: Newton with an adaptive shift first; where that stalls, pseudo-time, which follows the wire downhill; where that is too
-// slow, Newton for as long. (A ring beyond Michell's twist has a buckled shape that may sit anywhere along it: a bent valley with hardly
-// a slope, 1,400 iterations long. Pseudo-time creeps there, Newton walks.)
+// Static equilibrium: Newton with an adaptive shift first; where that stalls, pseudo-time, which follows the wire downhill; where
+// that is too slow, Newton for as long. (A ring beyond Michell's twist has a buckled shape that may sit anywhere along it: a bent
+// valley with hardly a slope, 1,400 iterations long. Pseudo-time creeps there, Newton walks.)
 
 #include "solve/newton.h"
 #include "solve/solver_work.h"
@@ -9,8 +9,8 @@
 
 namespace seldinger {
 
-void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
-                         std::span<const std::uint8_t> active, std::span<SolveReport> reports)
+void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+                         std::span<SolveReport> reports)
 {
     begin(Motion::Static, 0, constraints, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
