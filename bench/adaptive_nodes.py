@@ -2,7 +2,7 @@
 """What adaptive nodes save: experiment 2 (first 24 cm) with uniform and with adaptive nodes against a fine uniform wire.
 
     bench/adaptive_nodes.py --scene SCENE.toml [--app build/seldinger] [--runs DIR] [--csv bench/results/adaptive_nodes.csv]
-                            [--adaptive 1 0.7 1.4] [--fine 2001]
+                            [--adaptive 1e-6 2e-6] [--fine 2001]
 
 Every run is kept in --runs and used again: the fine one takes minutes. Errors are of the tip's position at every 0.1 s, of the hand
 force and of the friction, both smoothed over 20 ms; rms and largest over the run. `saved` of the adaptive rows: nodes (mean over the
@@ -87,7 +87,7 @@ def main():
     parser.add_argument("--csv", default="bench/results/adaptive_nodes.csv")
     parser.add_argument("--fine", type=int, default=2001, help="nodes over the whole wire of the run that errors are taken against")
     parser.add_argument("--uniform", type=int, nargs="*", default=[51, 101, 201, 401])
-    parser.add_argument("--adaptive", type=float, nargs="*", default=[4e-6, 8e-6, 16e-6], help="wire.edge_error_m of the adaptive runs")
+    parser.add_argument("--adaptive", type=float, nargs="*", default=[0.5e-6, 1e-6, 2e-6, 4e-6], help="wire.edge_error_m of the adaptive runs")
     options = parser.parse_args()
     runs = pathlib.Path(options.runs)
     runs.mkdir(parents=True, exist_ok=True)
