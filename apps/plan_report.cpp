@@ -168,7 +168,7 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
     std::string text = fmt::format("asked      {}\n", goals_text(goals));
     const auto describe = [&](const char* what, const PlannedModel& m, const std::filesystem::path& file) {
         text += fmt::format("{:<11}{}\n", what, label(m.model));
-        text += fmt::format("  expected {}; worst moment {}\n", expected(plan, m), length(m.worst));
+        text += fmt::format("  expected {}{}\n", expected(plan, m), m.worst > 0 ? fmt::format("; worst moment {}", length(m.worst)) : "");
         text += fmt::format("  speed    {}\n", speed(m));
         if (m.outcome == Outcome::Jitter) text += fmt::format("  hand     jitters by {} from step to step\n", percent(m.jitter));
         text += fmt::format("  written  {}\n", file.string());

@@ -26,7 +26,8 @@ Model level_model(const Scene& scene, const RunPlan& plan, int level)
     model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);
     if (scene.vessel.shape != VesselShape::None) model.detection = Detection::Swept;
     if (is_static) return model;
-    model.trapezoid = false;
+    // what touches nothing is smooth in time: second order. With contact the trapezoid rule rings
+    model.trapezoid = scene.vessel.shape == VesselShape::None && !scene.integrator.conserve;
     // whole parts of the sampled interval, so that what is asked for is what is run
     model.dt = plan.interval / std::ceil(plan.interval / coarsest_step * std::pow(step_refinement, level) - 1e-9);
     return model;

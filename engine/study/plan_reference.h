@@ -10,8 +10,8 @@
 
 namespace seldinger {
 
-/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1, so that both
-/// errors fall by about two, and cost grows by three.
+/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler; where
+/// there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
 
 struct PlanReference {

@@ -31,7 +31,7 @@ public:
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         check_goals();
         const double duration = scene.scene.duration;
-        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step), 1.0, static_cast<double>(most_samples));
+        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step + 1e-9), 1.0, static_cast<double>(most_samples));
         plan_.until = duration;
         plan_.interval = is_static_ ? 1 : duration / samples;
         plan_.stop = options.stop;
@@ -126,7 +126,7 @@ private:
             result_.notes.push_back("the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
         Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_);
-        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return;
+        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
         const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             tell(fmt::format("pilot {}", ++looked));
@@ -162,11 +162,11 @@ private:
         return as_pilot(model);
     }
 
-    /// What the reference says for itself a pilot leaves to the scene.
+    /// What the reference says for itself a pilot leaves to the scene, but for the order in time of what touches nothing.
     Model as_pilot(Model model) const
     {
         model.tolerance.reset();
-        if (!scene_.scene.integrator.newmark) model.trapezoid.reset();
+        if (model.trapezoid == scene_.scene.integrator.newmark) model.trapezoid.reset();
         return model;
     }
 
@@ -185,6 +185,30 @@ private:
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so that {:.2g} a second is about the most",
                                                    goals_.rate, label(coarse), 1e6 * step_seconds, cheaper_yet / step_seconds));
         return false;
+    }
+
+    /// The nearest to a rate that no model reaches: what the tolerance costs, and the quickest steps that were seen.
+    void out_of_reach(Pilots& pilots)
+    {
+        if (pilots.stopped()) return;
+        const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest_step);
+        const auto go_on = [&] { return may_go_on(); };
+        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, pilots, go_on);
+        result_.search_complete = found.complete;
+        const std::optional<PlannedModel> best = found.best && !pilots.stopped() ? timed_best(*found.best, pilots) : std::nullopt;
+        result_.pilots = static_cast<int>(pilots.all().size());
+        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (best) result_.accurate = best;
+        const Pilot* quickest = nullptr;
+        const auto step_seconds = [](const Pilot& pilot) { return pilot.seconds * pilot.model.dt.value_or(1); };
+        for (const auto& [key, pilot] : pilots.all())
+            if (pilot.sound && (!quickest || step_seconds(pilot) < step_seconds(*quickest))) quickest = &pilot;
+        if (!quickest) return;
+        const Model model = quickest->model;
+        const double slowest = pilots.time_again(model, final_repeats);
+        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        result_.fast = planned(pilots.all().at(label(model)), slowest);
+        result_.message += fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
     /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only where
