@@ -60,7 +60,8 @@ Model model_of(const Scene& scene)
 {
     Model model;
     model.nodes = scene.wire.nodes;
-    if (scene.wire.nodes == 0) model.min_edge = scene.wire.min_edge, model.max_edge = scene.wire.max_edge;
+    model.min_edge = scene.wire.min_edge;
+    model.max_edge = scene.wire.max_edge;
     model.scheme = scene.integrator.scheme;
     model.tolerance = scene.integrator.tolerance;
     model.spin = scene.integrator.spins == Spins::Kept;

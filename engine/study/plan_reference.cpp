@@ -112,8 +112,8 @@ PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const R
         last_seconds = run->cost.wall * std::max(run->simulated, scene.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
         if (!sound(*run)) {
             // a coarse one may break where a finer one does not
-            reference.failure += fmt::format("{}{}: {} after {:.3g} s", reference.failure.empty() ? "" : "; ", label(model),
-                                             run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated);
+            reference.failures.push_back(fmt::format("{}: {} after {:.3g} s", label(model),
+                                                     run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
             reference.levels.clear();
             reference.moved.clear();
             continue;

@@ -25,7 +25,7 @@ struct PlanReference {
     bool jitters = false;                // the finest level's hand force does
     bool converges = false;              // the movements fall
     bool out_of_budget = false, stopped = false;
-    std::string failure;                 // why there is none: what broke off and how
+    std::vector<std::string> failures;   // levels that broke off, and how
 };
 
 /// What is needed of the reference: refinement goes on until its uncertainties are below.

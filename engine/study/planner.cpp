@@ -85,7 +85,8 @@ private:
         if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (reference.levels.empty())
             return stop_with(PlanStatus::NothingHolds, fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
-                                                                   "feed speed, wire), or look at it with `seldinger run`", reference.failure));
+                                                                   "feed speed, wire), {}or look at it with `seldinger run`", failures(reference),
+                                                                   reference.out_of_budget ? "give a larger --budget, " : ""));
         const double shape = at(reference.uncertainty, Observable::Shape), force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
@@ -104,6 +105,14 @@ private:
                                            : fmt::format("; ask for {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
+    }
+
+    /// The first and the last that broke off.
+    [[nodiscard]] static std::string failures(const PlanReference& reference)
+    {
+        if (reference.failures.empty()) return "nothing was tried";
+        if (reference.failures.size() == 1) return reference.failures.front();
+        return fmt::format("{}; … {} refinements … {}", reference.failures.front(), reference.failures.size() - 1, reference.failures.back());
     }
 
     /// What is promised of the reference itself.
