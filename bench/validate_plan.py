@@ -72,8 +72,9 @@ def feed(*rows, point=None, direction=None):
     return "[feed]\n" + where + keys(*rows)
 
 
-def scene(name, duration, *parts, gravity="[0.0, 0.0, -9.81]"):
-    return f'[scene]\nname = "{name}"\ngravity = {gravity}\nduration_s = {duration}\ndt_s = 0.001\n' + "".join(parts)
+def scene(name, duration, *parts):
+    start = "settled" if name == "turned-hook" else "placed"  # a hook that is let go rings for longer than the scene lasts
+    return f'[scene]\nname = "{name}"\ngravity = [0.0, 0.0, -9.81]\nduration_s = {duration}\ndt_s = 0.001\nstart = "{start}"\n' + "".join(parts)
 
 
 def scenes(vessels):
@@ -103,7 +104,7 @@ def scenes(vessels):
         ("siphon-fine", 0.05, "", 0.34, wire(FLOPPY), arc(0.0018, 0.010, 120), contact(), feed((0, 0.012, 0), (0.34, 0.036, 0))),
         ("hook-turned", 0.5, "", 0.5, wire(HOOK), arc(0.003, 0.03, 90), contact("rolling = true"), feed((0, 0.012, 0), (0.3, 0.042, 0), (0.5, 0.042, 1.5))),
         ("push-pull", 0.2, "", 0.6, wire(FLOPPY), arc(0.002, 0.02, 120), contact(), feed((0, 0.015, 0), (0.3, 0.045, 0), (0.45, 0.035, 0), (0.6, 0.05, 0))),
-        ("capstan", 0.1, "", 0.3, wire(STRING, place=ALONG), arc(0.002, 0.04, 180, 0.03, 0.09, 12000), contact(),
+        ("capstan", 0.5, "", 0.3, wire(STRING, place=ALONG), arc(0.002, 0.04, 180, 0.03, 0.09, 12000), contact(),
          '[[hold]]\nat = "base"\nposition = true\nvelocity_m_s = [-0.01, 0.0, 0.0]\n[[load]]\nat = "tip"\nforce_n = [-0.2, 0.0, 0.0]\nramp_s = 0.2\n'),
         ("coronary", 0.2, "", 0.5, wire(FLOPPY), mesh(coronary, "mm"), contact(), feed((0, 0.0, 0), (0.5, 0.03, 0), point="[0.001, 0.0, 0.0]", direction="[1.0, 0.0, 0.0]")),
         ("coronary-turned", 0.5, "", 0.5, wire({**FLOPPY, "tip": (0.03, 8.0e-6, 6.0e-6)}), mesh(coronary, "mm"), contact("rolling = true"),

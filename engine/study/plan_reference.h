@@ -33,6 +33,7 @@ struct ReferenceGoals {
     double shape = 0, force = 0;                       // [m], [N]; force infinity: not asked
     bool force_is_relative = false;                    // then of the rms hand force
     std::function<bool(double next_level_seconds)> affordable;  // asked before a level that is expected to take so long
+    std::function<double()> seconds_left;                       // a level that takes longer is broken off [s]; may be empty
 };
 
 /// @param store, name  where levels are kept

@@ -79,10 +79,13 @@ private:
         wanted.force = goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
         wanted.force_is_relative = goals_.force_is_relative;
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
+        wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
         result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
         const PlanReference& reference = result_.reference;
         result_.touches = reference.contacts > 0;
         if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (reference.levels.empty() && reference.failures.empty())
+            return stop_with(PlanStatus::BelowReference, fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
         if (reference.levels.empty())
             return stop_with(PlanStatus::NothingHolds, fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
                                                                    "feed speed, wire), {}or look at it with `seldinger run`", failures(reference),
@@ -134,7 +137,7 @@ private:
         if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
             result_.notes.push_back("the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
-        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_);
+        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
         const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
@@ -302,7 +305,7 @@ private:
             tell("left out: " + what);
             const Pilot* pilot = pilots.look_at(model);
             if (!pilot) return;
-            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete});
+            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete, pilot->too_dear});
         };
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;
