@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 
 # family -> (marker, size); what is varied
 MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120),
-           "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "explicit": ("X", 34)}
+           "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "precision": ("H", 34), "explicit": ("X", 34)}
 BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
 CLOCKS = {"wall": "wall time", "cpu": "processor time"}
 BASELINES = {"mass-spring": ("v", PURPLE), "soft mass-spring": ("v", "#c4aee0"), "beam": ("<", GREEN), "beam · lin": ("<", "#a5d3ac")}
@@ -45,6 +45,8 @@ def colour_of(row):
         return BASELINES[row["family"]][1]
     if row["published"] == "1":
         return RED
+    if row["family"] == "planned":
+        return "#111111"
     if row["family"] == "explicit":
         return BROWN
     return ORANGE if "scheme=linearised" in row["settings"] else BLUE
@@ -139,8 +141,10 @@ class Panel:
             if last and last[1] - place[1] < 0.05 and place[0] - last[0] < 0.3:
                 continue  # labels would lie on each other
             last = place
-            axes.annotate(row["model"], (cost, error), xytext=(-4, -3), textcoords="offset points", ha="right", va="top", fontsize=5.5,
-                          color="0.2", zorder=7)
+            # below and left of its point, where the front has nothing; near the axis above and right of it
+            side, dx, dy = ("right", -4, -3) if place[0] > 0.045 + 0.0125 * len(row["model"]) else ("left", 3, 4)
+            axes.annotate(row["model"], (cost, error), xytext=(dx, dy), textcoords="offset points", ha=side, va="top" if dy < 0 else "bottom",
+                          fontsize=5.5, color="0.2", zorder=7)
 
 
 def legend_entries(rows):
@@ -150,12 +154,15 @@ def legend_entries(rows):
     families = {row["family"] for row in rows}
     entries = [dot(BLUE, "o", "newton, uniform nodes"), dot(ORANGE, "o", "linearised, uniform nodes"), dot(BLUE, "D", "adaptive nodes")]
     named = [("trapezoid", BLUE, "P", "trapezoid"), ("detection", BLUE, "^", "other detection"), ("friction", BLUE, "s", "other friction law"),
-             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("explicit", BROWN, "X", "explicit")]
+             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("spin", BLUE, "8", "spin angles always solved for"),
+             ("precision", BLUE, "H", "float32 contact"), ("explicit", BROWN, "X", "explicit")]
     entries += [dot(colour, marker, label) for family, colour, marker, label in named if family in families]
     entries += [dot(colour, marker, name) for name, (marker, colour) in BASELINES.items() if name in families]
     if "published" in families:
         entries += [Line2D([], [], color=RED, marker="*", linestyle="", markersize=10, label="published method"),
                     dot(ORANGE, "*", "its laws, capsule detection")]
+    if "planned" in families:
+        entries.append(dot("#111111", "d", "what `plan` chose", markerfacecolor="#111111"))
     entries += [dot("0.15", "x", "did not hold"), dot(BLUE, "o", "below 10 × the reference's uncertainty", markerfacecolor="white"),
                 Line2D([], [], color="0.25", linewidth=1.1, label="Pareto front"),
                 Line2D([], [], color="0.8", linewidth=6, label="reference's uncertainty"),

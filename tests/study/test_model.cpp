@@ -79,6 +79,21 @@ TEST_SUITE("study/model")
         CHECK(label(model) == "mine");
     }
 
+    TEST_CASE("property: a scene's own model laid over another of its versions gives the scene back")
+    {
+        const Scene scene = read_scene_text(tube_scene, "tube.toml");
+        const Scene other = apply(everything_else(), scene);
+        REQUIRE(write_scene(other, "") != write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(scene), other), "") == write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(other), scene), "") == write_scene(other, ""));
+        Model adaptive;
+        adaptive.nodes = 0;
+        adaptive.min_edge = 3e-3;
+        adaptive.spin = true;
+        const Scene third = apply(adaptive, scene);
+        CHECK(write_scene(apply(model_of(third), scene), "") == write_scene(third, ""));
+    }
+
     TEST_CASE("property: what cannot be run is refused in one sentence, what can is listed")
     {
         const Scene scene = read_scene_text(tube_scene, "tube.toml");
