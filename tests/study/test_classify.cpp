@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -88,6 +89,16 @@ TEST_SUITE("study/classify")
         const auto spikes = [](int period) { return pushed([=](int k) { return k % period ? 0.2 : 0.4; }); };
         CHECK(judge(spikes(20), 400).held());
         CHECK(judge(spikes(8), 400).outcome == Outcome::Jitter);
+        // half a period of a sine in six steps: its second difference is 13 % of the amplitude, yet nothing goes back and forth
+        const auto swell = [](int k) { return 0.2 + 0.15 * std::sin(std::numbers::pi * k / 6); };
+        CHECK(judge(pushed([&](int k) { return swell(std::min(k, 6)); }), 18).held());
+        CHECK(judge(pushed([&](int k) { return swell(std::min(k, 6)); }), 18).readings.jitter == 0);
+        // an oscillation that a step hardly resolves is jitter, one of 24 steps a period is not
+        const auto oscillation = [](double period) {
+            return pushed([=](int k) { return 0.2 + 0.15 * std::sin(2 * std::numbers::pi * k / period); });
+        };
+        CHECK(judge(oscillation(5), 200).outcome == Outcome::Jitter);
+        CHECK(judge(oscillation(24), 200).held());
         CHECK(judge(alternating(0.2, 0.03), 15).outcome == Outcome::Jitter);  // a run shorter than a window is judged whole
         CHECK(judge(alternating(0.2, 0.03), 5).held());                       // but five steps say nothing
     }
