@@ -27,10 +27,10 @@ ContactSpec with_lengths(ContactSpec contact, double radius)
     return contact;
 }
 
-// See samples.h. At smooth_ridge the axial part of a ridge's force is at most half of it, less than the least friction in use; a quarter
-// of a radius puts five samples on a ridge that is pressed in by a fiftieth of the radius.
-constexpr double smooth_ridge = 0.12;  // [rad]
-constexpr double least_spacing = 0.25; // of the radius
+// See samples.h. Up to smooth_ridge the axial part of a ridge's force is half of it at most, less than friction; a quarter of a radius
+// puts five samples on a ridge that is pressed in by a fiftieth of the radius, and is reached at twice smooth_ridge.
+constexpr double smooth_ridge = 0.12;   // [rad]
+constexpr double least_spacing = 0.25;  // of the radius
 
 /// The mesh's ridges as wires see them, one look for all wires of a radius.
 class Ridges {
@@ -52,7 +52,8 @@ double sample_spacing(const WireSpec& spec, const ContactSpec& contact, Ridges& 
     if (contact.detection == Detection::Nodes) return uniform_edge(spec);
     if (contact.samples_per_edge > 0 && spec.nodes > 1) return spec.length / (spec.nodes - 1) / contact.samples_per_edge;
     const double radius = least_radius(spec), ridge = ridges.angle(radius);
-    return ridge > smooth_ridge ? std::max(smooth_ridge / ridge, least_spacing) * radius : radius;
+    const double fineness = smooth_ridge / ridge;
+    return ridge > smooth_ridge ? std::max(fineness * fineness, least_spacing) * radius : radius;
 }
 
 }  // namespace
