@@ -1,6 +1,7 @@
 // seldinger stability [SCENE.toml --vary KEY=V,V,...] [--quick] [-o DIR] [--row F3 ...] [--maps ...] [--methods ...] [--jobs N]
 //                     [--cell-budget S] [--json] [--quiet]
 
+#include "assets.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "stability_study.h"
@@ -44,8 +45,10 @@ void add_stability(CLI::App& app, Command& chosen)
             const ResultTable table = open_stability_table(options->dir);
             const std::string json = stability_json(work, table, options->dir);
             write_file(options->dir / "maps.json", json);
+            const bool drawn = !done.interrupted && draw_with("plot_stability.py", {options->dir.string()});
             if (options->json) print(json);
             else if (!options->quiet) print(stability_summary(work, table, options->dir));
+            if (drawn && !options->quiet && !options->json) print(fmt::format("{}: stability.csv, maps.json, stability.png\n", options->dir.string()));
             if (!done.interrupted) return ExitCode::Done;
             throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
                         fmt::format("interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",

@@ -116,6 +116,27 @@ struct Strip {
     std::vector<std::pair<const Model*, double>> cells;  // method, dt
 };
 
+/// stderr as it is now, put back at the end. PoCL points descriptor 2 elsewhere while it compiles, and back; two threads that do so at
+/// once may leave it where it should not be.
+class KeptStderr {
+public:
+    KeptStderr() : fd_(dup(STDERR_FILENO)), is_terminal_(isatty(STDERR_FILENO) != 0) {}
+    ~KeptStderr()
+    {
+        if (fd_ < 0) return;
+        dup2(fd_, STDERR_FILENO);
+        close(fd_);
+    }
+    KeptStderr(const KeptStderr&) = delete;
+    KeptStderr& operator=(const KeptStderr&) = delete;
+    [[nodiscard]] bool is_terminal() const { return is_terminal_; }
+    void show(const std::string& text) const { (void)!write(fd_, text.data(), text.size()); }
+
+private:
+    int fd_;
+    bool is_terminal_;
+};
+
 class Workers {
 public:
     Workers(const StabilityWork& work, const StabilityOptions& options)
@@ -148,7 +169,7 @@ public:
         std::vector<std::thread> threads;
         for (int k = 0; k < std::min<int>(wanted, static_cast<int>(strips_.size())); ++k) threads.emplace_back([this] { work_off(); });
         for (std::thread& thread : threads) thread.join();
-        if (shown_) fmt::print(stderr, "\n");
+        if (shown_) stderr_.show("\n");
         if (failure_) std::rethrow_exception(failure_);
         progress_.interrupted = progress_.left > 0;
         return progress_;
@@ -179,12 +200,13 @@ private:
             const std::scoped_lock lock(mutex_);
             table_.append(row_of(*strip.map, *method, dt, strip.value, cell, scenes_, options_.cell_limit));
             --progress_.left;
-            if (options_.quiet || isatty(STDERR_FILENO) == 0) continue;
-            fmt::print(stderr, "\r{} of {} cells to go ({})        ", progress_.left, progress_.asked, strip.map->name);
+            if (options_.quiet || !stderr_.is_terminal()) continue;
+            stderr_.show(fmt::format("\r{} of {} cells to go ({})        ", progress_.left, progress_.asked, strip.map->name));
             shown_ = true;
         }
     }
 
+    KeptStderr stderr_;
     const StabilityOptions& options_;
     std::filesystem::path scenes_;
     ResultTable table_;

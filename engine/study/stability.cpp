@@ -119,6 +119,10 @@ StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& 
         if (scene.integrator.scheme == Scheme::Static || !(scene.duration > 0))
             throw Error(ExitCode::BadScene, fmt::format("{}: a static scene has no steps to sweep; give scene.duration_s and another "
                                                         "integrator.scheme", file.string()));
+        const double longest = stability_steps(false).back();
+        if (scene.duration < longest)
+            throw Error(ExitCode::BadScene, fmt::format("{}: scene.duration_s: {} s given, at least the longest step that is swept, {:.4f} s, "
+                                                        "expected", file.string(), scene.duration, longest));
     }
     return map;
 }

@@ -1,5 +1,5 @@
 // The maps: failure rows F1 ... F17 as small scenes. A wire of 0.9 mm, 8 cm long, does in two thirds of a second what the row is
-// about; most do it in one scene, fed round a bend whose outer wall it meets a tenth of the way. Sizes are chosen so that a cell
+// about; most do it in one scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell
 // costs a fraction of a second at 1 ms.
 
 #include "study/stability.h"
@@ -59,7 +59,7 @@ Texts feed(double length, double time, double pace, double start = 0)
             fmt::format("feed.keys=[{{t_s=0.0, advance_m={}}}, {{t_s={}, advance_m={}}}]", start, time * pace, start + length)};
 }
 
-constexpr double bend_start = 0.01;  // inside at the start: just before the outer wall of the bend [m]
+constexpr double bend_start = 0.0155;  // inside at the start, straight: half a millimetre before the outer wall of the bend [m]
 
 /// The usual run, 4 cm round the bend, and what else is set.
 Texts fed(double pace, Texts more = {})
@@ -220,10 +220,10 @@ StabilityMap strokes()
     StabilityMap map = fed_map("strokes", "F15", "push 3 cm, then pull and push 5 mm, so many times a second", "strokes per second [1/s]", {0.5, 1, 2, 4, 8, 16});
     map.static_load = map.hand_is_steady = false;  // a hand that turns round at once hits
     map.set = [](double value, double, double, const Folder&) {
-        std::string keys = "{t_s=0.0, advance_m=0.01}, {t_s=0.4, advance_m=0.04}";
+        std::string keys = "{t_s=0.0, advance_m=0.0155}, {t_s=0.4, advance_m=0.045}";
         const double half = 0.5 / value, end = 0.4 + std::max(duration, 1 / value);
         int k = 1;
-        for (double t = 0.4 + half; t < end + half / 2; t += half, ++k) keys += fmt::format(", {{t_s={}, advance_m={}}}", t, k % 2 ? 0.035 : 0.04);
+        for (double t = 0.4 + half; t < end + half / 2; t += half, ++k) keys += fmt::format(", {{t_s={}, advance_m={}}}", t, k % 2 ? 0.04 : 0.045);
         return Texts{fmt::format("scene.duration_s={}", end), fmt::format("feed.keys=[{}]", keys)};
     };
     return map;

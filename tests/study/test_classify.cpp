@@ -210,6 +210,29 @@ TEST_SUITE("study/classify")
                   .held());
     }
 
+    // 1 g is at 1 m/s after one step, with nothing left of the force at its end: 0.5 mJ that the readings know nothing of
+    TEST_CASE("property: a hand that changes its speed within a step may have done m v^2 unseen, and no more")
+    {
+        const auto outcome = [](double kinetic, double jerk) {
+            FailureWatch watch({.radius = 0.4e-3}, {});
+            WireReadings moving;
+            moving.inserted = 1e-3;
+            moving.kinetic = kinetic;
+            watch.observe({}, moving, 0, 0, jerk);
+            return watch.verdict().outcome;
+        };
+        CHECK(outcome(5e-4, 0) == Outcome::BlowUp);
+        CHECK(outcome(5e-4, 1e-3) == Outcome::Hold);
+        CHECK(outcome(2e-3, 1e-3) == Outcome::BlowUp);
+        WorldSetup setup;
+        setup.wires = {fed_wire(steel_wire(0.15, 51), Vec3::Zero(), 0.1, 0)};
+        const WireSection& shaft = setup.wires[0].wire.shaft;
+        const double mass = 0.02 * shaft.density * std::numbers::pi * shaft.radius * shaft.radius;
+        CHECK(jerk_energy(setup, 0, 0.02, 1, 0) == about(mass).epsilon(1e-12));
+        CHECK(jerk_energy(setup, 0, 0.02, 0.5, 1) == about(0.75 * mass).epsilon(1e-12));
+        CHECK(jerk_energy(setup, 0, 0.02, 0.5, 0.5) == 0);
+    }
+
     // signs and sums of the engine's own readings: nothing is made or lost but what backward Euler and friction take
     TEST_CASE("property: the balance closes for a wire that is fed and turned in a bend, far from the origin, under weight")
     {
