@@ -394,6 +394,13 @@ std::vector<std::pair<std::string, std::string>> World::model() const
 
 std::string World::device_name() const { return impl_->context ? impl_->context->name() : "none (no vessel, host only)"; }
 
+DeviceCounts World::device_counts() const
+{
+    if (!impl_->context) return {};
+    const device::Counters& c = impl_->context->counters();
+    return {c.launches, c.reads, c.writes, c.buffers_created, c.programs_built};
+}
+
 const char* version() { return SELDINGER_VERSION; }
 
 }  // namespace seldinger
