@@ -41,6 +41,7 @@ private:
     [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
     [[nodiscard]] SampleBuffers sample_buffers() const;
+    void write_places(device::Lane at);
     [[nodiscard]] std::string describe_law(const SampleModel& m) const;
     void start_barrier();
 
@@ -62,6 +63,7 @@ private:
     std::optional<Multipliers> multipliers_;    // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;        // barrier
     bool list_stale_ = true;
+    std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)
 };
 
 }  // namespace seldinger

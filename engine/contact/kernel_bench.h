@@ -36,7 +36,7 @@ struct KernelTiming {
     bool float32 = false;
     std::size_t items = 0;
     double time = 0;        // of a launch that is waited for, median [s]
-    double pairs = 0;       // sample-triangle pairs (find: tested; evaluate: candidates; reduce: samples; layer: pairs)
+    double pairs = 0;       // of a sample and a cell of the tree (walk.h); reduce, start, multipliers: samples; layer: pairs
     double flops = 0;       // of the launch
     double bytes = 0;       // read and written by the launch, however often: traffic between a core and its nearest cache
 };

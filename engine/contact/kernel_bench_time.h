@@ -48,7 +48,7 @@ public:
             k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_);
         });
         run("capsule.cl", "contact_evaluate", n_, record + touches + sizeof(SampleForce) + sizeof(real) + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_,
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_,
                      theta_t0_, touches_t0_, touches_, forces_, barys_, hard_);
         });
         const std::size_t edges = load_.layer_edges.size();
@@ -64,10 +64,10 @@ public:
         });
         par.normal_law = SEL_NORMAL_BARRIER;
         run("hard.cl", "contact_clearance", n_, record + touches / 2 + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, vertices_, rims_, hi_, lo_, touches_t0_, ratios_);
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, touches_t0_, ratios_);
         });
         run("hard.cl", "contact_sweep", n_, record + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, vertices_, rims_, hi_t0_, lo_t0_, hi_, lo_, ratios_);
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_t0_, lo_t0_, hi_, lo_, ratios_);
         });
     }
 

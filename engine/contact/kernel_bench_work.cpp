@@ -54,31 +54,13 @@ inline Counted pow(Counted a, Counted b) { return Counted::done(std::pow(a.value
 
 namespace {
 
-/// Adds one kernel: body() does all items and returns how many pairs it looked at.
+/// Adds one kernel: body() does all items and returns how many pairs they make.
 template <class Body>
 void count(std::vector<KernelWork>& out, const char* kernel, std::size_t items, const Body& body)
 {
     sel_count::tally = {};
     const double pairs = body(), n = static_cast<double>(items);
     out.push_back({kernel, sel_count::tally.flops / n, sel_count::tally.floats / n, pairs / n});
-}
-
-/// Triangles that find_near tests: those of the leaves within range.
-double tested(const Load& s, uint sample)
-{
-    const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-    const vec3 p = at.origin + at.offset;
-    const double range = wire_radius + reach + slack;
-    double count = 0;
-    std::vector<uint> stack = {0};
-    while (!stack.empty()) {
-        const TreeNode node = s.nodes[stack.back()];
-        stack.pop_back();
-        if (static_cast<double>(box_distance2(p, node)) > range * range) continue;
-        if (node.count > 0) count += node.count;
-        else stack.insert(stack.end(), {node.left_or_first, node.left_or_first + 1});
-    }
-    return count;
 }
 
 }  // namespace
@@ -88,29 +70,27 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     const Load s(wall, samples);
     const std::size_t n = s.models.size(), edges = s.layer_edges.size();
     std::vector<KernelWork> work;
-    double pairs = 0;
-    for (const uint k : s.list) pairs += tested(s, k);
-
-    std::vector<uint> candidates(n * slots), counts(n);
+    std::vector<uint> cells(n * slots), counts(n);
+    double cell_pairs = 0;
     count(work, "contact_find", n, [&] {
         for (const uint k : s.list) {
             const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
-            counts[k] = find_near(at.origin + at.offset, s.models[k].radius + s.models[k].reach + real(slack), s.nodes.data(),
-                                  wall.vertices.data(), slots, &candidates[k * slots]);
+            counts[k] = std::min(slots, find_cells(at.offset, at.origin, s.models[k].radius + s.models[k].reach + real(slack),
+                                                   SEL_CELL_SIZE * s.models[k].radius, s.nodes.data(), wall.vertices.data(), slots,
+                                                   &cells[k * slots]));
+            cell_pairs += counts[k];
         }
-        return pairs;
+        return cell_pairs;
     });
-    double candidate_pairs = 0;
-    for (uint& c : counts) candidate_pairs += c = std::min(c, slots);
 
     std::vector<SampleForce> forces(n);
     std::vector<TouchState> touches = s.touches_t0;
     count(work, "contact_evaluate", n, [&] {
         for (const uint k : s.list)
-            forces[k] = evaluate_sample(k, s.par, s.models[k], s.places[k], &candidates[k * slots], counts[k], wall.vertices.data(),
+            forces[k] = evaluate_sample(k, s.par, s.models[k], s.places[k], &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(),
                                         wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
                                         s.theta_t0.data(), s.touches_t0.data(), touches.data(), s.hard.data());
-        return candidate_pairs;
+        return cell_pairs;
     });
     std::vector<real> barys(n);
     for (std::size_t k = 0; k < n; ++k) barys[k] = s.places[k].bary;
@@ -136,16 +116,16 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     count(work, "contact_clearance", n, [&] {
         for (const uint k : s.list)
             (void)sample_gap(axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data()), s.models[k], par, s.touches_t0[2 * k],
-                             s.touches_t0[2 * k + 1], 9, &candidates[k * slots], counts[k], wall.vertices.data(), wall.rims.data());
-        return candidate_pairs;
+                             s.touches_t0[2 * k + 1], 9, &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
+        return cell_pairs;
     });
     count(work, "contact_sweep", n, [&] {
         for (const uint k : s.list) {
             const SamplePlace& p = s.places[k];
             (void)sweep_sample(axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data()), axis_point(p.edge, p.bary, s.hi.data(), s.lo.data()),
-                               s.models[k].radius, &candidates[k * slots], counts[k], wall.vertices.data(), wall.rims.data());
+                               s.models[k].radius, &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
         }
-        return candidate_pairs;
+        return cell_pairs;
     });
     std::vector<uint> found(edges * slots), pair_counts(edges);
     double layer_pairs = 0;

@@ -18,7 +18,7 @@
 //   * a rim (the free edge at an opening) has no sides: it pushes like a bar, so that contact fades as the wire slides off it.
 #ifndef SEL_SHARED_CONTACT_GAP_H
 #define SEL_SHARED_CONTACT_GAP_H
-#include "shared/triangle.h"
+#include "shared/walk.h"
 
 SEL_BEGIN
 
@@ -75,10 +75,11 @@ SEL_FN int on_rim(uint bits, int feature)
     return feature > 0 && (int)((bits >> (feature - 1)) & 1u);
 }
 
-// p, origin: see load_triangle. candidates: [count] triangle indices.
+// p, origin: see load_triangle. cells: [count] nodes of the tree (walk.h).
 // front_only: walls seen from behind are not there.
-SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int front_only, SEL_GLOBAL const uint* candidates,
-                           uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// near2: squared distance of some triangle of the cells, which the nearest cannot be beyond; anything larger than the reach: not known
+SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int front_only, real near2, SEL_GLOBAL const uint* cells,
+                           uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
@@ -91,8 +92,18 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     for (int k = 0; k < 6; ++k) touch.bend[k] = 0;
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     real best2 = (radius + reach) * (radius + reach), best_align = 0;
-    for (uint k = 0; k < count; ++k) {
-        const uint t = candidates[k];
+    const real known2 = front_only ? best2 : min_r(near2, best2), rounding2 = SEL_WALK_MARGIN * SEL_WALK_MARGIN * radius * radius;
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    uint t = 0, end = 0;
+    for (;; ++t) {
+        if (t == end) {
+            const real range2 = min_r(best2, known2) * (1 + SEL_WALK_MARGIN) + rounding2;
+            if (!next_leaf(&walk, cells, count, nodes, p, origin, range2, range2, touch.side, &leaf)) break;
+            t = leaf.left_or_first;
+            end = t + leaf.count;
+        }
         const Triangle tri = load_triangle(vertices, t, origin);
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
@@ -121,8 +132,8 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
 
 // Blends neighbouring facets into `first` and looks for the opposite wall; see above.
 SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, real reach, real blend,
-                              SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
-                              SEL_GLOBAL const uint* rims)
+                              SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
+                              SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     Touch second = *first;
     second.found = 0;
@@ -136,8 +147,20 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
-    for (uint k = 0; k < count; ++k) {
-        const uint t = candidates[k];
+    // only what is within eps <= 2 blend r of the nearest is blended; only what lies beyond p along `side` is of the other side
+    const real shell = (radius - depth0) + 2 * (1 + SEL_WALK_MARGIN) * blend * radius, rounding = SEL_WALK_MARGIN * radius;
+    const real shell2 = (shell + rounding) * (shell + rounding), range = radius + reach + rounding;
+    const vec3 p_side = p - rounding * first->side;
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    uint t = 0, end = 0;
+    for (;; ++t) {
+        if (t == end) {
+            if (!next_leaf(&walk, cells, count, nodes, p_side, origin, range * range, shell2, first->side, &leaf)) break;
+            t = leaf.left_or_first;
+            end = t + leaf.count;
+        }
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(vertices, t, origin);
         int feature;
