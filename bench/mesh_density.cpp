@@ -1,9 +1,10 @@
 // Step time against mesh density: the same wire in the same vessel, Loop-subdivided round by round.
 //
-//     mesh_density SCENE.toml [--rounds 4] [--steps N] [--repeat 1] [--csv FILE] [--set table.key=value]…
+//     mesh_density SCENE.toml [--rounds 4] [--first 0] [--steps N] [--repeat 1] [--csv FILE] [--set table.key=value]…
 //
 // A row per round: triangles, tree build rate (two threads, median of three), resident bytes per triangle (arrays that the world keeps, counted; and
-// growth of the resident set, which counts everything), steps per second and the time of each stage over the same steps.
+// growth of the resident set, which counts everything), steps per second, processor time (the least
+// of the repeats; a step is one thread's work unless thousands of samples touch) and the time of each stage over the same steps.
 
 #include "core/error.h"
 #include "scene/scene.h"
@@ -17,6 +18,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <ctime>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -24,6 +26,13 @@ namespace {
 
 using namespace seldinger;
 using Clock = std::chrono::steady_clock;
+
+double processor_time()
+{
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -40,7 +49,7 @@ double resident()
 struct Options {
     std::string scene, csv;
     std::vector<std::string> overrides;
-    int rounds = 4, repeat = 1;
+    int rounds = 4, first = 0, repeat = 1;
     long steps = 0;  // 0: all
 };
 
@@ -51,12 +60,13 @@ Options read_options(int argc, char** argv)
         const std::string word = argv[k];
         const auto value = [&]() -> std::string { return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing"); };
         if (word == "--rounds") options.rounds = std::atoi(value().c_str());
+        else if (word == "--first") options.first = std::atoi(value().c_str());
         else if (word == "--steps") options.steps = std::atol(value().c_str());
         else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
         else if (word == "--csv") options.csv = value();
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
-        else throw Error(ExitCode::BadScene, word + ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--steps N] [--repeat N] [--csv FILE] [--set k=v]");
+        else throw Error(ExitCode::BadScene, word + ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] [--repeat N] [--csv FILE] [--set k=v]");
     }
     if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
     return options;
@@ -84,7 +94,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
     const double triangles = static_cast<double>(setup.mesh.triangles.size());
     const long steps = options.steps > 0 ? std::min(options.steps, scene.steps()) : scene.steps();
     std::vector<std::pair<double, StageTimes>> runs;
-    double grown = 0, newton = 0, load = 0;
+    double grown = 0, newton = 0, load = 0, cpu = 0;
     int contacts = 0;
     std::string hash;
     for (int r = 0; r < options.repeat; ++r) {
@@ -97,6 +107,7 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
         StageTimes stages;
         newton = 0;
         const auto start = Clock::now();
+        const double cpu_start = processor_time();
         for (long k = 0; k < steps; ++k) {
             const StepReport report = step(world, scene.dt);
             if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("step {} failed", k + 1));
@@ -104,14 +115,16 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
             newton += report.newton_iterations;
             contacts = std::max(contacts, world.readings(0).contacts);
         }
+        const double cpu_here = processor_time() - cpu_start;
+        cpu = r == 0 ? cpu_here : std::min(cpu, cpu_here);
         runs.emplace_back(since(start), stages);
         hash = world.state_hash();
     }
     std::sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     const auto& [wall, s] = runs[runs.size() / 2];
     const double n = static_cast<double>(steps), us = 1e6 / n;
-    return fmt::format("{:.0f},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}\n", triangles,
-                       builds[1], triangles / builds[1], bytes / triangles, grown / triangles, load, steps, n / wall, wall * us, s.detect * us,
+    return fmt::format("{:.0f},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}\n", triangles,
+                       builds[1], triangles / builds[1], bytes / triangles, grown / triangles, load, steps, n / wall, wall * us, cpu * us, s.detect * us,
                        s.evaluate * us, s.reduce * us, s.solve * us, newton / n, contacts, hash);
 }
 
@@ -120,11 +133,12 @@ int run(const Options& options)
     const Scene scene = read_scene(options.scene, options.overrides);
     WorldSetup setup = make_setup(scene);
     std::string table =
-        "triangles,tree_build_s,tree_triangles_per_s,kept_bytes_per_triangle,grown_bytes_per_triangle,world_s,steps,steps_per_s,step_us,detect_us,"
+        "triangles,tree_build_s,tree_triangles_per_s,kept_bytes_per_triangle,grown_bytes_per_triangle,world_s,steps,steps_per_s,step_us,processor_us,detect_us,"
         "evaluate_us,reduce_us,solve_us,newton_per_step,contacts_max,state_hash\n";
     fmt::print("{}", table);
     for (int round = 0; round <= options.rounds; ++round) {
         if (round > 0) setup.mesh = subdivide_loop(setup.mesh);
+        if (round < options.first) continue;
         const std::string row = row_of(scene, setup, options);
         table += row;
         fmt::print("{}", row);

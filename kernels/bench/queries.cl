@@ -32,7 +32,7 @@ SEL_KERNEL void query_capsule(const uint item_count, const uint slots, __global 
                 stack[top++] = node.left_or_first;
                 continue;
             }
-            for (uint t = node.left_or_first; t < node.left_or_first + node.count; ++t) {
+            for (uint t = node.left_or_first; t < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++t) {
                 if (!segment_within(a, b - a, load_triangle(vertices, t, zero), within2)) continue;
                 if (count < slots) found[(ulong)item * slots + count] = t;
                 ++count;
@@ -68,7 +68,7 @@ SEL_KERNEL void query_nearest(const uint item_count, __global const real* restri
                 continue;
             }
             if (here < best2)
-                for (uint t = node.left_or_first; t < node.left_or_first + node.count; ++t) {
+                for (uint t = node.left_or_first; t < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++t) {
                     int feature;
                     const vec3 c = closest_on_triangle(p, load_triangle(vertices, t, zero), &feature), v = p - c;
                     const real d2 = dot3(v, v);

@@ -56,15 +56,17 @@ SEL_FN TouchPair touches_of(AxisPoint at, SampleModel m, ContactParams par, Touc
     real near2 = (real)1e30;
     if (a_lives) near2 = triangle_distance2(at.offset, at.origin, a.triangle, vertices);
     if (b_lives) near2 = min_r(near2, triangle_distance2(at.offset, at.origin, b.triangle, vertices));
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, near2, cells, count, nodes, vertices, rims);
+    NearList list;
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 0, near2, cells, count, nodes, vertices, rims, &list);
     if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, near2, cells, count, nodes, vertices, rims);
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 1, near2, cells, count, nodes, vertices, rims, &list);
     if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
     else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
+    list.count = SEL_NEAR_MOST + 1;  // it was of the first
     // both sides are blended alike: which of them is nearer may change without a jump
     if (second.found)
-        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims);
+        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
     out.first = first;
     out.second = second;
     return out;

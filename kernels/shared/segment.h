@@ -80,7 +80,7 @@ SEL_FN int segment_within(vec3 a, vec3 u, Triangle tri, real within2)
 
 // What of a capsule the box test needs.
 typedef struct CapsuleBox {
-    vec3 middle, half, reach;  // reach: radius and half extent along x, y, z
+    vec3 middle, arm, reach;  // arm: from the middle to an end; reach: its extent along x, y, z and the radius
     vec3 cross_reach;          // radius times the length of e_i x half
 } CapsuleBox;
 
@@ -88,8 +88,8 @@ SEL_FN CapsuleBox capsule_box(vec3 a, vec3 b, real radius)
 {
     CapsuleBox c;
     c.middle = (real)0.5 * (a + b);
-    c.half = (real)0.5 * (b - a);
-    const real x = fabs(c.half.x), y = fabs(c.half.y), z = fabs(c.half.z);
+    c.arm = (real)0.5 * (b - a);
+    const real x = fabs(c.arm.x), y = fabs(c.arm.y), z = fabs(c.arm.z);
     c.reach = make_vec3(x + radius, y + radius, z + radius);
     c.cross_reach = make_vec3(radius * sqrt(y * y + z * z), radius * sqrt(x * x + z * z), radius * sqrt(x * x + y * y));
     return c;
@@ -103,10 +103,10 @@ SEL_FN int capsule_meets_box(CapsuleBox c, TreeNode box)
                hz = ((real)box.hi[2] - (real)box.lo[2]) / 2;
     const real x = c.middle.x - ((real)box.lo[0] + hx), y = c.middle.y - ((real)box.lo[1] + hy), z = c.middle.z - ((real)box.lo[2] + hz);
     if (fabs(x) > c.reach.x + hx || fabs(y) > c.reach.y + hy || fabs(z) > c.reach.z + hz) return 0;
-    const real ax = fabs(c.half.x), ay = fabs(c.half.y), az = fabs(c.half.z);
-    if (fabs(y * c.half.z - z * c.half.y) > hy * az + hz * ay + c.cross_reach.x) return 0;
-    if (fabs(z * c.half.x - x * c.half.z) > hx * az + hz * ax + c.cross_reach.y) return 0;
-    return !(fabs(x * c.half.y - y * c.half.x) > hx * ay + hy * ax + c.cross_reach.z);
+    const real ax = fabs(c.arm.x), ay = fabs(c.arm.y), az = fabs(c.arm.z);
+    if (fabs(y * c.arm.z - z * c.arm.y) > hy * az + hz * ay + c.cross_reach.x) return 0;
+    if (fabs(z * c.arm.x - x * c.arm.z) > hx * az + hz * ax + c.cross_reach.y) return 0;
+    return !(fabs(x * c.arm.y - y * c.arm.x) > hx * ay + hy * ax + c.cross_reach.z);
 }
 
 SEL_END

@@ -42,6 +42,22 @@ SEL_FN real box_beyond(vec3 p, TreeNode box, vec3 origin, vec3 side)
     return x * side.x + y * side.y + z * side.z;
 }
 
+// Least squared distance from p to what lies in the leaf's slab and within the half diagonal of its box from the box's centre.
+SEL_FN real slab_distance2(vec3 p, TreeNode leaf, vec3 origin)
+{
+    const real ex = ((real)leaf.hi[0] - (real)leaf.lo[0]) / 2, ey = ((real)leaf.hi[1] - (real)leaf.lo[1]) / 2,
+               ez = ((real)leaf.hi[2] - (real)leaf.lo[2]) / 2;
+    const vec3 q = make_vec3(p.x - ((real)leaf.lo[0] - origin.x) - ex, p.y - ((real)leaf.lo[1] - origin.y) - ey,
+                             p.z - ((real)leaf.lo[2] - origin.z) - ez);
+    const real a = (real)((leaf.count >> 3) & 1023u) / (real)511.5 - 1, b = (real)((leaf.count >> 13) & 1023u) / (real)511.5 - 1;
+    const real x = (a + b) / 2, y = (a - b) / 2;
+    const vec3 n = make_vec3(x, y, 1 - fabs(x) - fabs(y));
+    const real rho = sqrt(ex * ex + ey * ey + ez * ez), half_thickness = (real)((leaf.count >> 23) - 1u) / (real)SEL_SLAB_STEPS * rho;
+    const real along = dot3(q, n), height2 = along * along / dot3(n, n);
+    const real up = max_r(sqrt(height2) - half_thickness, 0), aside = max_r(sqrt(max_r(dot3(q, q) - height2, 0)) - rho, 0);
+    return up * up + aside * aside;
+}
+
 // The next leaf whose box is within range2 of p and, unless it is within shell2, reaches beyond p along `side`. @return found one
 SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, vec3 p, vec3 origin,
                      real range2, real shell2, vec3 side, TreeNode* leaf)
@@ -55,7 +71,12 @@ SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_G
         const real d2 = box_near2(p, node, origin);
         if (d2 > range2 || (d2 > shell2 && box_beyond(p, node, origin, side) < 0)) continue;
         if (node.count > 0) {
+            if (node.count >> 23) {
+                const real nearer2 = slab_distance2(p, node, origin);
+                if (nearer2 > range2 || (nearer2 > shell2 && box_beyond(p, node, origin, side) < 0)) continue;
+            }
             *leaf = node;
+            leaf->count = SEL_LEAF_TRIANGLES(node.count);
             return 1;
         }
         walk->stack[walk->top++] = node.left_or_first + 1;
@@ -80,7 +101,7 @@ SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range2, SEL_GLOBAL co
     while (top > 0) {
         const TreeNode box = nodes[stack[--top]];
         if (box_near2(p, box, origin) > range2) continue;
-        for (uint k = 0; k < box.count; ++k)
+        for (uint k = 0; k < SEL_LEAF_TRIANGLES(box.count); ++k)
             if (triangle_distance2(p, origin, box.left_or_first + k, vertices) <= range2) return 1;
         if (box.count > 0) continue;
         stack[top++] = box.left_or_first + 1;
