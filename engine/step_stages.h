@@ -21,6 +21,8 @@ public:
     [[nodiscard]] std::uint8_t& operator[](std::size_t wire) { return bytes_[wire]; }
     [[nodiscard]] std::uint8_t operator[](std::size_t wire) const { return bytes_[wire]; }
     [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+    [[nodiscard]] auto begin() const { return bytes_.begin(); }
+    [[nodiscard]] auto end() const { return bytes_.end(); }
     operator std::span<const std::uint8_t>() const { return bytes_; }
 
 private:

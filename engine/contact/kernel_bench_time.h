@@ -33,7 +33,7 @@ public:
           first_(upload(context, load_.first)), touches_t0_(upload(context, load_.touches_t0)), touches_(upload(context, load_.touches_t0)),
           hard_(upload(context, load_.hard)), hard_next_(upload(context, load_.hard)), candidates_(context, n_ * slots * sizeof(uint)),
           counts_(context, n_ * sizeof(uint)), forces_(context, n_ * sizeof(SampleForce)), barys_(context, n_ * sizeof(real)),
-          ratios_(context, n_ * sizeof(real))
+          ratios_(context, n_ * sizeof(real)), found_(context, n_ * sizeof(uint))
     {
         context_.enter(lane);
     }
@@ -45,7 +45,10 @@ public:
         const std::size_t record = sizeof(SampleModel) + sizeof(SamplePlace), touches = 4 * sizeof(TouchState);
         const double pairs = per_item("contact_evaluate").pairs, lists = pairs * 2 * sizeof(uint);
         run("capsule.cl", "contact_find", n_, record + 2 * sizeof(uint) + lists / 2, [&](Kernel& k) {
-            k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_);
+            k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_, found_);
+        });
+        run("capsule.cl", "contact_distance", n_, sizeof(SamplePlace) + sizeof(uint) + sizeof(real), [&](Kernel& k) {
+            k.launch(lane_, n_, static_cast<uint>(n_), real(1), list_, places_, hi_, lo_, tree_, vertices_, ratios_);
         });
         run("capsule.cl", "contact_evaluate", n_, record + touches + sizeof(SampleForce) + sizeof(real) + lists, [&](Kernel& k) {
             k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_,
@@ -135,7 +138,7 @@ private:
     std::vector<KernelTiming>& out_;
     std::size_t n_;
     Buffer tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_, models_, places_, list_, first_, touches_t0_, touches_, hard_,
-        hard_next_, candidates_, counts_, forces_, barys_, ratios_;
+        hard_next_, candidates_, counts_, forces_, barys_, ratios_, found_;
 };
 
 std::vector<KernelTiming> time_all(Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,

@@ -83,6 +83,14 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
         return cell_pairs;
     });
 
+    count(work, "contact_distance", n, [&] {
+        for (const uint k : s.list) {
+            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
+            (void)wall_distance(at.origin + at.offset, real(1), s.nodes.data(), wall.vertices.data());
+        }
+        return static_cast<double>(n);
+    });
+
     std::vector<SampleForce> forces(n);
     std::vector<TouchState> touches = s.touches_t0;
     count(work, "contact_evaluate", n, [&] {

@@ -122,6 +122,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real bl
             end = t + leaf.count;
         }
         const Triangle tri = load_triangle(vertices, t, origin);
+        if (triangle_box_distance2(p, tri) > shell2) continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
@@ -218,6 +219,10 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         }
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(vertices, t, origin);
+        const real box2 = triangle_box_distance2(p, tri);
+        if (box2 > range2 * (1 + SEL_TIE)) continue;
+        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= 0 && dot3(p - tri.b, first->side) >= 0 && dot3(p - tri.c, first->side) >= 0)
+            continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);

@@ -19,9 +19,9 @@ TEST_CASE("property: --quick --json measures every kernel in both precisions and
             CAPTURE(rate);
             CHECK(lane[rate].get<double>() > 0);
         }
-    // nine kernels, two precisions where there is fp64, on each lane
+    // ten kernels, two precisions where there is fp64, on each lane
     const std::size_t precisions = json["fp64"].get<bool>() ? 2 : 1;
-    CHECK(json["kernels"].size() == 9 * precisions * json["lanes"].size());
+    CHECK(json["kernels"].size() == 10 * precisions * json["lanes"].size());
     for (const auto& kernel : json["kernels"]) {
         CAPTURE(kernel.dump());
         CHECK(kernel["time_us"].get<double>() > 0);
