@@ -51,6 +51,31 @@ void start_acceleration(World::Impl& state)
 
 }  // namespace
 
+namespace {
+
+// A step holds some four masks, a halved one four more at each level.
+std::vector<std::vector<std::uint8_t>>& mask_pool()
+{
+    thread_local std::vector<std::vector<std::uint8_t>> pool;
+    return pool;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> WireMask::borrow()
+{
+    auto& pool = mask_pool();
+    if (pool.empty()) return {};
+    std::vector<std::uint8_t> bytes = std::move(pool.back());
+    pool.pop_back();
+    return bytes;
+}
+
+void WireMask::give_back()
+{
+    if (bytes_.capacity() > 0) mask_pool().push_back(std::move(bytes_));
+}
+
 WireMask everyone(const World::Impl& state)
 {
     WireMask mask(state.wire_count());
@@ -193,7 +218,7 @@ void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
 bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
 {
     const int n = state.rods.node_count(w);
-    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits);
+    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits, state.hub_scratch);
     if (!change.changed) return false;
     state.remesh_energy[w] += change.energy;
     renumber_forces(state.results[w].nodal_contact, n, {state.rods.node_count(w) > n, n - 2, 0});
@@ -410,14 +435,14 @@ WireMask walk(World::Impl& state, WireMask going, uint settling, RodArrays* plac
     return lost;
 }
 
-bool any_of(const WireMask& mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
+bool any_of(std::span<const std::uint8_t> mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
 
 }  // namespace
 
 void find_equilibrium(World::Impl& state, StepReport& report)
 {
     const WireMask all = everyone(state);
-    WireMask failed;
+    WireMask failed(all.size());
     if (state.setup.start_settled && state.steps == 0) {
         RodArrays placed = state.rods;
         failed = walk(state, all, SEL_SETTLE_STUCK, &placed, report);
@@ -478,7 +503,8 @@ WireMask advance_in_parts(World::Impl& state, double h, int parts, WireMask goin
 
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
 {
-    std::vector<int> parts(mask.size(), 0);  // 0: not asked for, or done
+    std::vector<int>& parts = state.parts;  // 0: not asked for, or done
+    parts.assign(mask.size(), 0);
     int most = 0;
     for (int w = 0; w < state.wire_count(); ++w)
         if (mask[w]) most = std::max(most, parts[w] = feed_parts(state, w, h));

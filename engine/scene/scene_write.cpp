@@ -176,6 +176,7 @@ void write_contact(std::string& out, const ContactSpec& c)
     t.num_unless_zero("layer_height_m", c.layer_height).num_unless_zero("pair_distance_m", c.pair_distance);
     if (c.samples_per_edge > 0) t.whole("samples_per_edge", c.samples_per_edge);
     t.num_unless_zero("overlap_m", c.overlap).num_unless_zero("barrier_distance_m", c.barrier_distance);
+    t.word("precision", word_of(precision_words, c.precision));
 }
 
 void write_feed(std::string& out, const FeedSpec& feed)

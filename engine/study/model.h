@@ -10,8 +10,6 @@
 
 namespace seldinger {
 
-enum class Precision { Float64, Float32 };  // of the contact kernels
-
 struct Model {
     std::string name;          // in tables and pictures; unique within a table. Empty: label() stands in
     std::string baseline;      // empty: the engine; else the name under which an application registered another simulation

@@ -233,6 +233,7 @@ TEST_SUITE("study/classify")
         const auto outcome = [](double kinetic, double jerk) {
             FailureWatch watch({.radius = 0.4e-3}, {});
             WireReadings moving;
+            watch.observe({}, moving, 0, 0, 0);  // energies are known from the first step on
             moving.inserted = 1e-3;
             moving.kinetic = kinetic;
             watch.observe({}, moving, 0, 0, jerk);
