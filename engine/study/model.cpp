@@ -8,7 +8,7 @@
 namespace seldinger {
 namespace {
 
-constexpr const char* no_float32 = "float32 contact is not available yet: no world selects those kernels";
+constexpr const char* no_float32 = "float32 contact is not among the models yet; a scene may ask for it, contact.precision = \"float32\"";
 constexpr const char* no_spin_free = "spin = off is not available yet: the solver always carries the spin angles";
 
 /// "file:line:column: key: what" without the place: the text that was read is not the user's.
