@@ -8,8 +8,6 @@
 namespace seldinger {
 namespace {
 
-constexpr const char* no_float32 = "float32 contact is not available yet: no world selects those kernels";
-
 /// "file:line:column: key: what" without the place: the text that was read is not the user's.
 std::string without_place(const std::string& message, const std::filesystem::path& file)
 {
@@ -53,6 +51,7 @@ Scene apply(const Model& model, Scene scene)
     if (model.friction) scene.contact.friction = *model.friction;
     if (model.rolling) scene.contact.rolling = *model.rolling;
     if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
+    if (model.precision) scene.contact.precision = *model.precision;
     return scene;
 }
 
@@ -72,6 +71,7 @@ Model model_of(const Scene& scene)
     model.friction = scene.contact.friction;
     model.rolling = scene.contact.rolling;
     model.elastic_wall = scene.vessel.elastic;
+    model.precision = scene.contact.precision;
     return model;
 }
 
@@ -94,6 +94,7 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.friction) set("contact.friction", word_of(friction_words, *model.friction));
     if (model.rolling) set("contact.rolling", *model.rolling);
     if (model.elastic_wall) set("vessel.wall", word_of(wall_words, *model.elastic_wall));
+    if (model.precision) set("contact.precision", word_of(precision_words, *model.precision));
     return texts;
 }
 
@@ -122,8 +123,7 @@ std::string label(const Model& model)
 
 std::string why_not(const Model& model, const Scene& scene)
 {
-    if (model.precision == Precision::Float32) return no_float32;
-    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall;
+    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
     try {
         // the scene reader is the one place that knows what goes together and what is built
