@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the rod's reference scenes at several node counts and writes expected, got, error and order of convergence.
 
-    bench/validate_rod.py [--app build/seldinger] [--only TEXT] [--csv bench/results/rod_reference.csv]
+    bench/validate_rod.py [--app build/seldinger] [--only TEXT] [--csv bench/results/validation/rod.csv]
 
 Scenes and expected values: assets/scenes/reference (expected.json). Order in space: slope of log(error) against log(edge length) by
 least squares over the edge counts (`order_edges` where given); below `floor` of the expected value the reference's own digits, stretch and rounding take over.

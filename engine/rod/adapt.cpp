@@ -16,7 +16,7 @@ namespace {
 // An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
 // two touches, a few lumen radii.
 constexpr double longest_lever = 0.03;  // [m]
-constexpr double merge_share = 0.85;    // merged edge against the longest allowed, see adapt.h
+constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
 // The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
 // thirds leave 1 mN where whole ones left 4 mN of 240 mN, and cost three to five nodes.
 constexpr double base_share = 1.0 / 3;
@@ -127,8 +127,7 @@ double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double
 double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
 {
     const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
-    // h of 3h/2, less what keeps the two within the ratio of neighbours; and such that two doublings end at the longest that a merge makes
-    double inner = std::min(0.64 * length, 0.25 * merge_share * longest_edge(rod, spec, rod.n - 2, rod.n - 1));
+    double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
     if (rod.n > 2) inner = std::min(inner, edge_ratio_limit * rod.rest_length[rod.n - 3]);  // h may have grown since
     for (const double s : boundaries_)
         if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);

@@ -14,18 +14,15 @@
 // stiffness: there the curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
 //
 // No memory: what is split or merged follows from the present shape alone. A split needs e > 1 edge_error, a merge
-// needs e of the merged edge < (0.85)^3 = 0.61 edge_error (0.72 where shear decides): the two halves of an edge that has just been split
-// are as long as it was, so a wire that stands still comes to rest in its nodes too, and one that shivers by a third of e does not
-// get and lose the same node over and over. Edges double, so they lie between 0.43 and 1 of the longest allowed; with 0.65 for 0.85 a
-// fifth more of them did no good.
+// needs e of the merged edge < (0.65)^3 = 0.27 edge_error; since e changes by 4 to 8 with a factor of 2 in h, a wire that stands
+// still comes to rest in its nodes too.
 
 #include "rod/elastic.h"
 
 namespace seldinger {
 
-/// Two neighbouring edges differ by at most this factor: the forces of (D2, D3) are second order only where lengths vary slowly. Not 2:
-/// edges that were fed one after the other while the shape changed differ by a few per cent, and none of them could ever be doubled.
-constexpr double edge_ratio_limit = 2.4;
+/// Two neighbouring edges differ by at most this factor: the forces of (D2, D3) are second order only where lengths vary slowly.
+constexpr double edge_ratio_limit = 2.0;
 
 /// A change of the node set. Lists of changes run from hub to tip, so that none moves the index of a later one.
 struct NodeChange {
