@@ -107,7 +107,10 @@ TEST_SUITE("study/model")
         CHECK(why_not(wrong, scene).find("expected at least one step") != std::string::npos);
         Model single;
         single.precision = Precision::Float32;
-        CHECK_FALSE(why_not(single, scene).empty());
+        CHECK(why_not(single, scene).empty());
+        Model hard = single;
+        hard.normal = NormalLaw::Barrier;
+        CHECK(why_not(hard, scene).find("float32") != std::string::npos);
 
         const Available here = available_in(scene);
         CHECK(here.schemes.size() == 4);
