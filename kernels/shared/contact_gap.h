@@ -99,6 +99,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     for (uint k = 0; k < count; ++k) {
         const uint t = candidates[k];
         const Triangle tri = load_triangle(vertices, t, origin);
+        if (triangle_box_distance2(p, tri) > best2 * (1 + SEL_TIE)) continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
@@ -146,10 +147,20 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
+    // beyond these nothing is found: of the other side; and of this one, where eps <= 2 blend r
+    const real reached2 = (1 + SEL_TIE) * (radius + reach) * (radius + reach);
+    // all of a triangle so far on this side that its direction to p is within the limit, as far as it is reached
+    const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (radius + reach);
+    const real blended = radius - depth0 + 2 * blend * radius, blended2 = (1 + SEL_TIE) * blended * blended;
     for (uint k = 0; k < count; ++k) {
         const uint t = candidates[k];
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(vertices, t, origin);
+        const real box2 = triangle_box_distance2(p, tri);
+        if (box2 > reached2) continue;
+        if (box2 > blended2 && dot3(p - tri.a, first->side) >= surely_own && dot3(p - tri.b, first->side) >= surely_own &&
+            dot3(p - tri.c, first->side) >= surely_own)
+            continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
