@@ -312,7 +312,6 @@ TEST_SUITE("contact/normal_laws")
             for (int k = 0; k < 4; ++k) {
                 const StepReport report = step(world, 1e-3);
                 CHECK_FALSE(report.failed());
-                if (k > 0) CHECK(report.sub_steps == 1);  // the first frees the wire of a tenth of its radius
                 const WireReadings now = world.readings(0);
                 CHECK(now.normal > 0);
                 CHECK(now.normal <= 1.01 * most);  // the wall's stiffness times the overlap comes on top: 0.3 % of it

@@ -8,20 +8,29 @@
 using namespace seldinger;
 using namespace seldinger::test;
 
+namespace {
+
+WireSpec thick_wire()
+{
+    WireSpec wire = steel_wire(0.1, 51);
+    wire.shaft.radius = 0.6e-3;
+    wire.shaft.bend_stiffness = 1e-4;
+    wire.shaft.twist_stiffness = 7.7e-5;
+    return wire;
+}
+
+}  // namespace
+
+// A known reproducer of tunnelling: two capsules of 1.2 mm in a channel of 8 x 8 mm, pushed hard at 240 steps a second. Wires do not touch
+// each other here, so it is each of them against the channel.
 TEST_SUITE("failure/reproducers")
 {
-    // A known reproducer of tunnelling: two capsules of 1.2 mm in a channel of 8 x 8 mm, pushed hard at 240 steps a second. Wires do not
-    // touch each other here, so it is each of them against the channel: tips held, bases driven in by 0.83 mm a step.
-    TEST_CASE("property: two wires of 1.2 mm pushed hard in a channel of 8 x 8 mm at 1/240 s stay inside")
+    TEST_CASE("property: two wires of 1.2 mm in a channel of 8 x 8 mm, tips held, bases driven in by 0.83 mm a step of 1/240 s, stay inside")
     {
         WorldSetup setup;
         use_mesh(setup, box_channel(0.16, -0.004, 0.004, -0.004, 0.004, 16));
         for (const double side : {-1.0, 1.0}) {
-            WireSpec spec = steel_wire(0.1, 51);
-            spec.shaft.radius = 0.6e-3;
-            spec.shaft.bend_stiffness = 1e-4;
-            spec.shaft.twist_stiffness = 7.7e-5;
-            WireSetup wire = placed_wire(spec, {0.02, 1.5e-3 * side, 1e-3 * side});
+            WireSetup wire = placed_wire(thick_wire(), {0.02, 1.5e-3 * side, 1e-3 * side});
             HoldSpec base, tip;
             base.position = base.direction = true;
             base.velocity = {0.2, 0, 0};
@@ -47,5 +56,32 @@ TEST_SUITE("failure/reproducers")
             // samples keep r - depth_max = r / 2 from the wall; between two of them a bent edge bulges by less than a tenth
             CHECK(o.nearest > 0.4 * 0.6e-3);
         }
+    }
+
+    // The corners of the channel's end are where three walls meet at right angles: which of them are one side of the lumen and which the
+    // other must not hang on rounding.
+    TEST_CASE("regression: both are fed head on into the channel's closed end and pile up in its corners without a step given up")
+    {
+        WorldSetup setup;
+        WallMesh channel = box_channel(0.06, -0.004, 0.004, -0.004, 0.004, 12);
+        const int end = static_cast<int>(channel.vertices.size()) - 4;
+        channel.triangles.push_back({end, end + 2, end + 1});
+        channel.triangles.push_back({end, end + 3, end + 2});
+        use_mesh(setup, channel);
+        for (const double side : {-1.0, 1.0}) {
+            setup.wires.push_back(fed_wire(thick_wire(), {0.0005, 1.5e-3 * side, 1e-3 * side}, 0.2, side));
+            setup.wires.back().feed.keys = {{0, 0, 0}, {0.275, 0.055, 0}, {0.475, 0.095, 0.5 * side}};
+        }
+        WatchedRun run(setup, standard, 1.0 / 240);
+        run.run(88);  // 73 mm
+        const Outcomes o = run.outcomes();
+        MESSAGE("closed channel: " << tell(o));
+        for (const Verdict& verdict : o.wires) {
+            CHECK_FALSE(verdict.had(Outcome::Escape));
+            CHECK_FALSE(verdict.had(Outcome::GaveUp));
+            CHECK(verdict.readings.hand_force > 1);
+            CHECK(verdict.readings.sub_steps <= 64);
+        }
+        CHECK(o.nearest > 0.4 * 0.6e-3);
     }
 }
