@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Speed against accuracy, from what `seldinger chart` wrote.
 
-    plot_chart.py DIR [-o DIR2]
+    plot_chart.py DIR [-o DIR2] [--png] [--dpi 110]
 
 Reads chart.csv and references.csv of DIR; writes chart.svg and chart.png (tip error of every scene) and chart-SCENE.svg and .png (every
-observable of one scene) into DIR2 (default: DIR).
+observable of one scene) into DIR2 (default: DIR); with --png no .svg.
 """
 import argparse
 import csv
@@ -170,9 +170,12 @@ def legend_entries(rows):
     return entries
 
 
+KINDS, DPI = ["svg", "png"], 110
+
+
 def save(figure, folder, stem):
-    for kind in ("svg", "png"):
-        figure.savefig(folder / f"{stem}.{kind}", dpi=110, metadata={"Date": None} if kind == "svg" else None)
+    for kind in KINDS:
+        figure.savefig(folder / f"{stem}.{kind}", dpi=DPI, metadata={"Date": None} if kind == "svg" else None)
     plt.close(figure)
 
 
@@ -214,7 +217,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dir", metavar="DIR", help="folder of a chart", type=pathlib.Path)
     parser.add_argument("-o", "--output", metavar="DIR2", type=pathlib.Path, help="folder for the pictures (default: DIR)")
+    parser.add_argument("--png", action="store_true", help="no .svg")
+    parser.add_argument("--dpi", type=int, default=110)
     options = parser.parse_args()
+    global KINDS, DPI
+    KINDS, DPI = ["png"] if options.png else KINDS, options.dpi
     folder = options.output or options.dir
     folder.mkdir(parents=True, exist_ok=True)
     references, scenes = {}, {}
