@@ -142,7 +142,7 @@ class Panel:
                 continue  # labels would lie on each other
             last = place
             # below and left of its point, where the front has nothing; near the axis above and right of it
-            side, dx, dy = ("right", -4, -3) if place[0] > 0.045 + 0.0125 * len(row["model"]) else ("left", 3, 4)
+            side, dx, dy = ("right", -4, -3) if place[0] > 0.05 + 0.0155 * len(row["model"]) else ("left", 3, 4)
             axes.annotate(row["model"], (cost, error), xytext=(dx, dy), textcoords="offset points", ha=side, va="top" if dy < 0 else "bottom",
                           fontsize=5.5, color="0.2", zorder=7)
 
@@ -179,6 +179,12 @@ def save(figure, folder, stem):
     plt.close(figure)
 
 
+def draw_legend(cell, rows):
+    entries = legend_entries(rows)
+    legend = cell.legend(handles=entries, loc="center", frameon=False, fontsize=7 if len(entries) < 17 else 6.2, labelspacing=0.45 if len(entries) < 17 else 0.28)
+    legend.set_in_layout(False)  # a long one would pull the rows apart
+
+
 def grid_figure(count, columns):
     rows = math.ceil((count + 1) / columns)  # one cell for the legend
     figure, axes = plt.subplots(rows, columns, figsize=(3.3 * columns, 2.9 * rows), squeeze=False)
@@ -193,7 +199,7 @@ def draw_scene(folder, name, rows, references):
     for cell, reference in zip(cells, references):
         Panel(rows, reference).draw(cell)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(references)].legend(handles=legend_entries(rows), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(references)], rows)
     figure.suptitle(rows[0]["title"], fontsize=10)
     figure.tight_layout()
     save(figure, folder, f"chart-{name}")
@@ -208,7 +214,7 @@ def draw_overview(folder, scenes, references):
             Panel(rows, tip[0]).draw(cell)
         cell.set_title(name, fontsize=9)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(scenes)].legend(handles=legend_entries(every), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(scenes)], every)
     figure.tight_layout()
     save(figure, folder, "chart")
 
