@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Speed against accuracy, from what `seldinger chart` wrote.
 
-    plot_chart.py DIR [-o DIR2]
+    plot_chart.py DIR [-o DIR2] [--png] [--dpi 110]
 
 Reads chart.csv and references.csv of DIR; writes chart.svg and chart.png (tip error of every scene) and chart-SCENE.svg and .png (every
-observable of one scene) into DIR2 (default: DIR).
+observable of one scene) into DIR2 (default: DIR); with --png no .svg.
 """
 import argparse
 import csv
@@ -142,7 +142,7 @@ class Panel:
                 continue  # labels would lie on each other
             last = place
             # below and left of its point, where the front has nothing; near the axis above and right of it
-            side, dx, dy = ("right", -4, -3) if place[0] > 0.045 + 0.0125 * len(row["model"]) else ("left", 3, 4)
+            side, dx, dy = ("right", -4, -3) if place[0] > 0.05 + 0.0155 * len(row["model"]) else ("left", 3, 4)
             axes.annotate(row["model"], (cost, error), xytext=(dx, dy), textcoords="offset points", ha=side, va="top" if dy < 0 else "bottom",
                           fontsize=5.5, color="0.2", zorder=7)
 
@@ -170,10 +170,19 @@ def legend_entries(rows):
     return entries
 
 
+KINDS, DPI = ["svg", "png"], 110
+
+
 def save(figure, folder, stem):
-    for kind in ("svg", "png"):
-        figure.savefig(folder / f"{stem}.{kind}", dpi=110, metadata={"Date": None} if kind == "svg" else None)
+    for kind in KINDS:
+        figure.savefig(folder / f"{stem}.{kind}", dpi=DPI, metadata={"Date": None} if kind == "svg" else None)
     plt.close(figure)
+
+
+def draw_legend(cell, rows):
+    entries = legend_entries(rows)
+    legend = cell.legend(handles=entries, loc="center", frameon=False, fontsize=7 if len(entries) < 17 else 6.2, labelspacing=0.45 if len(entries) < 17 else 0.28)
+    legend.set_in_layout(False)  # a long one would pull the rows apart
 
 
 def grid_figure(count, columns):
@@ -190,7 +199,7 @@ def draw_scene(folder, name, rows, references):
     for cell, reference in zip(cells, references):
         Panel(rows, reference).draw(cell)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(references)].legend(handles=legend_entries(rows), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(references)], rows)
     figure.suptitle(rows[0]["title"], fontsize=10)
     figure.tight_layout()
     save(figure, folder, f"chart-{name}")
@@ -205,7 +214,7 @@ def draw_overview(folder, scenes, references):
             Panel(rows, tip[0]).draw(cell)
         cell.set_title(name, fontsize=9)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(scenes)].legend(handles=legend_entries(every), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(scenes)], every)
     figure.tight_layout()
     save(figure, folder, "chart")
 
@@ -214,7 +223,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dir", metavar="DIR", help="folder of a chart", type=pathlib.Path)
     parser.add_argument("-o", "--output", metavar="DIR2", type=pathlib.Path, help="folder for the pictures (default: DIR)")
+    parser.add_argument("--png", action="store_true", help="no .svg")
+    parser.add_argument("--dpi", type=int, default=110)
     options = parser.parse_args()
+    global KINDS, DPI
+    KINDS, DPI = ["png"] if options.png else KINDS, options.dpi
     folder = options.output or options.dir
     folder.mkdir(parents=True, exist_ok=True)
     references, scenes = {}, {}

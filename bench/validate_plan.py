@@ -117,7 +117,7 @@ def scenes(vessels):
         table += [
             ("iliac", 0.5, "", 0.5, wire(STIFF), mesh(vessels / "seqseg-aortoiliac/demo.vtp", "cm"), contact(),
              feed((0, 0.0, 0), (0.5, 0.06, 0), point="[-0.0142, -0.0116, 0.1195]", direction="[0.35, 0.25, -0.91]")),
-            ("root-coronary", 0.3, "", 0.5, wire({**FLOPPY, "tip": (0.02, 4.0e-6, 4.0e-6)}), mesh(vessels / "tha016-root-coronary/marfan_ao.obj", "mm"), contact(),
+            ("root-coronary", 1.0, "", 0.5, wire({**FLOPPY, "tip": (0.02, 4.0e-6, 4.0e-6)}), mesh(vessels / "tha016-root-coronary/marfan_ao.obj", "mm"), contact(),
              feed((0, 0.0, 0), (0.5, 0.05, 0), point="[-0.02613, 0.04388, 0.0212]", direction="[-0.91, -0.40, 0.12]")),
         ]
     return [(name, tolerance, force, scene(name, duration, *parts)) for name, tolerance, force, duration, *parts in table]
