@@ -149,16 +149,26 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
 
 }  // namespace
 
-void find_equilibrium(World::Impl& state, StepReport& report)
+namespace {
+
+/// Equilibrium of the wires of the mask. @param settling  0 or SEL_SETTLE_*
+/// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
+/// where they were
+WireMask balance(World::Impl& state, const WireMask& mask, uint settling, double farthest = INFINITY)
 {
-    const WireMask all = everyone(state);
-    const bool all_stuck = state.setup.start_settled && state.steps == 0;
+    RodArrays placed = state.rods;
+    const auto moved = [&](int w) {
+        const RodView now = state.rods.view(w), then = placed.view(w);
+        double most = 0;
+        for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
+        return most;
+    };
     if (state.contact) {
-        state.contact->set_all_stuck(all_stuck);
+        state.contact->set_settling(settling);
         state.contact->begin_step(state.rods);
     }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = all[w] && (!state.feeds[w].on || state.feeds[w].inside);
+        state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -168,21 +178,54 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     const auto start = Clock::now();
     state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
-    WireMask done = all;
+    WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        note(state, report, w, StepOk, state.reports[w].iterations);
-        if (state.reports[w].converged) continue;
+        if (state.reports[w].converged && !(moved(w) > farthest * state.rods.view(w).radius[0])) continue;
         done[w] = 0;
-        note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+        failed[w] = 1;
         state.restore_wire(w);
     }
     if (state.contact) {
         state.contact->commit(done);
-        state.contact->set_all_stuck(false);
+        state.contact->set_settling(0);
     }
     for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) state.read_results(w, 0);
+        if (done[w]) {
+            state.save_wire(w);
+            state.read_results(w, 0);
+        }
+    return failed;
+}
+
+bool any_of(const WireMask& mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
+
+}  // namespace
+
+void find_equilibrium(World::Impl& state, StepReport& report)
+{
+    const WireMask all = everyone(state);
+    const bool all_stuck = state.setup.start_settled && state.steps == 0;
+    WireMask failed = all_stuck ? balance(state, all, SEL_SETTLE_STUCK, 1) : balance(state, all, 0);
+    const auto note_solves = [&](const WireMask& mask) {
+        for (int w = 0; w < state.wire_count(); ++w)
+            if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
+    };
+    note_solves(all);
+    if (all_stuck && any_of(failed)) {
+        // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
+        // way there. It slides to rest instead, and holds from there on.
+        WireMask rested = failed;
+        failed = balance(state, failed, SEL_SETTLE_SLIDING);
+        note_solves(rested);
+        for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
+        if (any_of(rested)) {
+            (void)balance(state, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
+            note_solves(rested);
+        }
+    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (failed[w]) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
 }
 
 namespace {
@@ -255,8 +298,8 @@ void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes
     NodeAdapter& adapter = state.adapters[w];
     constrain_now(state, w);
     const double before = energy_now(state.rods.view(w), state.constraints[w].clamps, adapter.frames);
-    state.feeds[w].debt += apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps,
-                                         spec.place.rest_is_placed && !state.feeds[w].on);
+    state.feeds[w].debt +=
+        apply_changes(state.rods, w, changes, spec, state.constraints[w].clamps, spec.place.rest_is_placed && !state.feeds[w].on);
     constrain_now(state, w);
     int n = state.rods.node_count(w) - static_cast<int>(changes.size()) * (changes.front().split ? 1 : -1);
     for (const NodeChange& change : changes) renumber_forces(state.results[w].nodal_contact, change.split ? n++ : n--, change);
@@ -306,10 +349,8 @@ void adapt_one(World::Impl& state, int w, double dt)
 {
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
-    if (state.adapters[w].on)
-        adapt_wire(state, w, dt);
-    else if (feed.on)
-        (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
+    if (state.adapters[w].on) adapt_wire(state, w, dt);
+    else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
 }
 
 // In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
@@ -380,8 +421,8 @@ void adapt_nodes(World::Impl& state, double dt)
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
-// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need it
-// (a sample that passes the wall has touched it before, and says so).
+// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// it (a sample that passes the wall has touched it before, and says so).
 bool needs_audit(World::Impl& state, int wire)
 {
     const Detection detection = state.setup.wires[wire].contact.detection;
@@ -397,7 +438,8 @@ void audit_outside(World::Impl& state, int wire)
 {
     if (!state.lumen) {
         const bool open = state.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
-        state.lumen = std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
+        state.lumen =
+            std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
     const RodView rod = state.rods.view(wire);
     double& outside = state.results[wire].contact.outside;
@@ -420,7 +462,8 @@ void check_state(World::Impl& state, StepReport& report)
         if (state.retired[w]) continue;
         const RodView rod = state.rods.view(w);
         for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) note(state, report, w, StepNonFinite);
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
+                note(state, report, w, StepNonFinite);
         if (needs_audit(state, w)) audit_outside(state, w);
         if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }
