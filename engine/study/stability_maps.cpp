@@ -157,10 +157,11 @@ StabilityMap speed()
     StabilityMap map = fed_map("speed", "F4", "fed round the bend, then held; at 1 m/s a step of 1/30 s is 75 radii long", "feed speed [m/s]",
                                decades(1e-3, 1, 2));
     map.static_load = false;  // a tip at 1 m/s hits
-    // the slow ones, which do not get far, start at the wall; the fast ones come to a halt after 4 cm, which is watched too
+    // the slow ones do not get far: the wall is a twentieth of a millimetre ahead; the fast ones come to a halt after 4 cm, which is watched too
     map.set = [](double value, double, double pace, const Folder&) {
+        constexpr double start = 0.0162;
         const double length = std::min(0.04, value * duration), time = length / value;
-        std::string keys = fmt::format("{{t_s=0.0, advance_m={}}}, {{t_s={}, advance_m={}}}", bend_start, time * pace, bend_start + length);
+        std::string keys = fmt::format("{{t_s=0.0, advance_m={}}}, {{t_s={}, advance_m={}}}", start, time * pace, start + length);
         return Texts{fmt::format("scene.duration_s={}", duration * pace), fmt::format("feed.keys=[{}]", keys)};
     };
     return map;

@@ -12,6 +12,9 @@ std::string swept(const std::string& scene, const std::string& more = "--vary wi
     return "stability " + scene + " " + more;
 }
 
+/// Without the picture, which takes longer to draw than the cells to run.
+AppResult run_undrawn(const ScratchFolder& folder, const std::string& arguments) { return run_app(folder, arguments, "env SELDINGER_ASSETS=."); }
+
 long rows_of(const ScratchFolder& folder) { return static_cast<long>(csv_rows(folder.path / "D" / "stability.csv").size()) - 1; }
 
 }  // namespace
@@ -51,11 +54,12 @@ TEST_CASE("property: cells that are there are not run again; more of the selecti
     CHECK(first.code == 0);
     CHECK(first.out.find("14/14") != std::string::npos);
     CHECK(first.out.find("the scene has no vessel") != std::string::npos);
+    CHECK(fs::exists(folder.path / "D" / "stability.png"));
     const std::string table = slurp(folder.path / "D" / "stability.csv");
     REQUIRE(rows_of(folder) == 14);
-    CHECK(run_app(folder, swept("free.toml")).code == 0);
+    CHECK(run_undrawn(folder, swept("free.toml")).code == 0);
     CHECK(slurp(folder.path / "D" / "stability.csv") == table);
-    CHECK(run_app(folder, swept("free.toml", "--vary wire.bend_nm2=1e-5,1e-4,1e-3 --methods default -o D")).code == 0);
+    CHECK(run_undrawn(folder, swept("free.toml", "--vary wire.bend_nm2=1e-5,1e-4,1e-3 --methods default -o D")).code == 0);
     CHECK(rows_of(folder) == 21);
     CHECK(slurp(folder.path / "D" / "stability.csv").starts_with(table));
 }
@@ -65,12 +69,12 @@ TEST_CASE("property: a scene that never touches the wall, and one in which nothi
     std::string scene = tube_scene(0.05);
     scene.replace(scene.find("0.084"), 5, "0.008");  // fed by 0.2 mm of the millimetre to the floor
     folder.write("short.toml", scene);
-    const AppResult far = run_app(folder, swept("short.toml"));
+    const AppResult far = run_undrawn(folder, swept("short.toml"));
     CHECK(far.code == 0);
     CHECK(far.out.find("never touches the wall") != std::string::npos);
     // a thousand tons at the tip of a wire of half a millimetre
     folder.write("torn.toml", free_scene() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 1.0e7, 0.0]\n");
-    const AppResult torn = run_app(folder, swept("torn.toml", "--vary wire.bend_nm2=1e-5,1e-4 --methods default explicit -o E"));
+    const AppResult torn = run_undrawn(folder, swept("torn.toml", "--vary wire.bend_nm2=1e-5,1e-4 --methods default explicit -o E"));
     CHECK(torn.code == 0);
     CHECK(torn.out.find("no method holds in any cell") != std::string::npos);
     CHECK(torn.out.find("seldinger check") != std::string::npos);
@@ -80,12 +84,12 @@ TEST_CASE("property: a cell that its budget cuts short is unfinished, is said to
     const ScratchFolder folder;
     folder.write("free.toml", free_scene(2.0));
     const std::string sweep = "--vary wire.bend_nm2=1e-4 --methods default -o D";
-    const AppResult cut = run_app(folder, swept("free.toml", sweep + " --cell-budget 1e-6"));
+    const AppResult cut = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 1e-6"));
     CHECK(cut.code == 0);
     CHECK(cut.out.find("0/7") != std::string::npos);
     CHECK(cut.out.find("7 cells were not finished") != std::string::npos);
     CHECK(slurp(folder.path / "D" / "stability.csv").find("unfinished") != std::string::npos);
-    const AppResult more = run_app(folder, swept("free.toml", sweep + " --cell-budget 60"));
+    const AppResult more = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 60"));
     CHECK(more.out.find("7/7") != std::string::npos);
     CHECK(more.out.find("not finished") == std::string::npos);
 }
