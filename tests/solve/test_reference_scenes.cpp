@@ -285,4 +285,29 @@ TEST_SUITE("solve/reference_scenes")
         }
         REQUIRE(counted == 1);
     }
+
+    // Elastica, P L^2/B = 10: each edge may put the tip wrong by edge_error
+    TEST_CASE("analytic: an equilibrium refines and coarsens its own nodes, to rest")
+    {
+        for (const Json& of : cases()) {
+            if (of.at("case") != "elastica, P L^2/B = 10") continue;
+            Json settings = of.value("set", Json::object());
+            settings["wire.nodes"] = "adaptive";
+            settings["wire.min_edge_m"] = 5e-4;
+            settings["wire.max_edge_m"] = 0.02;
+            World world = settled(of, settings);
+            const RodView rod = world.rod(0);
+            const Vec3 tip = rod.pos(0);
+            const double edge_error = world.setup().wires[0].wire.edge_error;
+            CHECK(distance({tip.x(), tip.y(), tip.z()}, values_of(of.at("expected"))) <= (rod.n - 1) * edge_error);
+            CHECK(rod.n != 14);  // the uniform edges that it began with, 0.4 of the longest allowed
+            CHECK(rod.rest_length[0] > 2 * rod.rest_length[rod.n - 2]);  // straight at the tip, bent at the clamp
+            CHECK(rod.material_s[rod.n - 1] == doctest::Approx(0.1).epsilon(1e-9));
+            const int nodes = rod.n;
+            REQUIRE_FALSE(settle(world).failed());
+            CHECK(world.rod(0).n == nodes);
+            return;
+        }
+        FAIL("no such case");
+    }
 }
