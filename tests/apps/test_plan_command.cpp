@@ -95,6 +95,7 @@ TEST_CASE("property: the scene of a plan in another folder finds its mesh, and r
     text.replace(from, to - from, "mesh = \"mesh/vessel.stl\"\nunits = \"mm\"\n");
     folder.write("m.toml", text);
     const AppResult result = run_app(folder, "plan m.toml --tolerance 2mm --json -o deep/er/p.toml");
+    CAPTURE(result.err);
     REQUIRE(result.code == 0);
     CHECK(plan_of(result)["touches"] == true);
     CHECK(seldinger::read_scene(folder.path / "deep/er/p.toml").vessel.mesh.lexically_normal() ==
