@@ -107,6 +107,7 @@ TEST_SUITE("contact/touch")
             const double x = soup.vertices[k - 2], y = soup.vertices[k - 1];
             soup.vertices[k] = static_cast<float>(2e-4 * std::sin(900 * x) * std::cos(700 * y));
         }
+        soup.rebox();
         int found = 0;
         for (int k = 0; k < 100; ++k) {
             const vec3 p = v3(0.008 * draw(rng), 0.008 * draw(rng), 0.8 * r + 1e-4 * draw(rng));

@@ -29,17 +29,27 @@ struct Soup {
     {
         for (const vec3& p : {a, b, c})
             for (double x : {p.x, p.y, p.z}) vertices.push_back(static_cast<float>(x));
-        TreeNode leaf{};
-        for (int k = 0; k < 3; ++k) {
-            const float* x = &vertices[9 * rims.size() + static_cast<std::size_t>(k)];
-            leaf.lo[k] = std::min({x[0], x[3], x[6]});
-            leaf.hi[k] = std::max({x[0], x[3], x[6]});
-        }
-        leaf.left_or_first = static_cast<std::uint32_t>(rims.size());
-        leaf.count = 1;
-        nodes.push_back(leaf);
         all.push_back(static_cast<std::uint32_t>(rims.size()));
         rims.push_back(rim);
+        nodes.push_back(leaf(rims.size() - 1));
+    }
+    [[nodiscard]] TreeNode leaf(std::size_t t) const
+    {
+        TreeNode node{};
+        node.left_or_first = static_cast<std::uint32_t>(t);
+        node.count = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float* x = &vertices[9 * t + k];
+            node.lo[k] = std::min({x[0], x[3], x[6]});
+            node.hi[k] = std::max({x[0], x[3], x[6]});
+        }
+        return node;
+    }
+    /// Boxes again, where vertices were changed by hand.
+    void rebox()
+    {
+        nodes.clear();
+        for (std::size_t t = 0; t < rims.size(); ++t) nodes.push_back(leaf(t));
     }
     /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into cells x cells squares of two triangles.
     void add_patch(vec3 corner, vec3 u, vec3 v, int cells = 1)
