@@ -36,7 +36,7 @@ struct Floor {
         soup.rims.assign(tree.triangle_count(), 0);
         soup.all.resize(tree.triangle_count());
         std::iota(soup.all.begin(), soup.all.end(), 0u);
-        soup.box_from(0);
+        soup.rebox();
     }
 };
 

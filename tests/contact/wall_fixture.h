@@ -31,22 +31,25 @@ struct Soup {
             for (double x : {p.x, p.y, p.z}) vertices.push_back(static_cast<float>(x));
         all.push_back(static_cast<std::uint32_t>(rims.size()));
         rims.push_back(rim);
-        box_from(rims.size() - 1);
+        nodes.push_back(leaf(rims.size() - 1));
     }
-    /// Makes the cells of triangles first ... anew: their vertices have been moved.
-    void box_from(std::size_t first)
+    [[nodiscard]] TreeNode leaf(std::size_t t) const
     {
-        nodes.resize(vertices.size() / 9);
-        for (std::size_t t = first; t < nodes.size(); ++t) {
-            nodes[t] = {};
-            for (std::size_t k = 0; k < 3; ++k) {
-                const float* x = &vertices[9 * t + k];
-                nodes[t].lo[k] = std::min({x[0], x[3], x[6]});
-                nodes[t].hi[k] = std::max({x[0], x[3], x[6]});
-            }
-            nodes[t].left_or_first = static_cast<std::uint32_t>(t);
-            nodes[t].count = 1;
+        TreeNode node{};
+        node.left_or_first = static_cast<std::uint32_t>(t);
+        node.count = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float* x = &vertices[9 * t + k];
+            node.lo[k] = std::min({x[0], x[3], x[6]});
+            node.hi[k] = std::max({x[0], x[3], x[6]});
         }
+        return node;
+    }
+    /// Boxes again, where vertices were changed by hand.
+    void rebox()
+    {
+        nodes.clear();
+        for (std::size_t t = 0; t < rims.size(); ++t) nodes.push_back(leaf(t));
     }
     /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into cells x cells squares of two triangles.
     void add_patch(vec3 corner, vec3 u, vec3 v, int cells = 1)
