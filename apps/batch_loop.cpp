@@ -20,6 +20,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr double save_seconds = 5;
+constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
 constexpr std::string_view magic = "SELBATC1";
 constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
 
@@ -101,7 +102,7 @@ public:
                 if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
                     return stop(RunStatus::TimeLimit);
                 take_step();
-                if (seconds_since(last_save_) >= save_seconds) save(RunStatus::Running);
+                if (seconds_since(last_save_) >= std::max(save_seconds, save_share * save_cost_)) save(RunStatus::Running);
                 progress.show(rows_.size(), at_, worlds_.size(), *world_, static_cast<double>(totals_.wire_steps) / wall());
             }
             device_ = world_->world().device_name();
@@ -139,6 +140,7 @@ private:
     void save(RunStatus status)
     {
         totals_.wall = wall();
+        const auto begun = Clock::now();
         write_tables();
         std::vector<std::uint8_t> bytes;
         const auto put_list = [&](const auto& list) {
@@ -162,6 +164,7 @@ private:
         }
         write_sealed(options_.dir / "checkpoint.bin", magic, bytes);
         last_save_ = Clock::now();
+        save_cost_ = seconds_since(begun);
     }
 
     void restore(const fs::path& file)
@@ -278,6 +281,7 @@ private:
     std::string vessel_key_, device_;
     std::vector<BatchRow> rows_;
     Totals totals_;
+    double save_cost_ = 0;  // [s] of the last one
     RunStatus saved_status_ = RunStatus::Running;
     double earlier_wall_ = 0;
     Clock::time_point start_, last_save_;

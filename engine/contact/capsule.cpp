@@ -26,10 +26,13 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 template <class T>
-std::size_t bytes_of(const std::vector<T>& v) { return v.size() * sizeof(T); }
+std::size_t bytes_of(const std::vector<T>& v)
+{
+    return v.size() * sizeof(T);
+}
 
 template <class T>
-std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::* member)
+std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::*member)
 {
     std::vector<T> list;
     for (const WireSetup& wire : setup.wires) list.push_back(wire.*member);
@@ -47,6 +50,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
       find_(context, "contact/capsule.cl", "contact_find"),
+      distance_(context, "contact/capsule.cl", "contact_distance"),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
@@ -61,9 +65,26 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     slack_ = 0.4 * least;
     // the barrier looks at the whole way of an update, which may begin that far from where the list was made
     list_margin_ = slack_ + (params_.normal_law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0);
-    cull_x_.assign(n, std::numeric_limits<double>::quiet_NaN());
-    cull_y_ = cull_z_ = cull_x_;
+    Vec3 low, high;
+    for (int k = 0; k < 3; ++k) {
+        low[k] = tree.nodes.front().lo[k];
+        high[k] = tree.nodes.front().hi[k];
+    }
+    farthest_ = (high - low).norm() + 1;
+    cull_at_.assign(n, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    cull_keep_.assign(n, 0);
+    cull_clear_.assign(n, 0);
+    stale_.resize(n);
+    stale_count_.resize(rods.wire_count());
+    distances_.resize(n);
+    for (const WireSamples& wire : samples_.wires) {
+        double limit = std::numeric_limits<double>::infinity();
+        for (int k = wire.begin; k < wire.begin + wire.capacity && (swept_ || params_.normal_law == SEL_NORMAL_BARRIER); ++k)
+            limit = std::min(limit, 0.45 * samples_.models[k].radius);
+        move_limit_.push_back(limit);
+    }
     counts_.assign(n, 0);
+    found_.assign(n, 0);
     listed_.assign(n, 0);
     to_find_.reserve(n);
     active_.reserve(n);
@@ -71,14 +92,22 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     edge_first_.reserve(most_edges + 1);
     sums_.edge_node.reserve(most_edges);
     sums_.edges.resize(most_edges);
+    last_edges_.resize(most_edges);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    last_wire_edges_ = sums_.wire_edges;
+    some_.reserve(n);
+    some_first_.reserve(most_edges + 1);
     models_ = device::Buffer(context, n * sizeof(SampleModel));
     places_ = device::Buffer(context, n * sizeof(SamplePlace));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    distance_buffer_ = device::Buffer(context, n * sizeof(real));
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
+    some_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    some_first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     forces_ = device::Buffer(context, n * sizeof(SampleForce));
     barys_ = device::Buffer(context, n * sizeof(real));
     edge_buffer_ = device::Buffer(context, most_edges * sizeof(EdgeForce));
@@ -100,7 +129,9 @@ void CapsuleContact::warm_up()
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
         launch_find(at, 1, none);
-        launch_evaluate(at, 1, none);
+        distance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                         wall_.vertices, distance_buffer_);
+        launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
         if (barrier_) barrier_->warm_up(at, none, sample_buffers());
@@ -110,13 +141,13 @@ void CapsuleContact::warm_up()
 
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
-    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                 wall_.vertices, candidates_, count_buffer_);
+    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer,
+                 wall_.nodes, wall_.vertices, candidates_, count_buffer_, found_buffer_);
 }
 
-void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par)
+void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
-    evaluate_.launch(at, items, par, active_list_, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
+    evaluate_.launch(at, items, par, list, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
                      nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
                      nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
                      multipliers_ ? multipliers_->states() : no_multipliers_);
@@ -149,7 +180,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     for_each_item(rods.wire_count(), wire_grain, [&](int w) {
         const RodView rod = rods.view(w);
         const int begin = rods.node_begin(w);
-        place_samples(samples_, w, rod, begin, false);
+        place_new_samples(samples_, w, rod, begin);
         if (!live[w]) samples_.wires[w].live = 0;
         for (int i = 0; i < rod.n; ++i)
             nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], i + 1 < rod.n ? rod.theta[i] : 0.0, wall_.centre);
@@ -157,11 +188,20 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     list_stale_ = true;
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
-    context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
+    upload_places();
     find_candidates(false);
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
     times.detect += since(start);
+}
+
+// Those of samples that are inside: they change with every step.
+void CapsuleContact::upload_places()
+{
+    for (const WireSamples& wire : samples_.wires)
+        if (wire.live > 0)
+            context_.write(device::Lane::Light, places_, &samples_.places[wire.begin], wire.live * sizeof(SamplePlace),
+                           wire.begin * sizeof(SamplePlace));
 }
 
 void CapsuleContact::start_barrier()
@@ -216,49 +256,140 @@ Vec3 CapsuleContact::sample_position(int sample) const
             a * (hi[2] + lo[2]) + b * (hi[5] + lo[5])};
 }
 
-// Renews the candidates of every live sample that has moved by its slack since they were found; then the list of samples that
-// have any. Slacks differ a little from sample to sample, so that renewals spread over steps instead of coming all at once.
+// Renews what is known of the wall near every live sample that has moved too far since it was found out; then the list of samples
+// that have candidates. Most of a wire is far from any wall: there one distance serves a stretch, for many steps.
 void CapsuleContact::find_candidates(bool all_live)
 {
+    const int wires = static_cast<int>(samples_.wires.size());
+    for_each_item(wires, wire_grain, [&](int w) { mark_stale(w, all_live); });
+    const bool any = std::any_of(stale_count_.begin(), stale_count_.end(), [](int count) { return count > 0; });
+    if (any && !all_live) {
+        probe(8);
+        probe(2);
+    }
+    if (any) find_listed();
+    if (any || list_stale_) rebuild_active_list();
+}
+
+// Samples that have left their sphere, and are in none of a neighbour's.
+void CapsuleContact::mark_stale(int w, bool all_live)
+{
+    const WireSamples& wire = samples_.wires[w];
+    stale_count_[w] = 0;
+    for (int s = wire.begin; s < wire.begin + wire.live; ++s)
+        if (all_live || !((sample_position(s) - cull_at_[s]).squaredNorm() <= cull_keep_[s] * cull_keep_[s]))
+            stale_[wire.begin + stale_count_[w]++] = static_cast<std::uint32_t>(s);
+    if (!all_live) take_spheres(w);
+}
+
+// Stale samples within a neighbour's sphere take it for their own, from the tip on and back.
+void CapsuleContact::take_spheres(int w)
+{
+    const WireSamples& wire = samples_.wires[w];
+    std::uint32_t* const stale = stale_.data() + wire.begin;
+    const auto covered = [&](int s, int neighbour) {
+        if (neighbour < wire.begin || neighbour >= wire.begin + wire.live || !(cull_clear_[neighbour] > 0)) return false;
+        const double keep = cull_clear_[neighbour] - need(s);
+        if (!((sample_position(s) - cull_at_[neighbour]).squaredNorm() <= keep * keep) || keep < 0) return false;
+        cull_at_[s] = cull_at_[neighbour];
+        cull_clear_[s] = cull_clear_[neighbour];
+        cull_keep_[s] = keep;
+        counts_[s] = 0;
+        return true;
+    };
+    for (const int way : {-1, +1}) {
+        int left = 0;
+        const int count = stale_count_[w];
+        for (int i = 0; i < count; ++i) {  // against the way, so that a sphere is handed on
+            const int at = way < 0 ? i : count - 1 - i;
+            const int s = static_cast<int>(stale[at]);
+            if (covered(s, s + way)) continue;
+            stale[way < 0 ? left : count - 1 - left] = static_cast<std::uint32_t>(s);
+            ++left;
+        }
+        if (way > 0) std::copy(stale + count - left, stale + count, stale);
+        stale_count_[w] = left;
+    }
+}
+
+// Distances from the wall of every `stride`-th stale sample, but for those that had candidates the last time.
+void CapsuleContact::probe(int stride)
+{
     to_find_.clear();
-    for (const WireSamples& wire : samples_.wires) {
-        for (int k = 0; k < wire.live; ++k) {
-            const int s = wire.begin + k;
-            const Vec3 p = sample_position(s);
-            const double dx = p.x() - cull_x_[s], dy = p.y() - cull_y_[s], dz = p.z() - cull_z_[s];
-            const double slack = slack_ * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
-            if (!all_live && dx * dx + dy * dy + dz * dz <= slack * slack) continue;
-            to_find_.push_back(static_cast<std::uint32_t>(s));
-            cull_x_[s] = p.x();
-            cull_y_[s] = p.y();
-            cull_z_[s] = p.z();
+    for (std::size_t w = 0; w < samples_.wires.size(); ++w)
+        for (int i = 0; i < stale_count_[w]; ++i) {
+            const std::uint32_t s = stale_[samples_.wires[w].begin + i];
+            if (i % stride == stride / 2 && counts_[s] == 0) to_find_.push_back(s);
+        }
+    if (to_find_.empty()) return;
+    const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
+    context_.enter(at);
+    nodes_.upload(context_, at);
+    context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
+    distance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_,
+                     nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+    context_.read(at, distance_buffer_, distances_.data(), to_find_.size() * sizeof(real));
+    for (std::size_t i = 0; i < to_find_.size(); ++i) {
+        const int s = static_cast<int>(to_find_[i]);
+        const double clear = distances_[i] - 1e-3 * samples_.models[s].radius;  // rounding is far below that
+        if (clear < need(s) + slack_) continue;
+        cull_at_[s] = sample_position(s);
+        cull_clear_[s] = clear;
+        cull_keep_[s] = clear - need(s);
+        counts_[s] = 0;
+    }
+    for_each_item(static_cast<int>(samples_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
+}
+
+// Candidates of the samples that are stale still. Slacks differ a little from sample to sample, so that renewals spread over
+// steps instead of coming all at once.
+void CapsuleContact::find_listed()
+{
+    to_find_.clear();
+    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
+        const WireSamples& wire = samples_.wires[w];
+        for (int i = 0; i < stale_count_[w]; ++i) {
+            const std::uint32_t s = stale_[wire.begin + i];
+            const int k = static_cast<int>(s) - wire.begin;
+            to_find_.push_back(s);
+            cull_at_[s] = sample_position(static_cast<int>(s));
+            cull_clear_[s] = 0;
+            cull_keep_[s] = slack_ * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
         }
     }
-    if (!to_find_.empty()) {
-        const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
-        context_.enter(at);
-        nodes_.upload(context_, at);
-        context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-        ContactParams par = params_;
-        par.item_count = static_cast<uint>(to_find_.size());
-        launch_find(at, to_find_.size(), par);
-        context_.read(at, count_buffer_, counts_.data(), bytes_of(counts_));
-        std::uint32_t most = 0;
-        for (std::uint32_t s : to_find_) most = std::max(most, counts_[s]);
-        if (most > params_.slots) {  // a denser mesh than the lists were made for: make room once and find all again
-            params_.slots = (most + most / 2 + 7) / 8 * 8;
-            candidates_ = device::Buffer(context_, counts_.size() * params_.slots * sizeof(std::uint32_t));
-            find_candidates(true);
-            return;
-        }
-    }
-    if (!to_find_.empty() || list_stale_) rebuild_active_list();
+    if (to_find_.empty()) return;
+    const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
+    context_.enter(at);
+    nodes_.upload(context_, at);
+    context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
+    ContactParams par = params_;
+    par.item_count = static_cast<uint>(to_find_.size());
+    launch_find(at, to_find_.size(), par);
+    context_.read(at, found_buffer_, found_.data(), bytes_of(to_find_));
+    std::uint32_t most = 0;
+    for (std::size_t i = 0; i < to_find_.size(); ++i) most = std::max(most, counts_[to_find_[i]] = found_[i]);
+    if (most <= params_.slots) return;
+    // a denser mesh than the lists were made for: make room once and find all again
+    params_.slots = (most + most / 2 + 7) / 8 * 8;
+    candidates_ = device::Buffer(context_, counts_.size() * params_.slots * sizeof(std::uint32_t));
+    forget();
+    find_candidates(true);
+}
+
+// What was known of the wall, lists and spheres.
+void CapsuleContact::forget()
+{
+    std::fill(cull_at_.begin(), cull_at_.end(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    std::fill(cull_clear_.begin(), cull_clear_.end(), 0.0);
+    std::fill(counts_.begin(), counts_.end(), 0u);
 }
 
 void CapsuleContact::rebuild_active_list()
 {
     active_.clear();
     edge_first_.clear();
+    std::swap(sums_.wire_edges, last_wire_edges_);
+    sums_.edges.swap(last_edges_);
     sums_.edge_node.clear();
     for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
         const WireSamples& wire = samples_.wires[w];
@@ -278,6 +409,12 @@ void CapsuleContact::rebuild_active_list()
     }
     sums_.wire_edges.back() = static_cast<int>(sums_.edge_node.size());
     edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
+    // wires that are not evaluated again in this step keep their sums; their edges are the ones they had
+    for (std::size_t w = 0; w < samples_.wires.size() && !list_stale_; ++w) {
+        const int first = sums_.wire_edges[w], count = sums_.wire_edges[w + 1] - first;
+        if (count == last_wire_edges_[w + 1] - last_wire_edges_[w])
+            std::copy_n(last_edges_.begin() + last_wire_edges_[w], count, sums_.edges.begin() + first);
+    }
     const device::Lane at = lane(active_.size());
     context_.enter(at);
     context_.write(at, active_list_, active_.data(), bytes_of(active_));
@@ -295,29 +432,71 @@ void CapsuleContact::set_nodes(const TrialState& trial)
     });
 }
 
-void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t>)
+// What was read back of some wires goes where these wires' sums are.
+void CapsuleContact::spread_sums(std::span<const std::uint8_t> active)
+{
+    auto from = last_edges_.begin();
+    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
+        if (!active[w]) continue;
+        const int first = sums_.wire_edges[w], count = sums_.wire_edges[w + 1] - first;
+        std::copy_n(from, count, sums_.edges.begin() + first);
+        from += count;
+    }
+}
+
+/// The samples and edges of the wires that are evaluated now, when those are not all: a world of many wires solves on until its
+/// last one has converged. @return false: all
+bool CapsuleContact::pick_some(std::span<const std::uint8_t> active)
+{
+    if (multipliers_ || barrier_) return false;
+    const auto left_out = [&](std::size_t w) { return !active[w] && sums_.wire_edges[w + 1] > sums_.wire_edges[w]; };
+    std::size_t w = 0;
+    while (w < samples_.wires.size() && !left_out(w)) ++w;
+    if (w == samples_.wires.size()) return false;
+    some_.clear();
+    some_first_.clear();
+    for (w = 0; w < samples_.wires.size(); ++w) {
+        if (!active[w]) continue;
+        for (int e = sums_.wire_edges[w]; e < sums_.wire_edges[w + 1]; ++e) {
+            some_first_.push_back(static_cast<std::uint32_t>(some_.size()));
+            some_.insert(some_.end(), active_.begin() + edge_first_[e], active_.begin() + edge_first_[e + 1]);
+        }
+    }
+    some_first_.push_back(static_cast<std::uint32_t>(some_.size()));
+    return true;
+}
+
+void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
 {
     auto start = Clock::now();
     set_nodes(trial);
     find_candidates(false);
+    const bool part = pick_some(active);
+    const std::size_t samples = part ? some_.size() : active_.size();
     times.detect += since(start);
     start = Clock::now();
-    const device::Lane at = lane(active_.size());
-    if (!active_.empty()) {
+    const device::Lane at = lane(samples);
+    if (samples > 0) {
         context_.enter(at);
         nodes_.upload(context_, at);
-        params_.item_count = static_cast<uint>(active_.size());
+        if (part) {
+            context_.write(at, some_list_, some_.data(), bytes_of(some_));
+            context_.write(at, some_first_buffer_, some_first_.data(), bytes_of(some_first_));
+        }
+        params_.item_count = static_cast<uint>(samples);
         params_.inv_dt = h > 0 ? 1 / h : 0;
         if (multipliers_) multipliers_->before_evaluation(at, params_, sample_buffers());
-        launch_evaluate(at, active_.size(), params_);
+        launch_evaluate(at, samples, params_, part ? some_list_ : active_list_);
         if (at == device::Lane::Light) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
             context_.finish(at);
             times.evaluate += since(start);
             start = Clock::now();
         }
-        const std::size_t edges = sums_.edge_node.size();
-        reduce_.launch(at, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_buffer_);
-        context_.read(at, edge_buffer_, sums_.edges.data(), edges * sizeof(EdgeForce));
+        const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
+        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_,
+                       edge_buffer_);
+        context_.read(at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges * sizeof(EdgeForce));
+        if (part) spread_sums(active);
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
     }
     if (!barrier_) return;
@@ -328,14 +507,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
 
 // Samples of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
 // one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
-double CapsuleContact::move_limit(int wire) const
-{
-    if (!swept_ && !barrier_) return std::numeric_limits<double>::infinity();
-    double limit = std::numeric_limits<double>::infinity();
-    const WireSamples& s = samples_.wires[wire];
-    for (int k = s.begin; k < s.begin + s.capacity; ++k) limit = std::min(limit, 0.45 * samples_.models[k].radius);
-    return limit;
-}
+double CapsuleContact::move_limit(int wire) const { return move_limit_[wire]; }
 
 void CapsuleContact::commit(std::span<const std::uint8_t> active)
 {
@@ -399,11 +571,16 @@ std::string CapsuleContact::describe_law(const SampleModel& m) const
 {
     const double k = m.hard_stiffness, um = 1e6 * m.hard_length;
     switch (params_.normal_law) {
-        case SEL_NORMAL_AUGMENTED: return fmt::format("augmented, k from {:.3g} N/m^2 per metre, overlap to {:.3g} um", k, um);
-        case SEL_NORMAL_CONSTRAINT: return fmt::format("constraint, to {:.3g} um of overlap and of stuck slip", um);
-        case SEL_NORMAL_IMPULSE: return fmt::format("impulse, restitution {:.3g} to {:.3g} mm/s", m.restitution, 1e3 * m.hard_length);
-        case SEL_NORMAL_BARRIER: return fmt::format("barrier, from a gap of {:.3g} um, kappa {:.3g} N/m^2 per metre", um, k);
-        default: return "damped";
+        case SEL_NORMAL_AUGMENTED:
+            return fmt::format("augmented, k from {:.3g} N/m^2 per metre, overlap to {:.3g} um", k, um);
+        case SEL_NORMAL_CONSTRAINT:
+            return fmt::format("constraint, to {:.3g} um of overlap and of stuck slip", um);
+        case SEL_NORMAL_IMPULSE:
+            return fmt::format("impulse, restitution {:.3g} to {:.3g} mm/s", m.restitution, 1e3 * m.hard_length);
+        case SEL_NORMAL_BARRIER:
+            return fmt::format("barrier, from a gap of {:.3g} um, kappa {:.3g} N/m^2 per metre", um, k);
+        default:
+            return "damped";
     }
 }
 
@@ -415,8 +592,8 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
             {"normal law", describe_law(m)},
             {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
             {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
-            {"friction stiffness", fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)",
-                                               m.friction_stiffness)},
+            {"friction stiffness",
+             fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)", m.friction_stiffness)},
             {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
 }
 
@@ -460,7 +637,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
     for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
     if (barrier_) barrier_->restore(bytes, end);
     std::fill(listed_.begin(), listed_.end(), 0);
-    std::fill(cull_x_.begin(), cull_x_.end(), std::numeric_limits<double>::quiet_NaN());
+    forget();
     context_.enter(device::Lane::Light);
     context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
     context_.finish(device::Lane::Light);

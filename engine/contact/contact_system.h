@@ -49,7 +49,8 @@ public:
     [[nodiscard]] virtual bool never_overlaps() const { return false; }
     /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
     [[nodiscard]] virtual bool is_clear(RodArrays&, int /*wire*/) { return true; }
-    void set_all_stuck(bool stuck) { params_.all_stuck = stuck; }
+    /// @param settling  0 or SEL_SETTLE_*
+    void set_settling(uint settling) { params_.settling = settling; }
 
     void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const final
     {

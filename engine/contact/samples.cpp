@@ -21,7 +21,8 @@ double least_radius(const WireSpec& spec)
 /// What the user left open of the lengths in kernels/shared/hard_law.h, the same all along the wire.
 ContactSpec with_lengths(ContactSpec contact, double radius)
 {
-    if (contact.overlap == 0) contact.overlap = (contact.normal == NormalLaw::Constraint ? constraint_overlap : augmented_overlap) * radius;
+    if (contact.overlap == 0)
+        contact.overlap = (contact.normal == NormalLaw::Constraint ? constraint_overlap : augmented_overlap) * radius;
     if (contact.barrier_distance == 0) contact.barrier_distance = barrier_distance * radius;
     return contact;
 }
@@ -55,11 +56,15 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
         // `nodes`: one sample at each control node, with its Voronoi length (the tip's is half an edge)
         const bool at_nodes = contacts[w].detection == Detection::Nodes;
         add_model(tip_sample(spec.at(0), contact, wall, lumen_radius));
+        WireSection last;
+        SampleModel line{};
         for (int k = 0; k < stretches; ++k) {
             const double s = (at_nodes ? k : k + 0.5) * samples.spacing;
             const double weight = at_nodes && k == 0 ? samples.spacing / 2 : samples.spacing;
             samples.s.push_back(s);
-            add_model(line_sample(spec.at(s), contact, wall, lumen_radius, weight));
+            const WireSection section = spec.at(s);
+            if (k < 2 || section != last) line = line_sample(last = section, contact, wall, lumen_radius, weight);
+            add_model(line);
         }
         set.wires.push_back(std::move(samples));
     }
@@ -67,11 +72,14 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
     return set;
 }
 
-void place_samples(SampleSet& set, int wire, const RodView& rod, int begin, bool start)
+namespace {
+
+// Samples from the k-th on, by material coordinate; @return how many are inside
+int place_from(SampleSet& set, int wire, const RodView& rod, int begin, int k)
 {
-    WireSamples& samples = set.wires[wire];
+    const WireSamples& samples = set.wires[wire];
     const double end = rod.material_s[rod.n - 1];
-    int edge = 0, k = 0;
+    int edge = 0;
     // a stretch counts once its middle is inside; the base's last half spacing is in the clamp's shadow
     for (; k < samples.capacity && samples.s[k] <= end; ++k) {
         while (edge < rod.n - 2 && samples.s[k] > rod.material_s[edge + 1]) ++edge;
@@ -81,14 +89,29 @@ void place_samples(SampleSet& set, int wire, const RodView& rod, int begin, bool
         place.stamp = samples.stamp;
         place.bary = std::clamp((samples.s[k] - rod.material_s[edge]) / length, 0.0, 1.0);
     }
-    if (start) {
-        for (int i = 0; i < samples.capacity; ++i) {
-            SamplePlace& place = set.places[samples.begin + i];
-            place.edge_t0 = i < k ? place.edge : SEL_NO_EDGE;
-            place.bary_t0 = place.bary;
-        }
+    return k;
+}
+
+}  // namespace
+
+void place_samples(SampleSet& set, int wire, const RodView& rod, int begin, bool start)
+{
+    WireSamples& samples = set.wires[wire];
+    samples.live = place_from(set, wire, rod, begin, 0);
+    samples.placed_to = rod.material_s[rod.n - 2];
+    for (int i = 0; i < samples.capacity && start; ++i) {
+        SamplePlace& place = set.places[samples.begin + i];
+        place.edge_t0 = i < samples.live ? place.edge : SEL_NO_EDGE;
+        place.bary_t0 = place.bary;
     }
-    samples.live = k;
+}
+
+void place_new_samples(SampleSet& set, int wire, const RodView& rod, int begin)
+{
+    WireSamples& samples = set.wires[wire];
+    if (samples.placed_to != rod.material_s[rod.n - 2]) return place_samples(set, wire, rod, begin, false);  // still in the guide
+    const auto first = std::upper_bound(samples.s.begin(), samples.s.end(), rod.material_s[rod.n - 2]);
+    samples.live = place_from(set, wire, rod, begin, static_cast<int>(first - samples.s.begin()));
 }
 
 }  // namespace seldinger

@@ -1,9 +1,10 @@
 #pragma once
 // Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
 //
-// Sample 0 of a wire is its tip (point law); sample k >= 1 stands for the k-th stretch of `spacing` metres from the tip and lies at
-// its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the edge length). The default spacing is one wire radius: with every sample farther than r/2 from the wall (the hardening law never lets
-// the axis nearer) the straight axis between two samples cannot meet the wall at all.
+// Sample 0 of a wire is its tip (point law); sample k >= 1 stands for the k-th stretch of `spacing` metres from the tip and lies
+// at its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the edge length). The
+// default spacing is one wire radius: with every sample farther than r/2 from the wall (the hardening law never lets the axis
+// nearer) the straight axis between two samples cannot meet the wall at all.
 
 #include "contact/contact_spec.h"
 #include "rod/rod_arrays.h"
@@ -16,12 +17,13 @@
 namespace seldinger {
 
 struct WireSamples {
-    int begin = 0;         // of this wire in the concatenated sample arrays
-    int capacity = 0;      // samples of the whole wire
-    int live = 0;          // samples inside now: 0 .. live-1
+    int begin = 0;            // of this wire in the concatenated sample arrays
+    int capacity = 0;         // samples of the whole wire
+    int live = 0;             // samples inside now: 0 .. live-1
     std::uint32_t stamp = 1;  // of the step being solved; commit raises it
-    double spacing = 0;    // [m]
-    std::vector<double> s;  // [capacity] material coordinate [m]
+    double spacing = 0;       // [m]
+    double placed_to = -1;    // material coordinate of the last node but one when they were placed last [m]
+    std::vector<double> s;    // [capacity] material coordinate [m]
 };
 
 struct SampleSet {
@@ -33,12 +35,16 @@ struct SampleSet {
 
 /// @param specs  per wire; contact coefficients per section come from the wire's sections
 /// @param lumen_radius  typical lumen radius of the vessel, for the effective radius of (D6b) [m]
-[[nodiscard]] SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const VesselSpec& wall,
-                                     double lumen_radius);
+[[nodiscard]] SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts,
+                                     const VesselSpec& wall, double lumen_radius);
 
-/// Puts the samples of a wire on its edges by material coordinate and sets `live`. @param begin  index of the wire's first node in
-/// the concatenated arrays. Places at the start of the step are kept in edge_t0, bary_t0 when `start` is set, and those of samples
-/// that were not live then are marked SEL_NO_EDGE.
+/// Puts the samples of a wire on its edges by material coordinate and sets `live`. @param begin  index of the wire's first node
+/// in the concatenated arrays. Places at the start of the step are kept in edge_t0, bary_t0 when `start` is set, and those of
+/// samples that were not live then are marked SEL_NO_EDGE.
 void place_samples(SampleSet& set, int wire, const RodView& rod, int begin, bool start);
+
+/// The same once the wire has been fed since: only samples beyond the last node but one may have changed, unless that node has
+/// moved.
+void place_new_samples(SampleSet& set, int wire, const RodView& rod, int begin);
 
 }  // namespace seldinger

@@ -92,6 +92,7 @@ double exact_damping(double e)
     double low = 1e-12, high = (1 - 1e-15) / e;  // the left side less the right is negative at 0+, +infinity at 1/e
     for (int i = 0; i < 200; ++i) {
         const double beta = (low + high) / 2;
+        if (beta == low || beta == high) break;
         (std::log1p(beta) - std::log1p(-beta * e) - beta * (1 + e) < 0 ? low : high) = beta;
     }
     return (low + high) / 2;

@@ -23,6 +23,8 @@ struct WireSection {
     double mu_static = 0.12;       // [-]
     double mu_sliding = 0.10;      // [-]
     Eigen::Vector2d rest_curvature = Eigen::Vector2d::Zero();  // about the two directors [1/m]
+
+    [[nodiscard]] bool operator==(const WireSection&) const = default;
 };
 
 struct WireSectionRange {

@@ -131,8 +131,9 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (options_.linearised && phase_ == Phase::Search) {
-        phase_ = Phase::Done;
+    if (options_.linearised && phase_ == Phase::Search) {  // a part of the step is no step: half the time is asked for instead
+        if (alpha_ == 1) phase_ = Phase::Done;
+        else give_up();
         return;
     }
     if (norm_ <= problem.tolerance && at_prescribed()) {

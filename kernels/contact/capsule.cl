@@ -9,19 +9,35 @@
 // Candidate triangles of listed samples.
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  candidates [samples][slots], counts [samples]: how many are within radius + reach + slack, also beyond `slots`
+//   writes  candidates [samples][slots], counts [samples], found [item_count]: how many are within radius + reach + slack, also
+//           beyond `slots`
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
-                             __global uint* restrict candidates, __global uint* restrict counts)
+                             __global uint* restrict candidates, __global uint* restrict counts, __global uint* restrict found)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
-        counts[s] = find_near(at.origin + at.offset, models[s].radius + models[s].reach + slack, nodes, vertices, par.slots,
-                              candidates + (ulong)s * par.slots);
+        counts[s] = found[item] = find_near(at.origin + at.offset, models[s].radius + models[s].reach + slack, nodes, vertices, par.slots,
+                                            candidates + (ulong)s * par.slots);
+    }
+}
+
+// How far listed samples are from the wall.
+//   item    one entry of `list`
+//   reads   list [item_count]; places [samples]; hi, lo; tree; vertices     writes  distances [item_count] [m], at most `most`
+SEL_KERNEL void contact_distance(const uint item_count, const real most, __global const uint* restrict list,
+                                  __global const SamplePlace* restrict places, __global const float* restrict hi,
+                                  __global const real* restrict lo, __global const TreeNode* restrict nodes,
+                                  __global const float* restrict vertices, __global real* restrict distances)
+{
+    const uint item = get_global_id(0);
+    if (item < item_count) {
+        const AxisPoint at = axis_point(places[list[item]].edge, places[list[item]].bary, hi, lo);
+        distances[item] = wall_distance(at.origin + at.offset, most, nodes, vertices);
     }
 }
 

@@ -94,6 +94,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     for (uint k = 0; k < count; ++k) {
         const uint t = candidates[k];
         const Triangle tri = load_triangle(vertices, t, origin);
+        if (triangle_box_distance2(p, tri) > best2 * (1 + SEL_TIE)) continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
@@ -136,10 +137,17 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
+    // beyond these nothing is found: of the other side; and of this one, where eps <= 2 blend r
+    const real reached2 = (1 + SEL_TIE) * (radius + reach) * (radius + reach);
+    const real blended = radius - depth0 + 2 * blend * radius, blended2 = (1 + SEL_TIE) * blended * blended;
     for (uint k = 0; k < count; ++k) {
         const uint t = candidates[k];
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(vertices, t, origin);
+        const real box2 = triangle_box_distance2(p, tri);
+        if (box2 > reached2) continue;
+        if (box2 > blended2 && dot3(p - tri.a, first->side) >= 0 && dot3(p - tri.b, first->side) >= 0 && dot3(p - tri.c, first->side) >= 0)
+            continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);

@@ -96,13 +96,13 @@ SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, Cont
     const real size = sqrt(dot3(slip, slip));
     // a stuck or new touch yields at mu_static, a sliding one at mu_sliding; fixed within the step, so the law is one cone
     const int was_sliding = was_active && !(old.flags & SEL_TOUCH_STUCK);
-    const real cone = (sticks && !was_sliding ? m.mu_static : m.mu_sliding) * fn;
+    const real cone = (sticks && !was_sliding && par.settling != SEL_SETTLE_SLIDING ? m.mu_static : m.mu_sliding) * fn;
     real along, across;  // d|f|/d|slip| along the slip and |f|/|slip| across it
     real force = cone;
     int stuck = 0;
     if (sticks) {
         const real kt = m.friction_stiffness * m.weight;
-        stuck = par.all_stuck || kt * size <= cone;
+        stuck = par.settling == SEL_SETTLE_STUCK || kt * size <= cone;
         if (stuck) force = kt * size;
         along = stuck ? kt : 0;
         across = stuck ? kt : cone / size;

@@ -67,6 +67,39 @@ SEL_FN uint find_near(vec3 p, real range, SEL_GLOBAL const TreeNode* nodes, SEL_
     return count;
 }
 
+// Distance from p to the nearest triangle, or `most` if none is nearer.
+SEL_FN real wall_distance(vec3 p, real most, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices)
+{
+    const vec3 zero = make_vec3(0, 0, 0);
+    real best2 = most * most;
+    uint stack[SEL_TREE_STACK];
+    real away2[SEL_TREE_STACK];  // of the boxes on the stack
+    uint top = 0;
+    stack[0] = 0;
+    away2[top++] = box_distance2(p, nodes[0]);
+    while (top > 0) {
+        --top;
+        if (away2[top] >= best2) continue;
+        const TreeNode node = nodes[stack[top]];
+        if (node.count == 0) {  // the nearer child is looked at first
+            const uint left = node.left_or_first;
+            const real to_left = box_distance2(p, nodes[left]), to_right = box_distance2(p, nodes[left + 1]);
+            const uint right_first = to_right < to_left;
+            stack[top] = right_first ? left : left + 1;
+            away2[top++] = right_first ? to_left : to_right;
+            stack[top] = right_first ? left + 1 : left;
+            away2[top++] = right_first ? to_right : to_left;
+            continue;
+        }
+        for (uint k = 0; k < node.count; ++k) {
+            int feature;
+            const vec3 v = p - closest_on_triangle(p, load_triangle(vertices, node.left_or_first + k, zero), &feature);
+            best2 = min_r(best2, dot3(v, v));
+        }
+    }
+    return sqrt(best2);
+}
+
 // Did this record speak of the wall that has this normal?
 SEL_FN int same_side(TouchState touch, vec3 normal)
 {

@@ -121,12 +121,15 @@ typedef struct EdgeForce {
     uint flags, contacts;
 } EdgeForce;
 
+#define SEL_SETTLE_STUCK 1u    // every touch sticks, whatever the cone
+#define SEL_SETTLE_SLIDING 2u  // every touch has slid to where it is: its cone is that of mu_sliding
+
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
     uint slots;          // candidates per sample
     uint friction;       // SEL_FRICTION_*
-    uint all_stuck;      // settling: every touch sticks, whatever the cone (scene start = "settled")
+    uint settling;       // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;     // SEL_NORMAL_*
     uint pad;
     real inv_dt;         // [1/s]; 0 in static equilibrium: no damping

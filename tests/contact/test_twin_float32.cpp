@@ -12,6 +12,7 @@
 TEST_SUITE("contact/twin_float32")
 {
     TEST_CASE("twin: contact_find") { find_case(); }
+    TEST_CASE("twin: contact_distance") { distance_case(); }
     TEST_CASE("twin: contact_evaluate") { evaluate_case(); }
     TEST_CASE("twin: contact_evaluate with an exponent that needs pow") { evaluate_pow_case(); }
     TEST_CASE("twin: contact_evaluate with laws that have multipliers, and the barrier") { evaluate_hard_case(); }

@@ -275,18 +275,21 @@ void find_case()
                 s.par.slots = slots;
                 const Found host = host_find(s, list, slack, slots);
                 Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
-                    counts(context, lane, std::vector<uint>(n));
+                    counts(context, lane, std::vector<uint>(n)), by_item(context, lane, std::vector<uint>(n));
                 Guarded<SampleModel> models(context, lane, s.models);
                 Guarded<SamplePlace> places(context, lane, s.places);
                 Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
                 Guarded<real> lo(context, lane, s.lo);
                 Guarded<TreeNode> nodes(context, lane, s.nodes);
                 kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
-                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer());
+                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer(), by_item.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
                 CHECK(first_difference(counts.read(), host.counts) == -1);
                 CHECK(first_difference(candidates.read(), host.candidates) == -1);
+                std::vector<uint> listed;
+                for (uint sample : list) listed.push_back(host.counts[sample]);
+                CHECK(first_difference(by_item.read(), listed) == -1);
                 for (uint c : host.counts) {
                     found += c;
                     most = std::max(most, c);
@@ -294,6 +297,47 @@ void find_case()
             }
     REQUIRE(found > 1000);
     REQUIRE(most > 5);
+}
+
+void distance_case()
+{
+    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_distance");
+    for (const Lane lane : {Lane::Light, Lane::Heavy})
+        for (const std::size_t n : counts_to_try) {
+            Scene s(n);
+            const std::vector<uint> list = up_to(n);
+            const real most = static_cast<real>(0.35e-3);  // beyond some, within others
+            std::vector<real> host(n);
+            for (std::size_t k = 0; k < n; ++k) {
+                const SamplePlace& place = s.places[list[k]];
+                const AxisPoint at = axis_point(place.edge, place.bary, s.hi.data(), s.lo.data());
+                const vec3 p = at.origin + at.offset;
+                host[k] = wall_distance(p, most, s.nodes.data(), s.wall.vertices.data());
+                // and against all triangles, none left out
+                real nearest = most;
+                for (std::size_t t = 0; t < s.wall.vertices.size() / 9; ++t) {
+                    int feature;
+                    const Triangle tri = load_triangle(s.wall.vertices.data(), static_cast<uint>(t), make_vec3(0, 0, 0));
+                    const vec3 v = p - closest_on_triangle(p, tri, &feature);
+                    nearest = std::min(nearest, std::sqrt(dot3(v, v)));
+                }
+                CHECK(std::abs(host[k] - nearest) <= (float32 ? 1e-7 : 1e-16));  // the root of most^2
+            }
+            Guarded<uint> items(context, lane, list);
+            Guarded<SamplePlace> places(context, lane, s.places);
+            Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
+            Guarded<real> lo(context, lane, s.lo), distances(context, lane, std::vector<real>(n));
+            Guarded<TreeNode> nodes(context, lane, s.nodes);
+            kernel.launch(lane, n, static_cast<cl_uint>(n), most, items.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
+                          nodes.buffer(), vertices.buffer(), distances.buffer());
+            CAPTURE(n);
+            CHECK(first_difference(distances.read(), host) == -1);
+            if (n > 100) {
+                REQUIRE(std::count(host.begin(), host.end(), std::sqrt(most * most)) > 0);
+                REQUIRE(std::count_if(host.begin(), host.end(), [&](real d) { return d < (real)0.99 * most; }) > 0);
+            }
+        }
 }
 
 void evaluate_case()
@@ -305,7 +349,7 @@ void evaluate_case()
                 Scene s(n);
                 s.par.friction = friction;
                 s.par.inv_dt = static_cast<real>(n == 65 ? 0 : 1000);
-                s.par.all_stuck = n == 64;
+                s.par.settling = n == 64 ? SEL_SETTLE_STUCK : n == 63 ? SEL_SETTLE_SLIDING : 0u;
                 const std::vector<uint> list = up_to(n);
                 const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
                 REQUIRE((n == 0 || *std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots));
@@ -567,7 +611,7 @@ void layer_evaluate_case()
     X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) \
     X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) \
     X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) \
-    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, all_stuck) X(ContactParams, normal_law) \
+    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) X(ContactParams, normal_law) \
     X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) \
     X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -96,6 +97,46 @@ TEST_SUITE("step/worlds")
             }
             if (detection == Detection::Swept) REQUIRE(contacts > 20);
         }
+    }
+
+    TEST_CASE(
+        "property: wires that converge after different numbers of iterations give the bits that each gives alone, at 1/60 s")
+    {
+        const auto five = [] {
+            WorldSetup setup;
+            add_bend(setup, 0.003, 0.05);
+            for (int w = 0; w < 5; ++w) {
+                WireSpec spec = steel_wire(0.08, 25);
+                spec.shaft.bend_stiffness *= 0.2 * (1 + w);
+                setup.wires.push_back(fed_wire(spec, {0.0005, 1e-4 * w, -0.0024 + 2e-4 * w}, 0.03 + 0.01 * w));
+            }
+            setup.dt = 1.0 / 60;
+            return setup;
+        };
+        World together(five());
+        std::vector<std::unique_ptr<World>> alone;
+        for (int w = 0; w < 5; ++w) {
+            WorldSetup setup = five();
+            setup.wires = {setup.wires[w]};
+            alone.push_back(std::make_unique<World>(std::move(setup)));
+        }
+        int mixed = 0, contacts = 0;  // steps in which some wires were done before others
+        for (int k = 0; k < 60; ++k) {
+            REQUIRE_FALSE(step(together, 1.0 / 60).failed());
+            int least = 1000, most = 0;
+            for (int w = 0; w < 5; ++w) {
+                REQUIRE_FALSE(step(*alone[w], 1.0 / 60).failed());
+                least = std::min(least, together.report(w).newton_iterations);
+                most = std::max(most, together.report(w).newton_iterations);
+                CHECK(together.readings(w).normal == alone[w]->readings(0).normal);
+                CHECK(together.readings(w).contacts == alone[w]->readings(0).contacts);
+                contacts += together.readings(w).contacts;
+            }
+            mixed += most > least;
+        }
+        for (int w = 0; w < 5; ++w) CHECK(together.state_hash(w) == alone[w]->state_hash());
+        REQUIRE(mixed > 10);
+        REQUIRE(contacts > 100);
     }
 
     TEST_CASE("property: twenty wires give the same bits on one thread and on several, and each its own hash")
@@ -194,5 +235,62 @@ TEST_SUITE("step/worlds")
         WorldSetup setup = three_wires(Detection::Swept);
         setup.wires.pop_back();
         CHECK_THROWS_AS(World(std::move(setup)).restore_state(world.save_state()), Error);
+    }
+
+    TEST_CASE("failure: a straight wire placed along a bend settles against the wall, whatever springs it back")
+    {
+        for (const double stiffer : {1.0, 0.1, 10.0}) {
+            CAPTURE(stiffer);
+            WorldSetup setup;
+            add_bend(setup, 0.006, 0.04);
+            WireSpec spec = steel_wire(0.08, 25);
+            spec.shaft.bend_stiffness *= stiffer;
+            WireSetup wire = placed_wire(spec, {});
+            wire.wire.place.shape = PlaceShape::Centreline;
+            wire.wire.place.from = 0.002;
+            HoldSpec hold;
+            hold.position = hold.direction = hold.spin = true;
+            wire.holds = {hold};
+            setup.wires = {wire};
+            setup.start_settled = true;
+            World world(std::move(setup));
+            REQUIRE_FALSE(settle(world).failed());
+            const WireReadings& at_rest = world.readings(0);
+            CHECK(at_rest.contacts > 0);
+            CHECK(at_rest.outside == 0);
+            // and it is at rest: a step on, nothing moves faster than weight takes to pass a micron in a step
+            for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+            CHECK(world.readings(0).kinetic < 1e-3 * at_rest.elastic);
+        }
+    }
+
+    TEST_CASE(
+        "failure: a linearised step that may not go all the way takes half steps, and a moved base is where it was told to be")
+    {
+        WorldSetup setup;
+        add_bend(setup, 0.006, 0.04);
+        WireSetup wire = placed_wire(steel_wire(0.05, 25), {});
+        wire.wire.place.shape = PlaceShape::Centreline;
+        wire.wire.place.from = 0.002;
+        wire.wire.place.rest_is_placed = true;
+        HoldSpec hold;
+        hold.position = hold.direction = hold.spin = true;
+        hold.move = {{0, 0, 0, 0}, {0.5, 0.01, 0, 0}};  // a third of a millimetre in 1/60 s; `swept` lets no update move 0.2 mm
+        wire.holds = {hold};
+        wire.contact.detection = Detection::Swept;
+        setup.wires = {wire};
+        setup.integrator.scheme = Scheme::Linearised;
+        World world(std::move(setup));
+        const RodView rod = world.impl().rods.view(0);
+        const Vec3 base = rod.pos(rod.n - 1);
+        int halved = 0;
+        for (int k = 1; k <= 30; ++k) {
+            const StepReport report = step(world, 1.0 / 60);
+            REQUIRE_FALSE(report.failed());
+            halved += (report.flags & StepHalved) != 0;
+            const Vec3 moved = world.impl().rods.view(0).pos(rod.n - 1) - base;
+            CHECK((moved - Vec3(0.02 * k / 60.0, 0, 0)).norm() <= 1e-12);
+        }
+        CHECK(halved > 0);
     }
 }
