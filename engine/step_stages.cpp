@@ -331,23 +331,25 @@ Approach approach_of(const World::Impl& state, int w)
     return approach;
 }
 
-/// Farthest that a node has moved from where it was [m]; node numbers must not have changed.
-double farthest_move(const RodView& rod, const RodView& placed)
+/// Equilibrium of the wires of the mask at their approaches' targets. @param settling  0 or SEL_SETTLE_*
+/// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
+/// where they were
+WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& mask, uint settling,
+                 double farthest = INFINITY)
 {
-    double most = 0;
-    for (int i = 0; i < rod.n; ++i) most = std::max(most, (rod.pos(i) - placed.pos(i)).norm());
-    return most;
-}
-
-/// One equilibrium of each wire of `going`. @param placed  if given: an equilibrium farther than the wire's radius from there is
-/// none
-/// @return those that have none
-WireMask equilibrium_of(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& going, RodArrays* placed,
-                        StepReport& report)
-{
-    if (state.contact) state.contact->begin_step(state.rods);
+    RodArrays placed = state.rods;
+    const auto moved = [&](int w) {
+        const RodView now = state.rods.view(w), then = placed.view(w);
+        double most = 0;
+        for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
+        return most;
+    };
+    if (state.contact) {
+        state.contact->set_settling(settling);
+        state.contact->begin_step(state.rods);
+    }
     for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = going[w] && (!state.feeds[w].on || state.feeds[w].inside);
+        state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(approaches[w].target, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
@@ -356,20 +358,27 @@ WireMask equilibrium_of(World::Impl& state, const std::vector<Approach>& approac
     const auto start = Clock::now();
     state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
-    WireMask done = going, failed(going.size(), 0);
+    WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        note(state, report, w, StepOk, state.reports[w].iterations);
-        failed[w] = !state.reports[w].converged ||
-                    (placed && farthest_move(state.rods.view(w), placed->view(w)) > state.rods.view(w).radius[0]);
-        done[w] = !failed[w];
-        if (failed[w]) state.restore_wire(w);
+        if (state.reports[w].converged && !(moved(w) > farthest * state.rods.view(w).radius[0])) continue;
+        done[w] = 0;
+        failed[w] = 1;
+        state.restore_wire(w);
     }
-    if (state.contact) state.contact->commit(done);
+    if (state.contact) {
+        state.contact->commit(done);
+        state.contact->set_settling(0);
+    }
     for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) state.read_results(w, 0);
+        if (done[w]) {
+            state.save_wire(w);
+            state.read_results(w, 0);
+        }
     return failed;
 }
+
+bool any_of(std::span<const std::uint8_t> mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
 
 /// Nodes of an equilibrium until none has to come or go, the rest length that they made taken out at once.
 /// @return whether any did: the equilibrium is to be found anew
@@ -401,7 +410,6 @@ bool go_on(World::Impl& state, int w, Approach& approach, bool failed)
         approach.target = 0.5 * (approach.reached + std::min(approach.target, approach.end));
         return approach.target > approach.reached && ++approach.halvings <= most_static_halvings;
     }
-    state.save_wire(w);
     approach.reached = approach.target;
     if (approach.target == approach.times[approach.next]) {
         approach.adapting = adapt_at_rest(state, w, approach);
@@ -413,53 +421,53 @@ bool go_on(World::Impl& state, int w, Approach& approach, bool failed)
     return true;
 }
 
-/// Equilibria of the wires of the mask, moves followed and nodes adapted. @param settling  0 or SEL_SETTLE_*
-/// @param placed  see equilibrium_of     @return wires that found none; they are at the last one that they had
-WireMask walk(World::Impl& state, WireMask going, uint settling, RodArrays* placed, StepReport& report)
+/// Solver iterations of the wires of the mask into their reports.
+void note_solves(World::Impl& state, StepReport& report, const WireMask& mask)
 {
-    if (state.contact) state.contact->set_settling(settling);
-    std::vector<Approach> approaches;
-    for (int w = 0; w < state.wire_count(); ++w) approaches.push_back(approach_of(state, w));
-    WireMask lost(going.size(), 0);
-    for (bool any = true; any; placed = nullptr) {
-        const WireMask failed = equilibrium_of(state, approaches, going, placed, report);
-        any = false;
-        for (int w = 0; w < state.wire_count(); ++w) {
-            if (!going[w]) continue;
-            lost[w] = !go_on(state, w, approaches[w], failed[w]);
-            going[w] = !lost[w] && !approaches[w].done();
-            any = any || going[w];
-        }
-    }
-    if (state.contact) state.contact->set_settling(0);
-    return lost;
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
 }
 
-bool any_of(std::span<const std::uint8_t> mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
+/// The first equilibrium of wires that start settled: all contacts stuck. @return wires that found none
+WireMask balance_stuck(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& mask, StepReport& report)
+{
+    WireMask failed = balance(state, approaches, mask, SEL_SETTLE_STUCK, 1);
+    note_solves(state, report, mask);
+    if (!any_of(failed)) return failed;
+    // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
+    // way there. It slides to rest instead, and holds from there on.
+    WireMask rested = failed;
+    failed = balance(state, approaches, failed, SEL_SETTLE_SLIDING);
+    note_solves(state, report, rested);
+    for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
+    if (any_of(rested)) {
+        (void)balance(state, approaches, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
+        note_solves(state, report, rested);
+    }
+    return failed;
+}
 
 }  // namespace
 
 void find_equilibrium(World::Impl& state, StepReport& report)
 {
-    const WireMask all = everyone(state);
-    WireMask failed(all.size());
-    if (state.setup.start_settled && state.steps == 0) {
-        RodArrays placed = state.rods;
-        failed = walk(state, all, SEL_SETTLE_STUCK, &placed, report);
-        if (any_of(failed)) {
-            // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as
-            // its way there. It slides to rest instead, and holds from there on.
-            WireMask rested = failed;
-            failed = walk(state, failed, SEL_SETTLE_SLIDING, nullptr, report);
-            for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
-            if (any_of(rested))
-                (void)walk(state, rested, SEL_SETTLE_STUCK, nullptr, report);  // where that fails it is at rest all the same
+    WireMask going = everyone(state);
+    std::vector<Approach> approaches;
+    for (int w = 0; w < state.wire_count(); ++w) approaches.push_back(approach_of(state, w));
+    bool stuck = state.setup.start_settled && state.steps == 0;
+    while (any_of(going)) {
+        const WireMask failed = stuck ? balance_stuck(state, approaches, going, report) : balance(state, approaches, going, 0);
+        if (!stuck) note_solves(state, report, going);
+        stuck = false;
+        for (int w = 0; w < state.wire_count(); ++w) {
+            if (!going[w]) continue;
+            const bool found = go_on(state, w, approaches[w], failed[w]);
+            if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+            going[w] = found && !approaches[w].done();
         }
     } else {
         failed = walk(state, all, 0, nullptr, report);
     }
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (failed[w]) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
 }
 
 namespace {

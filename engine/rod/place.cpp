@@ -103,7 +103,8 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
 double next_at_chord(const Curve& curve, double u, const Vec3& p, double chord)
 {
     double low = u + 0.5 * chord, high = u + chord;
-    while ((curve.at(high) - p).norm() < chord && high < u + 20 * chord) high += 0.25 * chord;
+    const double enough = chord * (1 - 1e-9);  // or rounding carries a chord that ends in a sharp corner past it
+    while ((curve.at(high) - p).norm() < enough && high < u + 20 * chord) high += 0.25 * chord;
     for (int i = 0; i < 80; ++i) {
         const double mid = (low + high) / 2;
         ((curve.at(mid) - p).norm() < chord ? low : high) = mid;
