@@ -465,8 +465,6 @@ void find_equilibrium(World::Impl& state, StepReport& report)
             if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
             going[w] = found && !approaches[w].done();
         }
-    } else {
-        failed = walk(state, all, 0, nullptr, report);
     }
 }
 
