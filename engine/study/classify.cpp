@@ -21,8 +21,9 @@ bool all_finite(const WireReadings& r)
                          r.gravitational + r.base_force.sum());
 }
 
-// A fed wire whose piece is still in the guide has no energies yet; they begin, with its weight's height, when it is inside.
-bool in_guide(const WireReadings& r) { return r.nodes == 2 && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0; }
+// A fed wire whose piece is still in the guide has no energies yet, and a wire that was placed bent has none before its first step;
+// they begin when they are first known.
+bool not_known_yet(const WireReadings& r, long step) { return (r.nodes == 2 || step == 1) && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0; }
 
 constexpr int least_window = 10;  // steps; fewer say nothing of jitter
 constexpr int least_turns = 3;    // in a window
@@ -129,7 +130,7 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
     carried_ += carried_in;
     const double own = stored(now) - carried_;  // wherever the origin of heights is
     const double balance = now.kinetic + own - work_;
-    if (in_guide(last_)) {
+    if (not_known_yet(last_, seen_.steps)) {
         least_ = balance + contact_storage(now);
         most_stored_ = own;
         return;
@@ -138,7 +139,9 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
     seen_.energy_made = std::max(seen_.energy_made, made);
 
     const double rounding = 1e-9 * (std::abs(now.kinetic) + std::abs(stored(now)) + std::abs(work_));
-    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + most_released_) + limits_.energy_floor + jerks_ + rounding)
+    // what this step itself released counts: a bent wire that is let go turns it over in its first step
+    const double released = std::max(most_released_, most_stored_ - own);
+    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + released) + limits_.energy_floor + jerks_ + rounding)
         note(Outcome::BlowUp);
 
     turned_over_ += std::abs(step_work);

@@ -49,6 +49,7 @@ typedef struct SampleModel {
     real hard_length;         // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
     real line_mass;           // of the wire [kg/m]
     real restitution;         // impulse
+    real hard_most;           // augmented, constraint, impulse: largest multiplier [N/m]
 } SampleModel;
 
 // Which edge a sample lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in the
@@ -127,7 +128,7 @@ typedef struct EdgeForce {
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
-    uint slots;          // candidates per sample
+    uint slots;          // per sample: cells of the tree (walk.h); layer: triangles
     uint friction;       // SEL_FRICTION_*
     uint settling;       // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;     // SEL_NORMAL_*
