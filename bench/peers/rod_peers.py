@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Time to reach a tip error: this engine, MuJoCo's cable and PyElastica on the same wire, each at its cheapest setting that gets there.
 
-    python3 -m venv /tmp/rod-peers && /tmp/rod-peers/bin/pip install mujoco pyelastica
+    python3 -m venv /tmp/rod-peers && /tmp/rod-peers/bin/pip install 'mujoco<4' pyelastica     # 4 has no cable
     /tmp/rod-peers/bin/python bench/peers/rod_peers.py [--app build/seldinger] [--cap 60] [--quick] [--csv FILE]
 
 Wire: 0.014 inch nitinol, 0.3 m, held level at its base, under its own weight (w L^3 / B = 3.1).
@@ -111,14 +111,13 @@ def mujoco_cable(case, segments, dt, cap, damping=0.0):
     h = LENGTH / segments
     # capsules of a chain overlap by their caps: the mass is set by hand
     mass = DENSITY * math.pi * RADIUS**2 * h
+    bodies = "".join(f"""<body pos="{h if k else 0} 0 0">{f'<joint type="ball" damping="{damping}"/>' if k else ''}
+<geom type="capsule" fromto="0 0 0 {h} 0 0" size="{RADIUS}" mass="{mass}"/><plugin instance="wire"/>""" for k in range(segments))
     xml = f"""<mujoco>
-<extension><plugin plugin="mujoco.elasticity.cable"/></extension>
+<extension><plugin plugin="mujoco.elasticity.cable"><instance name="wire"><config key="twist" value="{SHEAR}"/><config key="bend" value="{YOUNG}"/>
+<config key="vmax" value="0"/></instance></plugin></extension>
 <option timestep="{dt}" gravity="0 0 -{G}" integrator="implicitfast"><flag contact="disable"/></option>
-<worldbody>
-<composite type="cable" curve="s" count="{segments + 1} 1 1" size="{LENGTH}" offset="0 0 0" initial="none">
-<plugin plugin="mujoco.elasticity.cable"><config key="twist" value="{SHEAR}"/><config key="bend" value="{YOUNG}"/><config key="vmax" value="0"/></plugin>
-<joint kind="main" damping="{damping}"/><geom type="capsule" size="{RADIUS}" mass="{mass}"/>
-</composite></worldbody></mujoco>"""
+<worldbody>{bodies}{"</body>" * segments}</worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     tip_body = model.nbody - 1
