@@ -143,11 +143,11 @@ std::string bench_json(const BenchResults& r)
     out["device_index"] = r.device.index;
     out["device_type"] = r.device.type;
     out["fp64"] = r.device.fp64;
-    const Row common = origin(r);
+    const auto same = origin(r);
     const auto bare = [&](Table table) {  // what is the same in all rows stands above them
         Json list = Json::array();
         for (Row& row : table) {
-            for (const auto& [name, value] : common.items()) row.erase(name);
+            for (const auto& [name, value] : same.items()) row.erase(name);
             list.push_back(row);
         }
         return list;

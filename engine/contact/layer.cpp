@@ -50,7 +50,7 @@ LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, Ro
     edges_.reserve(n);
     sums_.edges.resize(n);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
-    stamps_.assign(rods.wire_count(), 1);
+    stamps_.assign(rods.wire_count(), 2);  // see WireSamples::stamp
     edge_list_ = device::Buffer(context, n * sizeof(LayerEdge));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     touching_buffer_ = device::Buffer(context, n * sizeof(real));

@@ -55,6 +55,8 @@ void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
     m.line_mass = mass;
     m.restitution = contact.restitution;
     m.hard_stiffness = m.exponent * m.stiffness * std::pow(r / 100, m.exponent - 1);
+    double ignored;
+    m.hard_most = elastic_normal(0.95 * m.depth_limit, m, &ignored);
     switch (contact.normal) {
         case NormalLaw::HuntCrossley:
         case NormalLaw::LankaraniNikravesh: break;
@@ -63,7 +65,6 @@ void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
         case NormalLaw::Impulse: m.hard_length = impulse_speed; break;
         case NormalLaw::Barrier: {
             m.hard_length = contact.barrier_distance;
-            double ignored;
             m.hard_stiffness = elastic_normal(m.depth_limit / 2, m, &ignored) /
                                barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);
         }

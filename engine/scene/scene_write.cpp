@@ -111,7 +111,7 @@ void write_wire(std::string& out, const Scene& scene)
     t.num("length_m", wire.length);
     if (wire.nodes == 0) t.word("nodes", "adaptive");
     else t.whole("nodes", wire.nodes);
-    t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge);
+    t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge).num("edge_error_m", wire.edge_error);
     write_properties(t, wire.shaft, false);
     t.word("curvature", word_of(curvature_words, wire.curvature));
     if (!scene.feed.on) {

@@ -131,13 +131,16 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (options_.linearised && phase_ == Phase::Search) {  // a part of the step is no step: half the time is asked for instead
-        if (alpha_ == 1) phase_ = Phase::Done;
+    if (options_.linearised && phase_ == Phase::Search) {
+        // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for instead.
+        // Published detection has no such limit, and takes what it gets.
+        if (alpha_ == 1 || std::isinf(move_limit_)) phase_ = Phase::Done;
         else give_up();
         return;
     }
     if (norm_ <= problem.tolerance && at_prescribed()) {
         if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
+        if (may_be_saddle() && leave_saddle(contact, wire)) return;
         phase_ = Phase::Done;
         return;
     }
@@ -379,6 +382,25 @@ bool NewtonWire::stable(const ContactTerm* contact, int wire)
     unsymmetric_ = problem.unsymmetric();
     shift_ = smallest_shift_;
     return factorise_with(HessianMode::Exact, contact, wire) == 0;
+}
+
+/// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the solution may
+/// be a saddle: a straight column pushed far beyond its buckling load, which no rounding error bends because nothing leads out of its
+/// line. Asked once in a solve.
+bool NewtonWire::may_be_saddle() const
+{
+    return !options_.shifted && !options_.linearised && safe_steps_ > 0 && kicks_ == 0 && problem.motion == Motion::Implicit &&
+           !problem.conserving();
+}
+
+/// From the trial, whose equations hold. @return whether it was one
+bool NewtonWire::leave_saddle(const ContactTerm* contact, int wire)
+{
+    const bool saddle = !stable(contact, wire);
+    if (saddle) kick();
+    shift_ = 0;
+    safe_steps_ = 0;
+    return saddle;
 }
 
 /// Leaves an unstable equilibrium by a hundredth of an edge along its softest mode, found by inverse iteration on the matrix that

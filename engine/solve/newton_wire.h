@@ -19,7 +19,8 @@
 // contact's own curvature only.
 //
 // Statics. A shift on the diagonal, no larger than makes the exact matrix positive definite, turns each iteration into a step of
-// pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is Newton's method at the end.
+// pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is Newton's method at the end. A step in
+// time that ends where the exact matrix is indefinite leaves its saddle likewise, once.
 
 #include "solve/wire_problem.h"
 
@@ -84,6 +85,8 @@ private:
     void add_shift(double amount);
     void raise_shift();
     [[nodiscard]] bool stable(const ContactTerm* contact, int wire);
+    [[nodiscard]] bool may_be_saddle() const;
+    [[nodiscard]] bool leave_saddle(const ContactTerm* contact, int wire);
     void kick();
     void solve(std::span<double> rhs_to_x);
     void correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left);

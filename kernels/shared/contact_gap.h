@@ -9,9 +9,10 @@
 //     with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest point
 //     is never blended: there n_j would be tilted by nothing but the edge's offset.
 //   * touch 1: the nearest point of the opposite wall of a narrow lumen. Which facets are of the one side and which of the other is
-//     told by an axis: a facet whose normal looks against it is of the other side. The axis is the normal of touch 0 when contact
-//     begins, and its last normal from then on: it stands still during a step, so that the forces of both sides are continuous even
-//     where the lumen is as narrow as the wire and walls all round push at once.
+//     told by an axis: a facet whose normal looks against it, by more than a fifth, is of the other side. The axis is the normal of
+//     touch 0 when contact begins, and its last normal from then on: it stands still during a step, so that the forces of both sides
+//     are continuous even where the lumen is as narrow as the wire and walls all round push at once. A fifth: the walls of a box, at
+//     right angles, are of one side whatever rounding says.
 //   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
 //     through an opening), unless it is the nearest of all and the sample touched the wall from inside in the last step: then
 //     the axis has passed the wall, the depth is r + distance and the normal points back.
@@ -25,7 +26,8 @@ SEL_BEGIN
 typedef struct Touch {
     vec3 normal;    // into the lumen; unit up to blending
     vec3 to_wall;   // from the axis point to the wall's [m]
-    vec3 side;      // facets whose normal looks along it are of this side of the lumen, the others of the opposite one
+    vec3 side;      // facets whose normal looks along it by more than `limit` are of this side of the lumen, the others of the opposite one
+    real limit;     // -SEL_SIDE on the axis's own side, SEL_SIDE on the other; 0: not known yet
     real depth;     // overlap [m], negative when apart
     real bend[6];   // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
     uint triangle;
@@ -37,6 +39,8 @@ typedef struct Touch {
 #else
     #define SEL_TIE 1e-9
 #endif
+
+#define SEL_SIDE ((real)0.2)  // cosine: see above
 
 #define SEL_COPLANAR 1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
 
@@ -101,6 +105,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real bl
     touch.normal = make_vec3(0, 0, 0);
     touch.to_wall = make_vec3(0, 0, 0);
     touch.side = make_vec3(0, 0, 0);
+    touch.limit = 0;
     touch.found = 0;
     touch.outside = 0;
     touch.triangle = 0;
@@ -180,9 +185,14 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     if (!first->found || first->outside || first->depth < -reach) return second;
     const vec3 n0 = first->normal, facet0 = triangle_normal(load_triangle(vertices, first->triangle, origin));
     const real depth0 = first->depth;
-    const real along = dot3(n0, first->side);
-    first->side = along == 0 ? n0 : (along > 0 ? 1 : -1) * first->side;
+    if (first->limit == 0) {
+        const int axis = dot3(first->side, first->side) > 0, own = !axis || dot3(n0, first->side) >= -SEL_SIDE;
+        if (!axis) first->side = n0;
+        if (!own) first->side = -first->side;
+        first->limit = own ? -SEL_SIDE : SEL_SIDE;
+    }
     second.side = -first->side;
+    second.limit = -first->limit;
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
@@ -200,13 +210,15 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         if (dot3(v, facet) <= 0 && !on_rim(rims[t], feature)) continue;
         const real d = sqrt(d2);
         BlendPlane plane;
-        if (dot3((1 / d) * v, first->side) < 0 || !is_blended(first, facet0, facet, v, d, radius, blend, &plane)) continue;
+        if (dot3((1 / d) * v, first->side) < first->limit || !is_blended(first, facet0, facet, v, d, radius, blend, &plane)) continue;
         plane_count = keep_plane(planes, plane_count, plane);
     }
-    // of the other side is only what lies beyond p along `side`; what is listed has been blended already
-    const real rounding = SEL_WALK_MARGIN * radius, range = radius + 2 * rounding + reach;
-    const vec3 p_side = p - rounding * first->side;
-    const real wide_shell = sqrt(shell2) + rounding, walked2 = listed ? (real)-1 : wide_shell * wide_shell;
+    // a triangle so far on this side, all of it, is within the limit as far as it is reached
+    const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (radius + reach);
+    // of the other side is only what lies beyond that along `side`; what is listed has been blended already
+    const real rounding = SEL_WALK_MARGIN * radius, range = radius + reach + 2 * rounding + surely_own;
+    const vec3 p_side = p - (rounding + surely_own) * first->side;
+    const real wide_shell = sqrt(shell2) + rounding + surely_own, walked2 = listed ? (real)-1 : wide_shell * wide_shell;
     Walk walk;
     walk.top = walk.next = 0;
     TreeNode leaf;
@@ -221,7 +233,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         const Triangle tri = load_triangle(vertices, t, origin);
         const real box2 = triangle_box_distance2(p, tri);
         if (box2 > range2 * (1 + SEL_TIE)) continue;
-        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= 0 && dot3(p - tri.b, first->side) >= 0 && dot3(p - tri.c, first->side) >= 0)
+        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= surely_own && dot3(p - tri.b, first->side) >= surely_own &&
+            dot3(p - tri.c, first->side) >= surely_own)
             continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
@@ -232,7 +245,7 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         const real d = sqrt(d2);
         const vec3 n = (1 / d) * v;
         const real depth = radius - d;
-        if (dot3(n, first->side) < 0) {
+        if (dot3(n, first->side) < first->limit) {
             if (depth > second_depth) {
                 second_depth = depth;
                 second.found = 1;

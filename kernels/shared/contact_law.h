@@ -184,7 +184,7 @@ SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int
         if (fresh || depth_t0 <= 0) return 0;
         depth -= impulse_goal(depth_t0, rate_t0, par.inv_dt, m);
     }
-    return multiplier_law(depth, hard, slope);
+    return multiplier_law(depth, m, hard, slope);
 }
 
 // Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.

@@ -49,6 +49,7 @@ typedef struct SampleModel {
     real hard_length;         // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
     real line_mass;           // of the wire [kg/m]
     real restitution;         // impulse
+    real hard_most;           // augmented, constraint, impulse: largest multiplier [N/m]
 } SampleModel;
 
 // Which edge a sample lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in the

@@ -10,16 +10,19 @@ SEL_BEGIN
 #define SEL_STIFFEST ((real)1e4)      // k is at most this many times its least
 #define SEL_SHRINKS_WELL ((real)0.25)  // factor on the miss that a round should bring
 
+#define SEL_SPEED_LEFT ((real)1e-3)   // that a miss may leave [m/s]
+
 // Overlap, or speed times step, that is allowed [m].
 SEL_FN real miss_allowed(SampleModel m, ContactParams par)
 {
-    if (par.normal_law != SEL_NORMAL_IMPULSE) return m.hard_length;
-    return par.inv_dt > 0 ? m.hard_length / par.inv_dt : m.hard_length * (real)1e-3;
+    if (par.normal_law == SEL_NORMAL_IMPULSE) return par.inv_dt > 0 ? m.hard_length / par.inv_dt : m.hard_length * (real)1e-3;
+    return par.inv_dt > 0 ? min_r(m.hard_length, SEL_SPEED_LEFT / par.inv_dt) : m.hard_length;
 }
 
 SEL_FN real least_stiffness(SampleModel m, ContactParams par, real force)
 {
-    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), 2 * force / m.reach);
+    const real fades = m.reach > 0 ? 2 * force / m.reach : (real)0;  // without a reach no touch is ever lost sight of
+    return max_r(max_r(m.hard_stiffness, 10 * m.line_mass * par.inv_dt * par.inv_dt), fades);
 }
 
 // State of a touch at the start of a step, from what it exerted at the end of the last one.
@@ -28,7 +31,7 @@ SEL_FN HardState hard_start(TouchState touch, uint stamp, SampleModel m, Contact
     HardState hard = no_hard_state();
     hard.live = touch.stamp + 1 == stamp && (touch.flags & SEL_TOUCH_ACTIVE) && m.weight > 0;
     if (hard.live) {
-        hard.force = touch.normal_force / m.weight;
+        hard.force = min_r(touch.normal_force / m.weight, m.hard_most);
         for (int i = 0; i < 3; ++i) {
             hard.normal[i] = touch.normal[i];
             hard.friction[i] = touch.friction[i] / m.weight;
@@ -46,10 +49,8 @@ SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uin
     HardState next = last;
     const int active = touch.stamp == stamp && (touch.flags & SEL_TOUCH_ACTIVE) && m.weight > 0;
     const real goal = par.normal_law == SEL_NORMAL_IMPULSE && par.inv_dt > 0 ? impulse_goal(-was.gap, was.rate, par.inv_dt, m) : 0;
-    real slope, force = active ? multiplier_law(-touch.gap - goal, last, &slope) : 0;
-    if (m.depth_limit > 0) {
-        force = min_r(force, elastic_normal((real)0.95 * m.depth_limit, m, &slope));
-    }
+    real slope;
+    const real force = active ? min_r(multiplier_law(-touch.gap - goal, m, last, &slope), m.hard_most) : 0;
     next.miss = fabs(force - last.force) / last.stiffness;
     next.force = force;
     real slip2 = 0;

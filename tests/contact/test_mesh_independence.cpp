@@ -1,10 +1,8 @@
 // Force of a straight wire held rigidly into a wall: what it is, and that it does not depend on how the wall's facets are cut.
 // (The total of a free wire always equals its weight and shows nothing.)
 
-#include "contact/contact_system.h"
+#include "contact/held_wire.h"
 #include "contact/wall_law.h"
-#include "rod/place.h"
-#include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
 
@@ -50,56 +48,6 @@ void add_floor(WallMesh& mesh, double height, bool up, int cells)
             for (const auto& [p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}})
                 mesh.triangles.push_back(up ? std::array<std::int32_t, 3>{p, q, r} : std::array<std::int32_t, 3>{p, r, q});
         }
-}
-
-struct Push {
-    double normal = 0;  // sum of magnitudes [N]
-    Vec3 force = Vec3::Zero();
-    int contacts = 0;
-};
-
-struct Pose {
-    double y, z;  // of the axis, which lies along x from 0.01 m on [m]
-};
-
-/// Contact of wires in these poses, which do not feel each other: one evaluation at rest, nothing moves.
-std::vector<Push> push_at(device::Context& context, const WallMesh& mesh, const Centreline& centreline, Detection detection,
-                          const std::vector<Pose>& poses)
-{
-    constexpr int nodes = 21;
-    WorldSetup setup;
-    setup.mesh = mesh;
-    setup.centreline = centreline;
-    for (const Pose& pose : poses) {
-        setup.wires.push_back(placed_wire(steel_wire(0.08, nodes), {0.01, pose.y, pose.z}));
-        setup.wires.back().contact.detection = detection;
-        setup.wires.back().contact.friction = FrictionLaw::None;
-    }
-    const int count = static_cast<int>(poses.size());
-    RodArrays rods(std::vector<int>(poses.size(), nodes));
-    for (int w = 0; w < count; ++w) place_wire(rods, w, setup.wires[w].wire, centreline);
-    const auto contact = make_contact(context, setup, rods);
-    TrialState here;
-    for (int w = 0; w < count; ++w) {
-        const RodView rod = rods.view(w);
-        here.x.insert(here.x.end(), rod.x.begin(), rod.x.end());
-        here.y.insert(here.y.end(), rod.y.begin(), rod.y.end());
-        here.z.insert(here.z.end(), rod.z.begin(), rod.z.end());
-    }
-    here.theta.assign(here.x.size(), 0.0);
-    const std::vector<std::uint8_t> on(poses.size(), 1);
-    contact->begin_step(rods);
-    contact->prepare(rods, on);
-    contact->evaluate(here, 0, on);
-    std::vector<Push> pushes(poses.size());
-    for (int w = 0; w < count; ++w) {
-        pushes[w].normal = contact->totals(w).normal;
-        pushes[w].contacts = contact->totals(w).contacts;
-        std::vector<Vec3> nodal(nodes, Vec3::Zero());
-        contact->add_nodal_forces(w, nodal);
-        for (const Vec3& f : nodal) pushes[w].force += f;
-    }
-    return pushes;
 }
 
 }  // namespace

@@ -100,6 +100,7 @@ struct Scene {
         m.hard_length = static_cast<real>(1e-5);
         m.line_mass = static_cast<real>(5e-3);
         m.restitution = static_cast<real>(0.5);
+        m.hard_most = static_cast<real>(k % 3 == 0 ? 20 : 2000);
         return m;
     }
 
@@ -609,7 +610,7 @@ void layer_evaluate_case()
 
 // every member that follows a change of type, and the last of each record
 #define SEL_LAYOUT(X) \
-    X(SampleModel, length) X(SampleModel, reach) X(SampleModel, roll_force) X(SampleModel, restitution) \
+    X(SampleModel, length) X(SampleModel, reach) X(SampleModel, roll_force) X(SampleModel, restitution) X(SampleModel, hard_most) \
     X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness) \
     X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) \
     X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) \

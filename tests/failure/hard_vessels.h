@@ -36,6 +36,24 @@ inline WallMesh box_channel(double length, double y0, double y1, double z0, doub
     return sweep_sections(sections);
 }
 
+/// The same with walls of squares about `edge` wide.
+inline WallMesh fine_channel(double length, double y0, double y1, double z0, double z1, double edge)
+{
+    const int ny = std::max(1, static_cast<int>(std::lround((y1 - y0) / edge))), nz = std::max(1, static_cast<int>(std::lround((z1 - z0) / edge)));
+    std::vector<std::vector<Vec3>> sections;
+    const int rows = static_cast<int>(std::lround(length / edge));
+    for (int k = 0; k <= rows; ++k) {
+        const double x = length * k / rows;
+        std::vector<Vec3> section;
+        for (int i = 0; i < ny; ++i) section.emplace_back(x, y0 + (y1 - y0) * i / ny, z0);
+        for (int i = 0; i < nz; ++i) section.emplace_back(x, y1, z0 + (z1 - z0) * i / nz);
+        for (int i = 0; i < ny; ++i) section.emplace_back(x, y1 - (y1 - y0) * i / ny, z1);
+        for (int i = 0; i < nz; ++i) section.emplace_back(x, y0, z1 - (z1 - z0) * i / nz);
+        sections.push_back(std::move(section));
+    }
+    return sweep_sections(sections);
+}
+
 /// Tube along x of radius(x), `around` facets.
 inline WallMesh tube_of(const std::function<double(double)>& radius, double length, int rows, int around)
 {
@@ -84,6 +102,15 @@ inline WallMesh bifurcation(int triangles = 8000)
         ends.push_back({Vec3(0.034, 0, 0) + 0.040 * along, along, 0.008});
     }
     return mesh_lumen(SweptLumen(std::move(tubes), 0.0015), ends, triangles);
+}
+
+/// A wire fed along the floor into a bend of 90 degrees, 30 mm to the axis, in a lumen of 3 mm: it meets the wall head on, then lies along it.
+inline WorldSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41)
+{
+    WorldSetup setup;
+    add_bend(setup, 0.003, 0.03);
+    setup.wires = {fed_wire(steel_wire(length, nodes), {0.0005, 0, -0.0024}, speed)};
+    return setup;
 }
 
 inline void use_mesh(WorldSetup& setup, WallMesh mesh)

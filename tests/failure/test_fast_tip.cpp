@@ -1,6 +1,6 @@
 // F4: a fast wire at dt = 1/60 s must not tunnel.
 
-#include "support/world_fixture.h"
+#include "failure/watched_run.h"
 
 #include "vessel/inside.h"
 #include "vessel/repair.h"
@@ -85,5 +85,29 @@ TEST_SUITE("failure/fast_tip")
                 CHECK(shot.nearest >= 0.85 * 0.4445e-3);
                 REQUIRE(shot.touched);
             }
+    }
+
+    TEST_CASE("property: F4: the published method loses a wire at half a metre a second and more in the first step, the default none")
+    {
+        for (const double speed : {0.5, 5.0, 20.0}) {
+            CAPTURE(speed);
+            WorldSetup setup;
+            add_tube(setup, tube(0.005, 0.3, 6000));
+            WireSetup wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
+            wire.wire.place.velocity = {0, 0.6 * speed, -0.8 * speed};
+            setup.wires = {wire};
+            const Outcomes as_published = watch_row("F4", setup, published, 1.0 / 60, 20);
+            CHECK(as_published.verdict().first_step[static_cast<int>(Outcome::Escape)] == 1);
+            CHECK(as_published.contacts == 0);
+            // exact detection at the ends of steps: what crosses the wall between two of them has not touched it
+            Method at_ends = standard;
+            at_ends.detection = Detection::Capsule;
+            at_ends.name = "default on capsule";
+            const Outcomes unswept = watch_row("F4", setup, at_ends, 1.0 / 60, 20);
+            CHECK(unswept.verdict().had(Outcome::Escape));
+            const Outcomes ours = watch_row("F4", setup, standard, 1.0 / 60, 20);
+            CHECK(ours.outcome() == Outcome::Hold);
+            CHECK(ours.contacts > 0);
+        }
     }
 }

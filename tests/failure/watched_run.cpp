@@ -1,7 +1,9 @@
 #include "failure/watched_run.h"
 
+#include "solve/feed.h"
 #include "vessel/repair.h"
 
+#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,13 +48,29 @@ WatchedRun::WatchedRun(WorldSetup setup, const Method& method, double dt, double
         FailureLimits limits;
         limits.radius = world.setup().wires[w].wire.shaft.radius;
         limits.static_indentation = static_indentation;
-        watches_.emplace_back(limits, world.readings(w));
+        watches_.emplace_back(limits, at_start(w));
         inserted_.push_back(world.readings(w).inserted);
     }
     const WallMesh& mesh = world.setup().mesh;
     const bool open = world.setup().vessel.shape != VesselShape::Plane;
     if (!mesh.triangles.empty())
         lumen_ = std::make_unique<LumenQuery>(mesh, open ? describe(mesh).loops : std::vector<BoundaryLoop>{});
+}
+
+/// Readings are of steps; before the first the energies of a wire that is placed are reckoned here.
+WireReadings WatchedRun::at_start(int wire) const
+{
+    WireReadings start = world.readings(wire);
+    if (world.setup().wires[wire].feed.on) return start;
+    const RodView rod = world.rod(wire);
+    RodFrames frames(rod.n);
+    start.elastic = energy_now(rod, {}, frames);
+    for (int i = 0; i < rod.n; ++i) {
+        start.kinetic += 0.5 * rod.mass[i] * rod.vel(i).squaredNorm();
+        start.gravitational -= rod.mass[i] * world.setup().gravity.dot(rod.pos(i));
+    }
+    for (int j = 0; j + 1 < rod.n; ++j) start.kinetic += 0.5 * rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
+    return start;
 }
 
 void WatchedRun::audit()
@@ -83,7 +101,7 @@ void WatchedRun::run(int steps, const std::function<bool(World&)>& each)
             const double speed = (now.inserted - inserted_[w]) / dt_;
             const double carried =
                 world.setup().wires[w].feed.on ? fed_energy(world.setup(), w, inserted_[w], now.inserted, speed) : 0.0;
-            watches_[w].observe(report, now, w == 0 ? work : 0.0, carried);
+            watches_[w].observe(report, now, w == 0 && work ? work(world) : 0.0, carried);
             inserted_[w] = now.inserted;
             normal += now.normal;
             friction += now.friction;
@@ -110,6 +128,13 @@ Outcomes watch(WorldSetup setup, const Method& method, double dt, int steps, dou
     WatchedRun run(std::move(setup), method, dt, static_indentation);
     run.run(steps);
     return run.outcomes();
+}
+
+Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& method, double dt, int steps)
+{
+    const Outcomes outcomes = watch(setup, method, dt, steps);
+    MESSAGE(std::string(row) << ", " << std::string(method.name) << ", dt " << 1e3 * dt << " ms: " << tell(outcomes));
+    return outcomes;
 }
 
 std::string tell(const Outcomes& o)

@@ -26,6 +26,13 @@ inline constexpr Method published{"published", Scheme::Linearised, Detection::La
                                   FrictionLaw::Sign};
 inline constexpr Method standard{"default", Scheme::Newton, Detection::Swept, NormalLaw::HuntCrossley, FrictionLaw::StickSlip};
 
+/// Single pieces of the published method beside the rest of the default, where a row of the table is about that piece alone.
+inline constexpr Method one_newton_step{"one Newton step", Scheme::Linearised, Detection::Swept, NormalLaw::HuntCrossley,
+                                        FrictionLaw::StickSlip};
+inline constexpr Method at_nodes{"contact at nodes", Scheme::Newton, Detection::Nodes, NormalLaw::HuntCrossley, FrictionLaw::StickSlip};
+inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::Capsule, NormalLaw::HuntCrossley,
+                                       FrictionLaw::StickSlip};
+
 void use(WorldSetup& setup, const Method& method);
 
 /// What a run came to: the verdict per wire, and what the fixture measured itself.
@@ -48,14 +55,15 @@ public:
 
     /// @param each  after every step; returns false to end the run
     void run(int steps, const std::function<bool(World&)>& each = {});
-    /// Work that the scene's loads, links or moving holds do on wire 0 in the next step [J], where there are any.
-    double work = 0;
+    /// Work that the scene's loads, links or moving holds have done on wire 0 in the step just taken [J]; asked after every step.
+    std::function<double(World&)> work;
 
     [[nodiscard]] Outcomes outcomes() const;
     World world;
 
 private:
     void audit();
+    [[nodiscard]] WireReadings at_start(int wire) const;
 
     double dt_;
     std::vector<FailureWatch> watches_;
@@ -69,6 +77,9 @@ private:
 
 /// One line: outcome, first steps of each failure, measured numbers.
 [[nodiscard]] std::string tell(const Outcomes& outcomes);
+
+/// Runs and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
+[[nodiscard]] Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& method, double dt, int steps);
 
 /// Wall whose bed is `factor` times as stiff as the nominal 1 MPa one.
 inline void stiffen_wall(WorldSetup& setup, double factor) { setup.vessel.youngs *= factor; }

@@ -119,4 +119,31 @@ TEST_CASE("property: inlet = auto lies in the lumen and points into it") {
     CHECK_FALSE(lumen.inside(feed.point - 0.005 * feed.direction));
 }
 
+
+TEST_CASE("property: a wire placed through the wall is refused, with the node and its depth") {
+    const auto placed = [](const std::string& vessel, const std::string& place) {
+        std::string text = scene_text(vessel, "");
+        text = text.substr(0, text.find("[feed]"));
+        const std::string nodes = "nodes = 21\n";
+        text.insert(text.find(nodes) + nodes.size(), "place = " + place + "\n");
+        return message_of(text);
+    };
+    const std::string tube = "shape = \"tube\"\nradius_m = 0.005\nlength_m = 0.2\ntriangles = 4000";
+    CHECK(placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
+    // out through the far opening: free
+    CHECK(placed(tube, "{ shape = \"straight\", base = [0.15, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
+    // the tip, 0.1 m on at 1 : 10, is some 10 mm up, 5 mm beyond the wall
+    const std::string through = placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.1] }");
+    CAPTURE(through);
+    CHECK(through.find("wire.place: node 0, 0 mm from the tip") != std::string::npos);
+    CHECK(through.find(" is 4.9") != std::string::npos);
+    CHECK(through.find("mm beyond the wall") != std::string::npos);
+    const std::string plane = "shape = \"plane\"\norigin = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.3\ntriangles = 400";
+    CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, 0.001], direction = [1.0, 0.0, 0.0] }").empty());
+    CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, -0.001], direction = [1.0, 0.0, 0.0] }").find("1 mm beyond the wall") !=
+          std::string::npos);
+    // beside and below the plane's edge there is no wall
+    CHECK(placed(plane, "{ shape = \"straight\", base = [0.2, 0.0, -0.01], direction = [1.0, 0.0, 0.0] }").empty());
+}
+
 }

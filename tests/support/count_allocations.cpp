@@ -19,14 +19,34 @@ std::atomic<long> count{0};
 
 extern "C" {
 void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t items, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
 extern char __executable_start, etext;  // of the linker: this program's code
+}
 
-// in the place of the library's, for the whole program
+namespace {
+void count_if_ours(const void* caller)
+{
+    if (caller >= &__executable_start && caller < &etext) count.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+// in the place of the library's, for the whole program; calloc because the compiler makes one of a malloc that is set to zero
 void* malloc(std::size_t size)
 {
-    const char* caller = static_cast<const char*>(__builtin_return_address(0));
-    if (caller >= &__executable_start && caller < &etext) count.fetch_add(1, std::memory_order_relaxed);
+    count_if_ours(__builtin_return_address(0));
     return __libc_malloc(size);
+}
+void* calloc(std::size_t items, std::size_t size)
+{
+    count_if_ours(__builtin_return_address(0));
+    return __libc_calloc(items, size);
+}
+void* realloc(void* memory, std::size_t size)
+{
+    count_if_ours(__builtin_return_address(0));
+    return __libc_realloc(memory, size);
 }
 }
 
