@@ -15,6 +15,7 @@ import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -112,7 +113,9 @@ def mujoco_cable(case, segments, dt, cap, damping=0.0):
     h = LENGTH / (segments - 0.5)
     # capsules of a chain overlap by their caps: the mass is set by hand
     mass = DENSITY * math.pi * RADIUS**2 * h
-    bodies = "".join(f"""<body pos="{h if k else -h / 2} 0 0">{f'<joint type="ball" damping="{damping}"/>' if k else ''}
+    # about its axis a wire as thin has next to no inertia, and its twist would ask for steps of microseconds: 1 % of a piece's bending inertia helps
+    armature = 0.01 * mass * h**2 / 3
+    bodies = "".join(f"""<body pos="{h if k else -h / 2} 0 0">{f'<joint type="ball" damping="{damping}" armature="{armature}"/>' if k else ''}
 <geom type="capsule" fromto="0 0 0 {h} 0 0" size="{RADIUS}" mass="{mass}"/><plugin instance="wire"/>""" for k in range(segments))
     xml = f"""<mujoco>
 <extension><plugin plugin="mujoco.elasticity.cable"><instance name="wire"><config key="twist" value="{SHEAR}"/><config key="bend" value="{YOUNG}"/>
@@ -187,6 +190,10 @@ def main():
     parser.add_argument("--quick", action="store_true", help="few settings: does it work?")
     parser.add_argument("--csv")
     options = parser.parse_args()
+    options.app = str(pathlib.Path(options.app).absolute())
+    options.csv = options.csv and str(pathlib.Path(options.csv).absolute())
+    scratch = tempfile.TemporaryDirectory()
+    os.chdir(scratch.name)  # MuJoCo leaves its log where it runs
     cap = 5 if options.quick else options.cap
     rows = []
 
