@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Time to reach a tip error: this engine, MuJoCo's cable and PyElastica on the same wire, each at its cheapest setting that gets there.
 
-    python3 -m venv /tmp/rod-peers && /tmp/rod-peers/bin/pip install mujoco pyelastica
+    python3 -m venv /tmp/rod-peers && /tmp/rod-peers/bin/pip install 'mujoco<4' pyelastica     # 4 has no cable
     /tmp/rod-peers/bin/python bench/peers/rod_peers.py [--app build/seldinger] [--cap 60] [--quick] [--csv FILE]
 
 Wire: 0.014 inch nitinol, 0.3 m, held level at its base, under its own weight (w L^3 / B = 3.1).
@@ -15,6 +15,7 @@ import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -108,17 +109,19 @@ contacts_every = 0
 def mujoco_cable(case, segments, dt, cap, damping=0.0):
     import mujoco
 
-    h = LENGTH / segments
+    # each ball joint stands for h of wire, half of it on either side: the first is half a segment inside, and the piece behind it is held
+    h = LENGTH / (segments - 0.5)
     # capsules of a chain overlap by their caps: the mass is set by hand
     mass = DENSITY * math.pi * RADIUS**2 * h
+    # about its axis a wire as thin has next to no inertia, and its twist would ask for steps of microseconds: 1 % of a piece's bending inertia helps
+    armature = 0.01 * mass * h**2 / 3
+    bodies = "".join(f"""<body pos="{h if k else -h / 2} 0 0">{f'<joint type="ball" damping="{damping}" armature="{armature}"/>' if k else ''}
+<geom type="capsule" fromto="0 0 0 {h} 0 0" size="{RADIUS}" mass="{mass}"/><plugin instance="wire"/>""" for k in range(segments))
     xml = f"""<mujoco>
-<extension><plugin plugin="mujoco.elasticity.cable"/></extension>
+<extension><plugin plugin="mujoco.elasticity.cable"><instance name="wire"><config key="twist" value="{SHEAR}"/><config key="bend" value="{YOUNG}"/>
+<config key="vmax" value="0"/></instance></plugin></extension>
 <option timestep="{dt}" gravity="0 0 -{G}" integrator="implicitfast"><flag contact="disable"/></option>
-<worldbody>
-<composite type="cable" curve="s" count="{segments + 1} 1 1" size="{LENGTH}" offset="0 0 0" initial="none">
-<plugin plugin="mujoco.elasticity.cable"><config key="twist" value="{SHEAR}"/><config key="bend" value="{YOUNG}"/><config key="vmax" value="0"/></plugin>
-<joint kind="main" damping="{damping}"/><geom type="capsule" size="{RADIUS}" mass="{mass}"/>
-</composite></worldbody></mujoco>"""
+<worldbody>{bodies}{"</body>" * segments}</worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(model)
     tip_body = model.nbody - 1
@@ -187,6 +190,10 @@ def main():
     parser.add_argument("--quick", action="store_true", help="few settings: does it work?")
     parser.add_argument("--csv")
     options = parser.parse_args()
+    options.app = str(pathlib.Path(options.app).absolute())
+    options.csv = options.csv and str(pathlib.Path(options.csv).absolute())
+    scratch = tempfile.TemporaryDirectory()
+    os.chdir(scratch.name)  # MuJoCo leaves its log where it runs
     cap = 5 if options.quick else options.cap
     rows = []
 
@@ -217,12 +224,12 @@ def main():
                        lambda: seldinger(options.app, case, nodes, dt))
         for segments in ((20,) if options.quick else (10, 20, 40, 80)):
             stable = (LENGTH / segments)**2 / 2 / math.sqrt(BEND / (DENSITY * math.pi * RADIUS**2))
-            for dt in (stable / 2,) if options.quick else (stable, stable / 2, stable / 4):
+            for dt in (stable / 2, stable / 32) if options.quick else (stable / 2, stable / 8, stable / 32):
                 damping = 2e-7 * 20 / segments if case == "droop" else 0.0
                 record(case, "MuJoCo cable", f"{segments} segments, {1e6 * dt:.3g} us", reference,
                        lambda: mujoco_cable(case, segments, dt, cap, damping))
         for elements in ((10,) if options.quick else (10, 20, 40)):
-            dt = 0.3 * min(LENGTH / elements, RADIUS * 2) / math.sqrt(YOUNG / DENSITY)
+            dt = 0.1 * min(LENGTH / elements, RADIUS * 2) / math.sqrt(YOUNG / DENSITY)  # shear across the radius is what limits it
             record(case, "PyElastica", f"{elements} elements, {1e6 * dt:.3g} us", reference, lambda: pyelastica(case, elements, dt, cap))
     print("\ntime to reach a tip error [s]")
     for case in ("droop", "swing"):
