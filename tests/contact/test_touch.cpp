@@ -254,17 +254,36 @@ TEST_SUITE("contact/touch")
             const Touch& up = dot3(t.first.side, axis) > 0 ? t.first : t.second;
             const Touch& down = dot3(t.first.side, axis) > 0 ? t.second : t.first;
             CAPTURE(phi);
-            // the facets' middles are at odd multiples of 7.5 degrees from the axis; the deepest of each half
-            CHECK(dot3(up.normal, axis) > 0.1);
-            CHECK(dot3(down.normal, axis) < -0.1);
+            // the facets' middles are at odd multiples of 7.5 degrees from the axis; the deepest of each side, of which the lower
+            // begins where normals look against the axis by a fifth
+            CHECK(dot3(up.normal, axis) > -SEL_SIDE);
+            CHECK(dot3(down.normal, axis) < -SEL_SIDE);
             double deepest_up = 0, deepest_down = 0;
             for (int f = 0; f < 24; ++f) {
                 const double at = (f + 0.5) * std::numbers::pi / 12;
                 const double depth = r - 0.9 * r * std::cos(std::numbers::pi / 24) + p.y * std::cos(at) + p.z * std::sin(at);
-                (std::sin(at) < 0 ? deepest_up : deepest_down) = std::max(std::sin(at) < 0 ? deepest_up : deepest_down, depth);
+                double& deepest = std::sin(at) < SEL_SIDE ? deepest_up : deepest_down;
+                deepest = std::max(deepest, depth);
             }
             CHECK(std::abs(up.depth - deepest_up) < rounding);
             CHECK(std::abs(down.depth - deepest_down) < rounding);
+        }
+    }
+
+    // three walls of a box, and an axis that is theirs but for rounding: one side of the lumen, pushed out of by the nearest
+    TEST_CASE("regression: walls at right angles are of one side, whatever rounding says of the axis")
+    {
+        Soup soup;
+        soup.add_patch(v3(0, 0, 0), v3(0.01, 0, 0), v3(0, 0.01, 0));
+        soup.add_patch(v3(0, 0, 0), v3(0, 0.01, 0), v3(0, 0, 0.01));
+        soup.add_patch(v3(0, 0, 0), v3(0, 0, 0.01), v3(0.01, 0, 0));
+        const vec3 p = v3(r - 1e-5, r - 2e-5, r - 3e-5);
+        for (const double tilt : {0.0, 1e-17, -1e-17, 1e-3, -1e-3}) {
+            CAPTURE(tilt);
+            const Touches t = touches_at(soup, p, r, 1e-4, 0.002, soup.all, v3(1, tilt, -tilt));
+            CHECK_FALSE(t.second.found);
+            CHECK(t.first.depth == about(3e-5).epsilon(1e-6));
+            CHECK(t.first.normal.z == about(1).epsilon(1e-9));
         }
     }
 
