@@ -26,7 +26,7 @@ void add_devices(CLI::App& app, Command& chosen);
 void add_chart(CLI::App& app, Command& chosen);
 void add_stability(CLI::App& app, Command& chosen);
 void add_plan(CLI::App& app, Command& chosen);
-void add_not_yet(CLI::App& app, Command& chosen);  // bench
+void add_bench(CLI::App& app, Command& chosen);
 
 /// --time-limit and --device, as `run` has them.
 void add_limits(CLI::App& command, double& time_limit, int& device);

@@ -53,7 +53,7 @@ ExitCode plan_scene(Options& options)
     const Plan plan = make_plan(scene, what);
     if (shows) fmt::print(stderr, "\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
-        throw Error(exit_code(plan), fmt::format("interrupted after {} pilots, all kept in {}; the same command goes on", plan.pilots, what.pilots.string()));
+        throw Error(exit_code(plan), fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on", what.pilots.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
     else if (!options.quiet) print(plan_report(plan, what.goals, files));

@@ -140,7 +140,7 @@ std::string omissions(const Plan& plan)
         text += o.holds ? fmt::format("    {:<42}{:>8.2f} x  {:>22}  {:>18}\n", o.what, o.cost_ratio,
                                       fmt::format("{} -> {}", length(plan.chosen->error), length(o.error)),
                                       fmt::format("{} -> {}", percent(plan.chosen->force_error / scale), percent(o.force_error / scale)))
-                        : fmt::format("    {:<42}breaks off, or is more than twice the tolerance off\n", o.what);
+                        : fmt::format("    {:<42}{}\n", o.what, o.too_dear ? "many times the cost: not run to its end" : "breaks off, or is more than twice the tolerance off");
     }
     return text;
 }
@@ -168,7 +168,7 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
     std::string text = fmt::format("asked      {}\n", goals_text(goals));
     const auto describe = [&](const char* what, const PlannedModel& m, const std::filesystem::path& file) {
         text += fmt::format("{:<11}{}\n", what, label(m.model));
-        text += fmt::format("  expected {}; worst moment {}\n", expected(plan, m), length(m.worst));
+        text += fmt::format("  expected {}{}\n", expected(plan, m), m.worst > 0 ? fmt::format("; worst moment {}", length(m.worst)) : "");
         text += fmt::format("  speed    {}\n", speed(m));
         if (m.outcome == Outcome::Jitter) text += fmt::format("  hand     jitters by {} from step to step\n", percent(m.jitter));
         text += fmt::format("  written  {}\n", file.string());
@@ -206,7 +206,7 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     }
     json["left_out"] = Json::array();
     for (const Omission& o : plan.left_out)
-        json["left_out"].push_back({{"what", o.what}, {"holds", o.holds}, {"cost_ratio", o.cost_ratio}, {"error_m", o.error},
+        json["left_out"].push_back({{"what", o.what}, {"holds", o.holds}, {"too_dear", o.too_dear}, {"cost_ratio", o.cost_ratio}, {"error_m", o.error},
                                     {"force_error", o.force_error / plan.reference.force_scale}});
     if (!plan.reference.levels.empty()) {
         json["reference"] = {{"model", label(plan.reference.model)},

@@ -1,5 +1,7 @@
-// seldinger stability [--quick] [-o DIR] [--maps ...] [--methods ...] [--jobs N] [--json] [--quiet]
+// seldinger stability [SCENE.toml --vary KEY=V,V,...] [--quick] [-o DIR] [--row F3 ...] [--maps ...] [--methods ...] [--jobs N]
+//                     [--cell-budget S] [--json] [--quiet]
 
+#include "assets.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "stability_study.h"
@@ -22,11 +24,18 @@ void add_stability(CLI::App& app, Command& chosen)
     CLI::App* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
     command->add_option("-o", options->dir, "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
         ->type_name("DIR");
-    command->add_flag("--quick", options->quick, "nine cells a map, five methods: a few minutes");
+    command->add_option("scene", options->scene, "a scene of your own, swept over its step and --vary, instead of the maps")->type_name("SCENE.toml");
+    command->add_option("--vary", options->vary, "what is varied in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")->type_name("KEY=V,V,...");
+    command->add_flag("--quick", options->quick, "nine cells a map, four methods: a few minutes");
+    command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")->type_name("F1..F17")->delimiter(',');
     command->add_option("--maps", options->maps, "only these")->type_name("NAME")->delimiter(',');
     // a method's name may hold a comma
-    command->add_option("--methods", options->methods, "only these; separate by spaces, quote names")->type_name("NAME");
+    command->add_option("--methods", options->methods, "only these; separate by spaces, quote names; all: all of them (default: those in docs/stability.md)")
+        ->type_name("NAME");
     command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(CLI::Range(1, 1024))->type_name("N");
+    command->add_option("--cell-budget", options->cell_limit, "seconds that one cell may take (default: 30); it is then \"unfinished\"")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
     command->add_flag("--quiet", options->quiet, "no progress, no summary");
     command->add_flag("--json", options->json, "print the counts as one JSON object");
     command->callback([options, &chosen] {
@@ -36,8 +45,10 @@ void add_stability(CLI::App& app, Command& chosen)
             const ResultTable table = open_stability_table(options->dir);
             const std::string json = stability_json(work, table, options->dir);
             write_file(options->dir / "maps.json", json);
+            const bool drawn = !done.interrupted && draw_with("plot_stability.py", {options->dir.string()});
             if (options->json) print(json);
             else if (!options->quiet) print(stability_summary(work, table, options->dir));
+            if (drawn && !options->quiet && !options->json) print(fmt::format("{}: stability.csv, maps.json, stability.png\n", options->dir.string()));
             if (!done.interrupted) return ExitCode::Done;
             throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
                         fmt::format("interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",

@@ -15,6 +15,7 @@ public:
 
 private:
     struct sigaction old_int_ {}, old_term_ {};
+    sigset_t old_mask_{};
 };
 
 /// SIGINT, SIGTERM, or 0 when none has come.

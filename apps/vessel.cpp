@@ -1,10 +1,12 @@
-// seldinger vessel MESH --units mm | SCENE.toml [--json] [-o DIR]: what import finds and mends, and the mesh as the engine sees it.
+// seldinger vessel MESH --units mm | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and mends, and the mesh as the engine sees it.
 
 #include "commands.h"
 #include "core/file_io.h"
 #include "scene/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "vessel/repair.h"
+#include "vessel/subdivide.h"
 #include "vessel/inlets.h"
 
 #include <CLI/CLI.hpp>
@@ -23,6 +25,7 @@ struct Options {
     std::filesystem::path input, dir;
     std::string units;
     bool json = false;
+    int subdivide = 0;
 };
 
 VesselSpec spec_of(const Options& options)
@@ -112,7 +115,13 @@ void write_files(const LoadedVessel& vessel, const std::string& units, const std
 ExitCode inspect(const Options& options)
 {
     const VesselSpec spec = spec_of(options);
-    const LoadedVessel vessel = load_vessel(spec);
+    LoadedVessel vessel = load_vessel(spec);
+    if (options.subdivide > 0) {
+        const long read = vessel.report.triangles_read;
+        for (int round = 0; round < options.subdivide; ++round) vessel.mesh = subdivide_loop(vessel.mesh);
+        vessel.report = describe(vessel.mesh);
+        vessel.report.triangles_read = read;
+    }
     const Json report = report_of(vessel);
     if (!options.dir.empty()) write_files(vessel, spec.units, options.dir);
     std::string text = options.json ? report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : for_people(report, options.input.string());
@@ -133,6 +142,9 @@ void add_vessel(CLI::App& app, Command& chosen)
     vessel->add_option("--units", options->units, "of the mesh: m, cm, mm (default), um, in")->check(CLI::IsMember({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "write the cleaned mesh and the centreline there")->type_name("DIR");
+    vessel->add_option("--subdivide", options->subdivide, "rounds of Loop subdivision: four times the triangles each, smooth")
+        ->check(CLI::Range(0, 6))
+        ->type_name("N");
     vessel->callback([options, &chosen] { chosen = [options] { return inspect(*options); }; });
 }
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Speed against accuracy, from what `seldinger chart` wrote.
 
-    plot_chart.py DIR [-o DIR2]
+    plot_chart.py DIR [-o DIR2] [--png] [--dpi 110]
 
 Reads chart.csv and references.csv of DIR; writes chart.svg and chart.png (tip error of every scene) and chart-SCENE.svg and .png (every
-observable of one scene) into DIR2 (default: DIR).
+observable of one scene) into DIR2 (default: DIR); with --png no .svg.
 """
 import argparse
 import csv
@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 
 # family -> (marker, size); what is varied
 MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120),
-           "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "explicit": ("X", 34)}
+           "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "precision": ("H", 34), "explicit": ("X", 34)}
 BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
 CLOCKS = {"wall": "wall time", "cpu": "processor time"}
 BASELINES = {"mass-spring": ("v", PURPLE), "soft mass-spring": ("v", "#c4aee0"), "beam": ("<", GREEN), "beam · lin": ("<", "#a5d3ac")}
@@ -45,6 +45,8 @@ def colour_of(row):
         return BASELINES[row["family"]][1]
     if row["published"] == "1":
         return RED
+    if row["family"] == "planned":
+        return "#111111"
     if row["family"] == "explicit":
         return BROWN
     return ORANGE if "scheme=linearised" in row["settings"] else BLUE
@@ -139,8 +141,10 @@ class Panel:
             if last and last[1] - place[1] < 0.05 and place[0] - last[0] < 0.3:
                 continue  # labels would lie on each other
             last = place
-            axes.annotate(row["model"], (cost, error), xytext=(-4, -3), textcoords="offset points", ha="right", va="top", fontsize=5.5,
-                          color="0.2", zorder=7)
+            # below and left of its point, where the front has nothing; near the axis above and right of it
+            side, dx, dy = ("right", -4, -3) if place[0] > 0.05 + 0.0155 * len(row["model"]) else ("left", 3, 4)
+            axes.annotate(row["model"], (cost, error), xytext=(dx, dy), textcoords="offset points", ha=side, va="top" if dy < 0 else "bottom",
+                          fontsize=5.5, color="0.2", zorder=7)
 
 
 def legend_entries(rows):
@@ -150,12 +154,15 @@ def legend_entries(rows):
     families = {row["family"] for row in rows}
     entries = [dot(BLUE, "o", "newton, uniform nodes"), dot(ORANGE, "o", "linearised, uniform nodes"), dot(BLUE, "D", "adaptive nodes")]
     named = [("trapezoid", BLUE, "P", "trapezoid"), ("detection", BLUE, "^", "other detection"), ("friction", BLUE, "s", "other friction law"),
-             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("explicit", BROWN, "X", "explicit")]
+             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("spin", BLUE, "8", "spin angles always solved for"),
+             ("precision", BLUE, "H", "float32 contact"), ("explicit", BROWN, "X", "explicit")]
     entries += [dot(colour, marker, label) for family, colour, marker, label in named if family in families]
     entries += [dot(colour, marker, name) for name, (marker, colour) in BASELINES.items() if name in families]
     if "published" in families:
         entries += [Line2D([], [], color=RED, marker="*", linestyle="", markersize=10, label="published method"),
                     dot(ORANGE, "*", "its laws, capsule detection")]
+    if "planned" in families:
+        entries.append(dot("#111111", "d", "what `plan` chose", markerfacecolor="#111111"))
     entries += [dot("0.15", "x", "did not hold"), dot(BLUE, "o", "below 10 × the reference's uncertainty", markerfacecolor="white"),
                 Line2D([], [], color="0.25", linewidth=1.1, label="Pareto front"),
                 Line2D([], [], color="0.8", linewidth=6, label="reference's uncertainty"),
@@ -163,10 +170,19 @@ def legend_entries(rows):
     return entries
 
 
+KINDS, DPI = ["svg", "png"], 110
+
+
 def save(figure, folder, stem):
-    for kind in ("svg", "png"):
-        figure.savefig(folder / f"{stem}.{kind}", dpi=110, metadata={"Date": None} if kind == "svg" else None)
+    for kind in KINDS:
+        figure.savefig(folder / f"{stem}.{kind}", dpi=DPI, metadata={"Date": None} if kind == "svg" else None)
     plt.close(figure)
+
+
+def draw_legend(cell, rows):
+    entries = legend_entries(rows)
+    legend = cell.legend(handles=entries, loc="center", frameon=False, fontsize=7 if len(entries) < 17 else 6.2, labelspacing=0.45 if len(entries) < 17 else 0.28)
+    legend.set_in_layout(False)  # a long one would pull the rows apart
 
 
 def grid_figure(count, columns):
@@ -183,7 +199,7 @@ def draw_scene(folder, name, rows, references):
     for cell, reference in zip(cells, references):
         Panel(rows, reference).draw(cell)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(references)].legend(handles=legend_entries(rows), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(references)], rows)
     figure.suptitle(rows[0]["title"], fontsize=10)
     figure.tight_layout()
     save(figure, folder, f"chart-{name}")
@@ -198,7 +214,7 @@ def draw_overview(folder, scenes, references):
             Panel(rows, tip[0]).draw(cell)
         cell.set_title(name, fontsize=9)
         cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
-    cells[len(scenes)].legend(handles=legend_entries(every), loc="center", frameon=False, fontsize=7)
+    draw_legend(cells[len(scenes)], every)
     figure.tight_layout()
     save(figure, folder, "chart")
 
@@ -207,7 +223,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dir", metavar="DIR", help="folder of a chart", type=pathlib.Path)
     parser.add_argument("-o", "--output", metavar="DIR2", type=pathlib.Path, help="folder for the pictures (default: DIR)")
+    parser.add_argument("--png", action="store_true", help="no .svg")
+    parser.add_argument("--dpi", type=int, default=110)
     options = parser.parse_args()
+    global KINDS, DPI
+    KINDS, DPI = ["png"] if options.png else KINDS, options.dpi
     folder = options.output or options.dir
     folder.mkdir(parents=True, exist_ok=True)
     references, scenes = {}, {}

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """What adaptive nodes save: experiment 2 (first 24 cm) with uniform and with adaptive nodes against a fine uniform wire.
 
-    bench/adaptive_nodes.py --scene SCENE.toml [--app build/seldinger] [--runs DIR] [--csv bench/results/adaptive_nodes.csv]
-                            [--adaptive 1 0.7 1.4] [--fine 2001]
+    bench/adaptive_nodes.py --scene SCENE.toml [--app build/seldinger] [--runs DIR] [--csv bench/results/validation/adaptive_nodes.csv]
+                            [--adaptive 1e-6 2e-6] [--fine 2001]
 
 Every run is kept in --runs and used again: the fine one takes minutes. Errors are of the tip's position at every 0.1 s, of the hand
 force and of the friction, both smoothed over 20 ms; rms and largest over the run. `saved` of the adaptive rows: nodes (mean over the
@@ -84,10 +84,10 @@ def main():
     parser.add_argument("--app", default="build/seldinger")
     parser.add_argument("--scene", required=True, help="experiment 2 (assets/scenes/experiment2.toml, or on the patient's arch)")
     parser.add_argument("--runs", default="adaptive-runs", help="folder of the runs")
-    parser.add_argument("--csv", default="bench/results/adaptive_nodes.csv")
+    parser.add_argument("--csv", default="bench/results/validation/adaptive_nodes.csv")
     parser.add_argument("--fine", type=int, default=2001, help="nodes over the whole wire of the run that errors are taken against")
     parser.add_argument("--uniform", type=int, nargs="*", default=[51, 101, 201, 401])
-    parser.add_argument("--adaptive", type=float, nargs="*", default=[4e-6, 8e-6, 16e-6], help="wire.edge_error_m of the adaptive runs")
+    parser.add_argument("--adaptive", type=float, nargs="*", default=[0.5e-6, 1e-6, 2e-6, 4e-6], help="wire.edge_error_m of the adaptive runs")
     options = parser.parse_args()
     runs = pathlib.Path(options.runs)
     runs.mkdir(parents=True, exist_ok=True)

@@ -16,7 +16,7 @@ import sys
 import tempfile
 
 SCENE = "assets/scenes/study/thousand.toml"
-SWEEP = "assets/scenes/study/thousand-sweep.toml"
+SWEEP = "bench/thousand-sweep.toml"
 
 
 def batch(app, sweep, *sets):

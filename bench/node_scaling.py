@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Time per step against the number of nodes: a clamped wire that swings under its weight, and a wire pushed along a tube.
 
-    bench/node_scaling.py [--app build/seldinger] [--repeat 3] [--csv bench/results/node_scaling.csv]
+    bench/node_scaling.py [--app build/seldinger] [--repeat 3] [--most 3200] [--csv bench/results/node_scaling.csv]
 
 Processor time, so that other work on the machine counts little: that of 240 steps less that of 40, over 200; the least of the repeats.
 Slope of log(time) against log(nodes) by least squares from 200 nodes on.
@@ -87,17 +87,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--app", default="build/seldinger")
     parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--most", type=int, default=NODES[-1], help="nodes of the longest run")
     parser.add_argument("--csv", default="")
     options = parser.parse_args()
+    counts = [n for n in NODES if n <= options.most]
     rows = []
     for name, scene in (("swing", SWING), ("tube", TUBE)):
         times = []
-        for nodes in NODES:
+        for nodes in counts:
             seconds, iterations, contacts = time_step(options.app, scene, nodes, options.repeat)
             times.append(seconds)
             rows.append([name, nodes, f"{1e6 * seconds:.1f}", f"{1e6 * seconds / nodes:.3f}", f"{iterations:.1f}", contacts])
             print(("{:>8}" * 6).format(*rows[-1]), flush=True)
-        n, t = np.log(np.array([(a, b) for a, b in zip(NODES, times) if a >= 200])).T
+        n, t = np.log(np.array([(a, b) for a, b in zip(counts, times) if a >= min(200, counts[-2])])).T
         print(f"{name}: slope {np.polyfit(n, t, 1)[0]:.2f}")
     if options.csv:
         with open(options.csv, "w", newline="") as file:

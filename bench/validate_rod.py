@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Runs the rod's reference scenes at several node counts and writes expected, got, error and order of convergence.
 
-    bench/validate_rod.py [--app build/seldinger] [--only TEXT] [--csv bench/results/rod_reference.csv]
+    bench/validate_rod.py [--app build/seldinger] [--only TEXT] [--csv bench/results/validation/rod.csv]
 
 Scenes and expected values: assets/scenes/reference (expected.json). Order in space: slope of log(error) against log(edge length) by
-least squares over all edge counts; below `floor` of the expected value the reference's own digits, stretch and rounding take over.
+least squares over the edge counts (`order_edges` where given); below `floor` of the expected value the reference's own digits, stretch and rounding take over.
 A threshold is measured from below: what a small load across does grows as a + b/(1 - x^pole/critical^pole), x = 0.90, 0.95 and 0.98 of the
 expected one [Southwell32]; and it is bracketed: at 0.97 the wire stays, at 1.03 it leaves. Order in time: the swing's tip against a
 trapezoid of 4,096 steps.
@@ -68,9 +68,12 @@ def frequency(result, mode, expected):
 
 
 def steepest(result):
-    """Largest angle between the wire and the line of its ends [rad], between the edges by a parabola."""
+    """Largest angle between the wire and the line of its ends [rad], between the edges by a parabola. An edge is its arc's mean tangent, which
+    cuts the corner of a helix: the tangent in its middle is the mean less t'' h^2/24."""
     edges = np.diff(result.nodes(), axis=0)
     line = result.nodes()[-1] - result.nodes()[0]
+    edges /= np.linalg.norm(edges, axis=1)[:, None]
+    edges[1:-1] -= np.diff(edges, 2, axis=0) / 24
     angle = np.arccos(np.clip(edges @ line / np.linalg.norm(edges, axis=1) / np.linalg.norm(line), -1, 1))
     i = int(np.clip(np.argmax(angle), 1, len(angle) - 2))
     a, b, c = angle[i - 1:i + 2]
@@ -91,6 +94,8 @@ def measure(result, quantity, expected):
         return abs(result.summary["base_force_n"][0])
     if quantity == "steepest":
         return steepest(result)
+    if quantity == "lag":
+        return math.degrees(result.wire["spin_rad"][0])
     if quantity.startswith("frequency_"):
         return frequency(result, int(quantity[-1]), expected)
     raise ValueError(quantity)
@@ -120,6 +125,16 @@ def threshold(run, case, settings):
     return critical, leaves
 
 
+def snap(run, case, settings):
+    """Angle of the base at which the tip whips round, to half a degree, by bisection [deg]; the base goes there in steps of 45 degrees."""
+    low, high = 180.0, 315.0
+    while high - low > 1:
+        middle = (low + high) / 2
+        result = run(case["scene"], {**settings, "hold.0.turn": [[0, 0], [1, math.radians(middle)]]})
+        low, high = (low, middle) if measure(result, "lag", 0) > 180 else (middle, high)
+    return (low + high) / 2
+
+
 def order_of(edges, errors, scale):
     """Slope of log(error) against log(1/edges), or none where fewer than three errors are above the floor."""
     kept = [(n, e) for n, e in zip(edges, errors) if e > FLOOR * scale]
@@ -140,23 +155,26 @@ def run_case(run, case):
     scale = float(np.linalg.norm(expected))
     allowed = case.get("absolute", scale * case.get("relative", 0))
     got, errors, leaves = [], [], True
-    for n in edges:
+    counts = edges + case.get("order_edges", [])
+    for n in counts:
         settings = {"wire.nodes": n + 1, **case.get("set", {})}
         if case["quantity"] == "threshold":
             part, left = threshold(run, case, settings)
             got.append(part * scale)
             leaves = leaves and left
+        elif case["quantity"] == "snap":
+            got.append(snap(run, case, settings))
         else:
             got.append(measure(run(case["scene"], settings), case["quantity"], scale))
         errors.append(float(np.linalg.norm(got[-1] - expected)))
-    resolved = [k for k, n in enumerate(edges) if n >= case.get("resolved", 0)]
-    order = order_of([edges[k] for k in resolved], [errors[k] for k in resolved], scale) if case.get("order", True) else None
+    resolved = [k for k, n in enumerate(counts) if n in case.get("order_edges", edges) and n >= case.get("resolved", 0)]
+    order = order_of([counts[k] for k in resolved], [errors[k] for k in resolved], scale) if case.get("order", True) else None
     judged = edges.index(case.get("judged", 100))
     met = errors[judged] <= allowed and leaves
     return [{"case": case["case"], "quantity": case["quantity"], "edges": n, "expected": text_of(expected), "got": text_of(g), "error": f"{e:.3g}",
              "relative_error": f"{e / scale:.3g}", "tolerance": f"{allowed:.3g}", "judged_at": edges[judged],
              "order": "" if order is None else f"{order:.2f}", "met": int(met), "source": case["source"]}
-            for n, g, e in zip(edges, got, errors)]
+            for n, g, e in zip(counts, got, errors)]
 
 
 def order_in_time(run):

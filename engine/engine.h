@@ -116,6 +116,11 @@ struct WireReadings {
     MomentumBalance momentum;      // of the last sub-step
 };
 
+/// What was asked of the OpenCL device since the world was made.
+struct DeviceCounts {
+    std::uint64_t launches = 0, reads = 0, writes = 0, buffers_created = 0, programs_built = 0;
+};
+
 class World {
 public:
     explicit World(WorldSetup setup);  // throws Error
@@ -150,6 +155,8 @@ public:
     /// What was on and why, one "name: value (reason)" per entry, for summary.json.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> model() const;
     [[nodiscard]] std::string device_name() const;
+    /// All zero for a world without a vessel.
+    [[nodiscard]] DeviceCounts device_counts() const;
 
     struct Impl;
     [[nodiscard]] Impl& impl() { return *impl_; }
@@ -168,7 +175,7 @@ private:
 /// One OpenCL device, as `seldinger devices` lists it.
 struct DeviceInfo {
     int index = 0;
-    std::string name, platform, type, version;
+    std::string name, platform, type, version, driver;
     bool fp64 = false;
     int compute_units = 0;
     std::uint64_t memory_bytes = 0;

@@ -51,6 +51,31 @@ void start_acceleration(World::Impl& state)
 
 }  // namespace
 
+namespace {
+
+// A step holds some four masks, a halved one four more at each level.
+std::vector<std::vector<std::uint8_t>>& mask_pool()
+{
+    thread_local std::vector<std::vector<std::uint8_t>> pool;
+    return pool;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> WireMask::borrow()
+{
+    auto& pool = mask_pool();
+    if (pool.empty()) return {};
+    std::vector<std::uint8_t> bytes = std::move(pool.back());
+    pool.pop_back();
+    return bytes;
+}
+
+void WireMask::give_back()
+{
+    if (bytes_.capacity() > 0) mask_pool().push_back(std::move(bytes_));
+}
+
 WireMask everyone(const World::Impl& state)
 {
     WireMask mask(state.wire_count());
@@ -151,85 +176,6 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
 
 namespace {
 
-/// Equilibrium of the wires of the mask. @param settling  0 or SEL_SETTLE_*
-/// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
-/// where they were
-WireMask balance(World::Impl& state, const WireMask& mask, uint settling, double farthest = INFINITY)
-{
-    RodArrays placed = state.rods;
-    const auto moved = [&](int w) {
-        const RodView now = state.rods.view(w), then = placed.view(w);
-        double most = 0;
-        for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
-        return most;
-    };
-    if (state.contact) {
-        state.contact->set_settling(settling);
-        state.contact->begin_step(state.rods);
-    }
-    for (int w = 0; w < state.wire_count(); ++w) {
-        state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
-        const double t = state.setup.integrator.scheme == Scheme::Static ? INFINITY : state.wire_time[w];
-        const RodView rod = state.rods.view(w);
-        state.holds[w].fill(t, rod, state.constraints[w]);
-        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
-    }
-    if (state.contact) state.contact->prepare(state.rods, state.live);
-    const auto start = Clock::now();
-    state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
-    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
-    WireMask done = mask, failed(mask.size(), 0);
-    for (int w = 0; w < state.wire_count(); ++w) {
-        if (!state.active[w]) continue;
-        if (state.reports[w].converged && !(moved(w) > farthest * state.rods.view(w).radius[0])) continue;
-        done[w] = 0;
-        failed[w] = 1;
-        state.restore_wire(w);
-    }
-    if (state.contact) {
-        state.contact->commit(done);
-        state.contact->set_settling(0);
-    }
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (done[w]) {
-            state.save_wire(w);
-            state.read_results(w, 0);
-        }
-    return failed;
-}
-
-bool any_of(const WireMask& mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
-
-}  // namespace
-
-void find_equilibrium(World::Impl& state, StepReport& report)
-{
-    const WireMask all = everyone(state);
-    const bool all_stuck = state.setup.start_settled && state.steps == 0;
-    WireMask failed = all_stuck ? balance(state, all, SEL_SETTLE_STUCK, 1) : balance(state, all, 0);
-    const auto note_solves = [&](const WireMask& mask) {
-        for (int w = 0; w < state.wire_count(); ++w)
-            if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
-    };
-    note_solves(all);
-    if (all_stuck && any_of(failed)) {
-        // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
-        // way there. It slides to rest instead, and holds from there on.
-        WireMask rested = failed;
-        failed = balance(state, failed, SEL_SETTLE_SLIDING);
-        note_solves(rested);
-        for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
-        if (any_of(rested)) {
-            (void)balance(state, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
-            note_solves(rested);
-        }
-    }
-    for (int w = 0; w < state.wire_count(); ++w)
-        if (failed[w]) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
-}
-
-namespace {
-
 // Constraints of the accepted state on the present node set.
 void constrain_now(World::Impl& state, int w)
 {
@@ -272,7 +218,7 @@ void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
 bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
 {
     const int n = state.rods.node_count(w);
-    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits);
+    const HubChange change = adapt_hub(state.feeds[w], state.setup.wires[w].wire, state.rods, w, limits, state.hub_scratch);
     if (!change.changed) return false;
     state.remesh_energy[w] += change.energy;
     renumber_forces(state.results[w].nodal_contact, n, {state.rods.node_count(w) > n, n - 2, 0});
@@ -323,7 +269,8 @@ bool where_clear(World::Impl& state, int w, Change change)
     return false;
 }
 
-void adapt_wire(World::Impl& state, int w, double dt)
+/// @return whether nodes came or went
+bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
     const bool fed = state.feeds[w].on;
@@ -332,26 +279,196 @@ void adapt_wire(World::Impl& state, int w, double dt)
     NodeDemands demands;
     demands.kept = adapter.kept;
     demands.fed = fed;
-    demands.may_merge = state.steps % merge_period == 0;
+    demands.may_merge = may_merge;
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
-    if (fed && where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, demands)); }))
-        demands.may_refine = demands.may_merge = false;
+    bool changed = fed && where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, demands)); });
+    if (changed) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
-    if (changes.empty()) return;
-    if (!state.contact || !state.contact->never_overlaps()) return change_nodes(state, w, changes);
+    if (changes.empty()) return changed;
+    if (!state.contact || !state.contact->never_overlaps()) return change_nodes(state, w, changes), true;
     for (std::size_t k = 0; k < changes.size(); ++k)
-        (void)where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; });
+        changed = where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; }) || changed;
+    return changed;
 }
 
 void adapt_one(World::Impl& state, int w, double dt)
 {
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
-    if (state.adapters[w].on) adapt_wire(state, w, dt);
+    if (state.adapters[w].on) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
     else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
 }
+
+}  // namespace
+
+namespace {
+
+constexpr int most_static_halvings = 6;
+constexpr int most_adapt_rounds = 60;  // of one equilibrium; each takes out a few nodes at most
+
+/// How a wire comes to its equilibrium. Holds and links that move are followed in parts (solve/constraints.h), so that the wire
+/// ends on the branch that it is on: a wire wound up and then pushed together has others. A part that does not converge is
+/// halved.
+struct Approach {
+    std::vector<double> times;  // [s] to be reached, one after the other
+    std::size_t next = 0;
+    double reached = 0, target = 0;
+    double end = 0;  // when the last move ends, which infinity stands for
+    int halvings = 0, rounds = 0;
+    bool adapting = false;  // at times[next], with nodes that have changed
+    [[nodiscard]] bool done() const { return next == times.size(); }
+};
+
+Approach approach_of(const World::Impl& state, int w)
+{
+    Approach approach;
+    if (state.setup.integrator.scheme == Scheme::Static) approach.times = state.holds[w].path(state.setup.wires[w].wire.length);
+    else approach.times = {state.wire_time[w]};
+    approach.target = approach.times[0];
+    approach.end = state.holds[w].moving_until();
+    return approach;
+}
+
+/// Equilibrium of the wires of the mask at their approaches' targets. @param settling  0 or SEL_SETTLE_*
+/// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
+/// where they were
+WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& mask, uint settling,
+                 double farthest = INFINITY)
+{
+    RodArrays placed = state.rods;
+    const auto moved = [&](int w) {
+        const RodView now = state.rods.view(w), then = placed.view(w);
+        double most = 0;
+        for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
+        return most;
+    };
+    if (state.contact) {
+        state.contact->set_settling(settling);
+        state.contact->begin_step(state.rods);
+    }
+    for (int w = 0; w < state.wire_count(); ++w) {
+        state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
+        const RodView rod = state.rods.view(w);
+        state.holds[w].fill(approaches[w].target, rod, state.constraints[w]);
+        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+    }
+    if (state.contact) state.contact->prepare(state.rods, state.live);
+    const auto start = Clock::now();
+    state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
+    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
+    WireMask done = mask, failed(mask.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!state.active[w]) continue;
+        if (state.reports[w].converged && !(moved(w) > farthest * state.rods.view(w).radius[0])) continue;
+        done[w] = 0;
+        failed[w] = 1;
+        state.restore_wire(w);
+    }
+    if (state.contact) {
+        state.contact->commit(done);
+        state.contact->set_settling(0);
+    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (done[w]) {
+            state.save_wire(w);
+            state.read_results(w, 0);
+        }
+    return failed;
+}
+
+bool any_of(std::span<const std::uint8_t> mask) { return std::find(mask.begin(), mask.end(), 1) != mask.end(); }
+
+/// Nodes of an equilibrium until none has to come or go, the rest length that they made taken out at once.
+/// @return whether any did: the equilibrium is to be found anew
+bool adapt_at_rest(World::Impl& state, int w, Approach& approach)
+{
+    constexpr int at_once = 8;
+    if (!state.adapters[w].on || (state.feeds[w].on && !state.feeds[w].inside) || ++approach.rounds > most_adapt_rounds)
+        return false;
+    bool changed = false;
+    for (int k = 0; k < at_once; ++k) {
+        const int n = state.rods.node_count(w);
+        if (!adapt_wire(state, w, INFINITY, true)) break;
+        changed = true;
+        if (state.rods.node_count(w) > n) break;  // moments beside a new node are off until it is at rest
+    }
+    if (!state.feeds[w].on) drain_debt(state, w, INFINITY);
+    return changed;
+}
+
+/// Takes in what became of the wire's part: the next one, or its nodes, or half of it. @return false: there is no equilibrium
+bool go_on(World::Impl& state, int w, Approach& approach, bool failed)
+{
+    if (failed) {
+        if (approach.adapting) {  // the nodes it had will do
+            approach.adapting = false;
+            ++approach.next;
+            return true;
+        }
+        approach.target = 0.5 * (approach.reached + std::min(approach.target, approach.end));
+        return approach.target > approach.reached && ++approach.halvings <= most_static_halvings;
+    }
+    approach.reached = approach.target;
+    if (approach.target == approach.times[approach.next]) {
+        approach.adapting = adapt_at_rest(state, w, approach);
+        if (approach.adapting) return true;
+        approach.rounds = approach.halvings = 0;
+        ++approach.next;
+    }
+    if (!approach.done()) approach.target = approach.times[approach.next];
+    return true;
+}
+
+/// Solver iterations of the wires of the mask into their reports.
+void note_solves(World::Impl& state, StepReport& report, const WireMask& mask)
+{
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
+}
+
+/// The first equilibrium of wires that start settled: all contacts stuck. @return wires that found none
+WireMask balance_stuck(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& mask, StepReport& report)
+{
+    WireMask failed = balance(state, approaches, mask, SEL_SETTLE_STUCK, 1);
+    note_solves(state, report, mask);
+    if (!any_of(failed)) return failed;
+    // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
+    // way there. It slides to rest instead, and holds from there on.
+    WireMask rested = failed;
+    failed = balance(state, approaches, failed, SEL_SETTLE_SLIDING);
+    note_solves(state, report, rested);
+    for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
+    if (any_of(rested)) {
+        (void)balance(state, approaches, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
+        note_solves(state, report, rested);
+    }
+    return failed;
+}
+
+}  // namespace
+
+void find_equilibrium(World::Impl& state, StepReport& report)
+{
+    WireMask going = everyone(state);
+    std::vector<Approach> approaches;
+    for (int w = 0; w < state.wire_count(); ++w) approaches.push_back(approach_of(state, w));
+    bool stuck = state.setup.start_settled && state.steps == 0;
+    while (any_of(going)) {
+        const WireMask failed = stuck ? balance_stuck(state, approaches, going, report) : balance(state, approaches, going, 0);
+        if (!stuck) note_solves(state, report, going);
+        stuck = false;
+        for (int w = 0; w < state.wire_count(); ++w) {
+            if (!going[w]) continue;
+            const bool found = go_on(state, w, approaches[w], failed[w]);
+            if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+            going[w] = found && !approaches[w].done();
+        }
+    }
+}
+
+namespace {
 
 // In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
 // base edge, of which there is at least half an edge, or the shortest one when nodes are adaptive.
@@ -392,7 +509,8 @@ WireMask advance_in_parts(World::Impl& state, double h, int parts, WireMask goin
 
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report)
 {
-    std::vector<int> parts(mask.size(), 0);  // 0: not asked for, or done
+    std::vector<int>& parts = state.parts;  // 0: not asked for, or done
+    parts.assign(mask.size(), 0);
     int most = 0;
     for (int w = 0; w < state.wire_count(); ++w)
         if (mask[w]) most = std::max(most, parts[w] = feed_parts(state, w, h));

@@ -4,11 +4,32 @@
 #include "world.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace seldinger {
 
-using WireMask = std::vector<std::uint8_t>;
+/// One flag per wire. The bytes come from a pool of the thread and go back there: the step loop allocates nothing once it is warm.
+class WireMask {
+public:
+    explicit WireMask(std::size_t wires, std::uint8_t value = 0) : bytes_(borrow()) { bytes_.assign(wires, value); }
+    WireMask(const WireMask& other) : bytes_(borrow()) { bytes_ = other.bytes_; }
+    WireMask(WireMask&& other) noexcept { bytes_.swap(other.bytes_); }
+    WireMask& operator=(const WireMask& other) = default;
+    WireMask& operator=(WireMask&& other) noexcept { return bytes_.swap(other.bytes_), *this; }
+    ~WireMask() { give_back(); }
+    [[nodiscard]] std::uint8_t& operator[](std::size_t wire) { return bytes_[wire]; }
+    [[nodiscard]] std::uint8_t operator[](std::size_t wire) const { return bytes_[wire]; }
+    [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+    [[nodiscard]] auto begin() const { return bytes_.begin(); }
+    [[nodiscard]] auto end() const { return bytes_.end(); }
+    operator std::span<const std::uint8_t>() const { return bytes_; }
+
+private:
+    static std::vector<std::uint8_t> borrow();
+    void give_back();
+    std::vector<std::uint8_t> bytes_;
+};
 
 /// All wires but the retired ones.
 [[nodiscard]] WireMask everyone(const World::Impl& state);

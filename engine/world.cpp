@@ -131,7 +131,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity);
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
-        context = std::make_unique<device::Context>(setup.device_index);
+        context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
         contact = make_contact(*context, setup, rods);
     }
     constraints.resize(count);
@@ -148,6 +148,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     backup.resize(count);
     feed_backup = feeds;
     count_backup.assign(count, 0);
+    for (int w = 0; w < count; ++w) backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
 }
 
@@ -393,6 +394,13 @@ std::vector<std::pair<std::string, std::string>> World::model() const
 }
 
 std::string World::device_name() const { return impl_->context ? impl_->context->name() : "none (no vessel, host only)"; }
+
+DeviceCounts World::device_counts() const
+{
+    if (!impl_->context) return {};
+    const device::Counters& c = impl_->context->counters();
+    return {c.launches, c.reads, c.writes, c.buffers_created, c.programs_built};
+}
 
 const char* version() { return SELDINGER_VERSION; }
 

@@ -56,6 +56,8 @@ struct World::Impl {
     std::vector<WireReport> wire_reports;       // per wire, of the present step
     std::vector<std::vector<double>> backup;    // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
+    std::vector<int> parts;                     // per wire, of advance()
+    HubScratch hub_scratch;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
     std::vector<Vec3> nodal_backup;             // of the wire whose nodes are being changed

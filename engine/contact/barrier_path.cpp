@@ -21,9 +21,9 @@ BarrierPath::BarrierPath(device::Context& context, const SampleSet& samples, int
 
 void BarrierPath::warm_up(device::Lane at, ContactParams none, const SampleBuffers& b)
 {
-    clearance_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims,
+    clearance_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
                       b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
-    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims, base_.hi_buffer,
+    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims, base_.hi_buffer,
                   base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
 }
 
@@ -32,7 +32,7 @@ void BarrierPath::measure_gaps(device::Lane at, ContactParams par, const SampleB
 {
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
-    clearance_.launch(at, count, par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims,
+    clearance_.launch(at, count, par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
                       b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
@@ -71,7 +71,7 @@ void BarrierPath::sweep(device::Lane at, ContactParams par, const SampleBuffers&
     if (list.empty()) return;
     base_.upload(context_, at);
     par.item_count = static_cast<uint>(list.size());
-    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.vertices, b.wall.rims,
+    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
                   base_.hi_buffer, base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), list.size() * sizeof(real));
     std::size_t k = 0;

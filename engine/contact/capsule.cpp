@@ -1,5 +1,6 @@
 #include "contact/capsule.h"
 
+#include "contact/device_records.h"
 #include "contact/wall_law.h"
 #include "core/bytes.h"
 #include "core/error.h"
@@ -46,7 +47,8 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     : ContactMethod(context, rods),
       swept_(setup.wires[0].contact.detection == Detection::Swept),
       wall_(context, tree, setup.mesh),
-      samples_(make_samples(per_wire(setup, &WireSetup::wire), per_wire(setup, &WireSetup::contact), setup.vessel, lumen_radius)),
+      samples_(make_samples(per_wire(setup, &WireSetup::wire), per_wire(setup, &WireSetup::contact), setup.vessel, setup.mesh,
+                            lumen_radius)),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
       find_(context, "contact/capsule.cl", "contact_find"),
@@ -97,26 +99,26 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     last_wire_edges_ = sums_.wire_edges;
     some_.reserve(n);
     some_first_.reserve(most_edges + 1);
-    models_ = device::Buffer(context, n * sizeof(SampleModel));
-    places_ = device::Buffer(context, n * sizeof(SamplePlace));
+    models_ = device::Buffer(context, n * device_size<SampleModel>(context));
+    places_ = device::Buffer(context, n * device_size<SamplePlace>(context));
     candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    distance_buffer_ = device::Buffer(context, n * sizeof(real));
+    distance_buffer_ = device::Buffer(context, n * device_size<double>(context));
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     some_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     some_first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
-    forces_ = device::Buffer(context, n * sizeof(SampleForce));
-    barys_ = device::Buffer(context, n * sizeof(real));
-    edge_buffer_ = device::Buffer(context, most_edges * sizeof(EdgeForce));
-    touches_t0_ = device::Buffer(context, 2 * n * sizeof(TouchState));
-    touches_ = device::Buffer(context, 2 * n * sizeof(TouchState));
+    forces_ = device::Buffer(context, n * device_size<SampleForce>(context));
+    barys_ = device::Buffer(context, n * device_size<double>(context));
+    edge_buffer_ = device::Buffer(context, most_edges * device_size<EdgeForce>(context));
+    touches_t0_ = device::Buffer(context, 2 * n * device_size<TouchState>(context));
+    touches_ = device::Buffer(context, 2 * n * device_size<TouchState>(context));
     no_multipliers_ = device::Buffer(context, sizeof(HardState));
     if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, samples_, rods.total_capacity());
     else if (params_.normal_law != SEL_NORMAL_DAMPED) multipliers_.emplace(context, samples_.total());
-    context_.write(device::Lane::Light, models_, samples_.models.data(), bytes_of(samples_.models));
+    write_records(context_, device::Lane::Light, models_, samples_.models, narrow_);
     context_.finish(device::Lane::Light);
     warm_up();
 }
@@ -129,8 +131,7 @@ void CapsuleContact::warm_up()
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
         launch_find(at, 1, none);
-        distance_.launch(at, 1, cl_uint{0}, real(1), find_list_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                         wall_.vertices, distance_buffer_);
+        launch_distance(at, 0);
         launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
@@ -141,22 +142,42 @@ void CapsuleContact::warm_up()
 
 void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
 {
-    find_.launch(at, items, par, real(list_margin_), find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer,
-                 wall_.nodes, wall_.vertices, candidates_, count_buffer_, found_buffer_);
+    const auto launch = [&](const auto& params, const auto& margin) {
+        find_.launch(at, items, params, margin, find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                     wall_.vertices, candidates_, count_buffer_, found_buffer_);
+    };
+    if (context_.float32()) launch(narrow(par), static_cast<float>(list_margin_));
+    else launch(par, list_margin_);
+}
+
+void CapsuleContact::launch_distance(device::Lane at, std::size_t items)
+{
+    const auto launch = [&](const auto& most) {
+        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, find_list_, places_, nodes_.hi_buffer,
+                         nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+    };
+    if (context_.float32()) launch(static_cast<float>(farthest_));
+    else launch(farthest_);
 }
 
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
-    evaluate_.launch(at, items, par, list, models_, places_, candidates_, count_buffer_, wall_.vertices, wall_.rims,
-                     nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
-                     nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
-                     multipliers_ ? multipliers_->states() : no_multipliers_);
+    const auto launch = [&](const auto& params) {
+        evaluate_.launch(at, items, params, list, models_, places_, candidates_, count_buffer_, wall_.nodes, wall_.vertices, wall_.rims,
+                         nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
+                         nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
+                         multipliers_ ? multipliers_->states() : no_multipliers_);
+    };
+    if (context_.float32()) launch(narrow(par));
+    else launch(par);
 }
 
 SampleBuffers CapsuleContact::sample_buffers() const
 {
     return {models_, places_, active_list_, candidates_, count_buffer_, touches_t0_, touches_, wall_, nodes_};
 }
+
+void CapsuleContact::write_places(device::Lane at) { write_records(context_, at, places_, samples_.places, narrow_places_); }
 
 device::Lane CapsuleContact::lane(std::size_t samples) const
 {
@@ -198,6 +219,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
 // Those of samples that are inside: they change with every step.
 void CapsuleContact::upload_places()
 {
+    if (context_.float32()) return write_places(device::Lane::Light);
     for (const WireSamples& wire : samples_.wires)
         if (wire.live > 0)
             context_.write(device::Lane::Light, places_, &samples_.places[wire.begin], wire.live * sizeof(SamplePlace),
@@ -211,7 +233,7 @@ void CapsuleContact::start_barrier()
     nodes_.upload(context_, at);
     barrier_->begin(at, params_, sample_buffers(), samples_, active_);
     barrier_->take(nodes_, 0, static_cast<int>(nodes_.theta.size()));
-    context_.write(at, places_, samples_.places.data(), bytes_of(samples_.places));
+    write_places(at);
     context_.finish(at);
 }
 
@@ -224,7 +246,7 @@ bool CapsuleContact::is_clear(RodArrays& rods, int wire)
     for (int i = 0; i < rod.n; ++i) nodes_.set(begin + i, rod.x[i], rod.y[i], rod.z[i], 0, wall_.centre);
     list_stale_ = true;
     context_.enter(device::Lane::Light);
-    context_.write(device::Lane::Light, places_, samples_.places.data(), bytes_of(samples_.places));
+    write_places(device::Lane::Light);
     find_candidates(false);
     const device::Lane at = lane(active_.size());
     context_.enter(at);
@@ -326,9 +348,8 @@ void CapsuleContact::probe(int stride)
     context_.enter(at);
     nodes_.upload(context_, at);
     context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-    distance_.launch(at, to_find_.size(), static_cast<cl_uint>(to_find_.size()), real(farthest_), find_list_, places_,
-                     nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
-    context_.read(at, distance_buffer_, distances_.data(), to_find_.size() * sizeof(real));
+    launch_distance(at, to_find_.size());
+    read_records(context_, at, distance_buffer_, distances_.data(), to_find_.size(), 0, narrow_);
     for (std::size_t i = 0; i < to_find_.size(); ++i) {
         const int s = static_cast<int>(to_find_[i]);
         const double clear = distances_[i] - 1e-3 * samples_.models[s].radius;  // rounding is far below that
@@ -495,7 +516,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
         reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_,
                        edge_buffer_);
-        context_.read(at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges * sizeof(EdgeForce));
+        read_records(context_, at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges, 0, narrow_);
         if (part) spread_sums(active);
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
     }
@@ -515,7 +536,7 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
         std::swap(touches_t0_, touches_);
     } else {
         context_.enter(device::Lane::Light);
-        constexpr std::size_t record = 2 * sizeof(TouchState);
+        const std::size_t record = 2 * device_size<TouchState>(context_);
         for (std::size_t w = 0; w < active.size();) {  // neighbours go together
             const std::size_t first = w;
             std::size_t samples = 0;
@@ -589,6 +610,7 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
     const WireSamples& wire = samples_.wires[0];
     const SampleModel& m = samples_.models[wire.begin + wire.capacity - 1];
     return {{"contact samples", fmt::format("{} over the whole wire, {:.3g} mm apart", wire.capacity, 1e3 * wire.spacing)},
+            {"contact kernels", context_.float32() ? "float32 (asked for)" : "float64"},
             {"normal law", describe_law(m)},
             {"line stiffness", fmt::format("{:.4g} N/m^{:.3g} per metre, exponent {}", m.stiffness, m.exponent + 1, m.exponent)},
             {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
@@ -604,7 +626,7 @@ std::vector<TouchState> CapsuleContact::living_touches(int first_wire, int end_w
     const int end = 2 * (samples_.wires[end_wire - 1].begin + samples_.wires[end_wire - 1].capacity);
     std::vector<TouchState> touches(end - first);
     context_.enter(device::Lane::Light);
-    context_.read(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches), first * sizeof(TouchState));
+    read_records(context_, device::Lane::Light, touches_t0_, touches.data(), touches.size(), first, narrow_);
     for (int w = first_wire; w < end_wire; ++w) {
         const WireSamples& wire = samples_.wires[w];
         for (int k = 2 * wire.begin - first; k < 2 * (wire.begin + wire.capacity) - first; ++k)
@@ -639,7 +661,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
     std::fill(listed_.begin(), listed_.end(), 0);
     forget();
     context_.enter(device::Lane::Light);
-    context_.write(device::Lane::Light, touches_t0_, touches.data(), bytes_of(touches));
+    write_records(context_, device::Lane::Light, touches_t0_, touches, narrow_);
     context_.finish(device::Lane::Light);
 }
 

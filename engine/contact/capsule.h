@@ -41,6 +41,7 @@ private:
     [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
     void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
+    void launch_distance(device::Lane at, std::size_t items);
     void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list);
     [[nodiscard]] bool pick_some(std::span<const std::uint8_t> active);
     void spread_sums(std::span<const std::uint8_t> active);
@@ -52,6 +53,7 @@ private:
     }
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
     [[nodiscard]] SampleBuffers sample_buffers() const;
+    void write_places(device::Lane at);
     [[nodiscard]] std::string describe_law(const SampleModel& m) const;
     void upload_places();
     void start_barrier();
@@ -85,6 +87,7 @@ private:
     std::optional<BarrierPath> barrier_;      // barrier
     std::vector<double> move_limit_;          // [wires] [m]
     bool list_stale_ = true;
+    std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)
 };
 
 }  // namespace seldinger

@@ -13,6 +13,9 @@ inline constexpr double augmented_overlap = 1e-2, constraint_overlap = 1e-5, bar
 /// Barriers act from no farther than this, a fraction of the radius: contact is looked for just there.
 inline constexpr double contact_reach = 0.1;
 
+/// Arithmetic of the contact kernels. The rest (elastic forces, solve) is always double.
+enum class Precision { Float64, Float32 };
+
 enum class FrictionLaw { StickSlip, Smooth, Sign, None };
 
 struct ContactSpec {
@@ -31,7 +34,8 @@ struct ContactSpec {
     double rolling_sigma_b = 0, rolling_sigma_s = 0, rolling_hardness = 1e6;  // [Pa] (D10)
     double layer_height = 0;          // h of the published layer [m]; 0: chosen, see contact/layer.h
     double pair_distance = 0;         // H of the published pair test [m]; 0: chosen
-    int samples_per_edge = 0;         // 0: spacing of one wire radius
+    int samples_per_edge = 0;         // 0: spacing of one wire radius, less over sharp ridges (contact/samples.h)
+    Precision precision = Precision::Float64;
 };
 
 }  // namespace seldinger

@@ -31,6 +31,7 @@ struct DeviceNodes {
     std::vector<float> hi;         // [nodes][3]
     std::vector<double> lo, theta;  // [nodes][3], [nodes]
     device::Buffer hi_buffer, lo_buffer, theta_buffer;
+    std::vector<std::uint32_t> narrow_lo, narrow_theta;  // what goes up to a float32 context
     void set(int node, double x, double y, double z, double angle, const Vec3& centre);
     void upload(device::Context& context, device::Lane lane);
 };

@@ -1,4 +1,5 @@
 #include "contact/contact_system.h"
+#include "contact/device_records.h"
 
 #include <set>
 
@@ -47,8 +48,8 @@ DeviceNodes::DeviceNodes(device::Context& context, int total_capacity)
       lo(3 * (total_capacity + 1), 0.0),
       theta(total_capacity + 1, 0.0),
       hi_buffer(context, hi.size() * sizeof(float)),
-      lo_buffer(context, lo.size() * sizeof(double)),
-      theta_buffer(context, theta.size() * sizeof(double))
+      lo_buffer(context, lo.size() * device_size<double>(context)),
+      theta_buffer(context, theta.size() * device_size<double>(context))
 {
 }
 
@@ -65,8 +66,8 @@ void DeviceNodes::set(int node, double x, double y, double z, double angle, cons
 void DeviceNodes::upload(device::Context& context, device::Lane lane)
 {
     context.write(lane, hi_buffer, hi.data(), hi.size() * sizeof(float));
-    context.write(lane, lo_buffer, lo.data(), lo.size() * sizeof(double));
-    context.write(lane, theta_buffer, theta.data(), theta.size() * sizeof(double));
+    write_records(context, lane, lo_buffer, lo, narrow_lo);
+    write_records(context, lane, theta_buffer, theta, narrow_theta);
 }
 
 }  // namespace seldinger

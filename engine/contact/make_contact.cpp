@@ -30,6 +30,9 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Worl
     const ContactSpec& contact = setup.wires[0].contact;
     if (is_hard(contact.normal) && contact.detection == Detection::Layer)
         throw Error(ExitCode::BadScene, "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
+    if (context.float32() && (is_hard(contact.normal) || contact.detection == Detection::Layer))
+        throw Error(ExitCode::BadScene, "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "
+                                        "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
     switch (contact.detection) {
         case Detection::Swept:
         case Detection::Capsule:

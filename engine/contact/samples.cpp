@@ -3,6 +3,7 @@
 #include "contact/wall_law.h"
 #include "core/check.h"
 #include "rod/place.h"
+#include "vessel/ridges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,23 +28,46 @@ ContactSpec with_lengths(ContactSpec contact, double radius)
     return contact;
 }
 
-double sample_spacing(const WireSpec& spec, const ContactSpec& contact)
+// See samples.h. Up to smooth_ridge the axial part of a ridge's force is half of it at most, less than friction; a quarter of a radius
+// puts five samples on a ridge that is pressed in by a fiftieth of the radius, and is reached at twice smooth_ridge.
+constexpr double smooth_ridge = 0.12;   // [rad]
+constexpr double least_spacing = 0.25;  // of the radius
+
+/// The mesh's ridges as wires see them, one look for all wires of a radius.
+class Ridges {
+public:
+    explicit Ridges(const WallMesh& mesh) : mesh_(mesh) {}
+    double angle(double radius)
+    {
+        if (radius != radius_) angle_ = mean_ridge_angle(mesh_, 2 * (radius_ = radius));
+        return angle_;
+    }
+
+private:
+    const WallMesh& mesh_;
+    double radius_ = -1, angle_ = 0;
+};
+
+double sample_spacing(const WireSpec& spec, const ContactSpec& contact, Ridges& ridges)
 {
     if (contact.detection == Detection::Nodes) return uniform_edge(spec);
     if (contact.samples_per_edge > 0 && spec.nodes > 1) return spec.length / (spec.nodes - 1) / contact.samples_per_edge;
-    return least_radius(spec);
+    const double radius = least_radius(spec), ridge = ridges.angle(radius);
+    const double fineness = smooth_ridge / ridge;
+    return ridge > smooth_ridge ? std::max(fineness * fineness, least_spacing) * radius : radius;
 }
 
 }  // namespace
 
 SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const VesselSpec& wall,
-                       double lumen_radius)
+                       const WallMesh& mesh, double lumen_radius)
 {
     SampleSet set;
+    Ridges ridges(mesh);
     for (std::size_t w = 0; w < specs.size(); ++w) {
         const WireSpec& spec = specs[w];
         WireSamples samples;
-        const int stretches = std::max(1, static_cast<int>(std::lround(spec.length / sample_spacing(spec, contacts[w]))));
+        const int stretches = std::max(1, static_cast<int>(std::lround(spec.length / sample_spacing(spec, contacts[w], ridges))));
         samples.spacing = spec.length / stretches;
         samples.begin = set.total();
         samples.capacity = stretches + 1;

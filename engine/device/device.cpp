@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -61,6 +62,17 @@ public:
 private:
     int saved_;
 };
+
+/// Kernel::workgroup, or what SEL_WORKGROUP in the environment says (1 to 1024): nothing may depend on it, and bench/pocl_variants.sh looks.
+std::size_t chosen_workgroup()
+{
+    static const std::size_t chosen = [] {
+        const char* text = std::getenv("SEL_WORKGROUP");
+        const long size = text ? std::strtol(text, nullptr, 10) : 0;
+        return size >= 1 && size <= 1024 ? static_cast<std::size_t>(size) : Kernel::workgroup;
+    }();
+    return chosen;
+}
 
 }  // namespace
 
@@ -170,6 +182,7 @@ void Context::finish(Lane lane) { CL_CHECK(clFinish(queue(lane))); }
 
 void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup)
 {
+    if (workgroup == Kernel::workgroup) workgroup = chosen_workgroup();
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
     counters_.launches++;
@@ -185,7 +198,7 @@ cl_program Context::program(const std::string& file)
     cl_int status = CL_SUCCESS;
     cl_program built = clCreateProgramWithSource(context_, 1, &text, &length, &status);
     check(status, "clCreateProgramWithSource");
-    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", Kernel::workgroup, float32_ ? " -DSEL_FLOAT32" : "");
+    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", chosen_workgroup(), float32_ ? " -DSEL_FLOAT32" : "");
     {
         const QuietStderr quiet;
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);

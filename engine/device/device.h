@@ -73,6 +73,8 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool float32() const { return float32_; }
     [[nodiscard]] bool on_cpu() const { return cpu_; }
+    /// Whether the lanes are two devices; else both name the same queue.
+    [[nodiscard]] bool two_lanes() const { return queues_[0] != queues_[1]; }
     [[nodiscard]] Counters& counters() { return counters_; }
 
 private:

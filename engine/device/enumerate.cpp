@@ -69,6 +69,7 @@ std::vector<DeviceInfo> list_devices()
         info.index = static_cast<int>(list.size());
         info.name = device::device_text(id, CL_DEVICE_NAME);
         info.version = device::device_text(id, CL_DEVICE_VERSION);
+        info.driver = device::device_text(id, CL_DRIVER_VERSION);
         info.fp64 = device::device_text(id, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
         cl_device_type type = 0;
         clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, nullptr);

@@ -52,6 +52,19 @@ Polyline centreline_path(const Centreline& centreline, double from)
     return Polyline(std::move(rest));
 }
 
+// Where the given points turn back by more than 170 degrees, chords of an edge's length jump from one leg to the other, and the wire
+// would lie somewhere else than was asked for.
+void refuse_sharp_corners(const std::vector<Vec3>& points)
+{
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        const Vec3 before = (points[i] - points[i - 1]).normalized(), after = (points[i + 1] - points[i]).normalized();
+        if (before.dot(after) < -std::cos(10 * pi / 180))
+            throw Error(ExitCode::BadScene, fmt::format("wire.place.points: the wire folds back on itself at point {}; expected corners of less than "
+                                                        "170 degrees, round it off",
+                                                        i));
+    }
+}
+
 struct Curve {
     std::function<Vec3(double)> at;  // by arc length from the base
     double length;                   // infinity where it goes on
@@ -74,6 +87,7 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
             return {[=, base = place.base](double u) -> Vec3 { return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n; }, forever};
         }
         case PlaceShape::Points: {
+            refuse_sharp_corners(place.points);
             const Polyline line(place.points);
             return {line, line.length()};
         }
@@ -89,7 +103,8 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
 double next_at_chord(const Curve& curve, double u, const Vec3& p, double chord)
 {
     double low = u + 0.5 * chord, high = u + chord;
-    while ((curve.at(high) - p).norm() < chord && high < u + 20 * chord) high += 0.25 * chord;
+    const double enough = chord * (1 - 1e-9);  // or rounding carries a chord that ends in a sharp corner past it
+    while ((curve.at(high) - p).norm() < enough && high < u + 20 * chord) high += 0.25 * chord;
     for (int i = 0; i < 80; ++i) {
         const double mid = (low + high) / 2;
         ((curve.at(mid) - p).norm() < chord ? low : high) = mid;
@@ -142,8 +157,9 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centrelin
         rod.spin_rate[i] = place.spin_rate;
         if (i > 0) u = ring ? (n - i) * h : next_at_chord(curve, u, rod.pos(i), h);
         if (u > curve.length * (1 + 1e-9))
-            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers",
-                                                        spec.length, curve.length));
+            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers to edges of "
+                                                        "{:.3g} m, which cut corners; give a longer shape or more nodes",
+                                                        spec.length, curve.length, h));
     }
     initialise_frames(rod, place.normal);
     refuse_folds(rod);

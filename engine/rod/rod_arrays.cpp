@@ -79,11 +79,10 @@ RodView RodArrays::view(int wire)
     return rod;
 }
 
-std::vector<std::span<double>> RodArrays::arrays(int wire)
+std::array<std::span<double>, RodArrays::array_count> RodArrays::arrays(int wire)
 {
-    std::vector<std::span<double>> result;
-    for (std::vector<double>& array : storage_)
-        result.push_back(std::span<double>(array).subspan(begin_[wire], count_[wire]));
+    std::array<std::span<double>, array_count> result;
+    for (int k = 0; k < array_count; ++k) result[k] = std::span<double>(storage_[k]).subspan(begin_[wire], count_[wire]);
     return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include "rod/wire_spec.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -77,10 +78,10 @@ public:
     void set_curvature(int wire, CurvatureMeasure measure) { curvature_[wire] = measure; }
     [[nodiscard]] RodView view(int wire);
     /// All state and model bytes of a wire, for checkpoints and the state hash: one span per array, in a fixed order.
-    [[nodiscard]] std::vector<std::span<double>> arrays(int wire);
+    static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
+    [[nodiscard]] std::array<std::span<double>, array_count> arrays(int wire);
 
 private:
-    static constexpr int array_count = 32;  // members of RodView that are spans (checked in the source file)
     std::vector<int> begin_, count_;        // [wires + 1], [wires]
     std::vector<CurvatureMeasure> curvature_;  // [wires]
     std::vector<double> storage_[array_count];  // [total_capacity] each, in the order of RodView's members

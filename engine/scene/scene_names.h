@@ -35,6 +35,7 @@ inline constexpr Choice<NormalLaw> normal_words[] = {{"hunt-crossley", NormalLaw
     {"constraint", NormalLaw::Constraint}, {"impulse", NormalLaw::Impulse}, {"barrier", NormalLaw::Barrier}};
 inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", FrictionLaw::StickSlip}, {"smooth", FrictionLaw::Smooth},
     {"sign", FrictionLaw::Sign}, {"none", FrictionLaw::None}};
+inline constexpr Choice<Precision> precision_words[] = {{"float64", Precision::Float64}, {"float32", Precision::Float32}};
 inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
 
 /// The word of a value.

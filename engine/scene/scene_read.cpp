@@ -79,7 +79,7 @@ void read_contact_stiffness(const TableReader& t, ContactSpec& spec)
 const std::initializer_list<std::string_view> contact_keys = {
     "detection", "normal", "friction", "stiffness", "exponent", "restitution", "mu_static", "mu_sliding", "rolling",
     "rolling_alpha", "rolling_sigma_b_pa", "rolling_sigma_s_pa", "rolling_hardness_pa", "layer_height_m",
-    "pair_distance_m", "samples_per_edge", "overlap_m", "barrier_distance_m"};
+    "pair_distance_m", "samples_per_edge", "overlap_m", "barrier_distance_m", "precision"};
 
 /// What the laws of kernels/shared/hard_law.h cannot be joined with.
 void check_hard_law(const TableReader& t, const Scene& scene)
@@ -94,6 +94,13 @@ void check_hard_law(const TableReader& t, const Scene& scene)
     if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)
         t.fail("normal", fmt::format("\"{}\" is solved by Newton's method to its end; use integrator.scheme = \"newton\" or \"static\", or "
                                      "normal = \"hunt-crossley\"", law));
+}
+
+void check_precision(const TableReader& t, const ContactSpec& spec)
+{
+    if (spec.precision == Precision::Float32 && (is_hard(spec.normal) || spec.detection == Detection::Layer))
+        t.fail("precision", "\"float32\" is there for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
+                            "\"lankarani-nikravesh\"; take it out");
 }
 
 /// Lengths that are measured against the wire, so after it has been read.
@@ -116,6 +123,7 @@ void read_contact(const toml::table& table, Scene& scene)
     t.choice("detection", spec.detection, detection_words);
     t.choice("normal", spec.normal, normal_words);
     t.choice("friction", spec.friction, friction_words);
+    t.choice("precision", spec.precision, precision_words);
     read_contact_stiffness(t, spec);
     t.number("restitution", spec.restitution, {0, 1, true, false, "a number above 0, at most 1"});
     t.number("mu_static", spec.mu_static, friction_range);
@@ -131,6 +139,7 @@ void read_contact(const toml::table& table, Scene& scene)
     t.number("overlap_m", spec.overlap, positive);
     t.number("barrier_distance_m", spec.barrier_distance, positive);
     check_hard_law(t, scene);
+    check_precision(t, scene.contact);
 }
 
 FeedKey read_feed_key(const toml::node& node, const FeedKey& before, bool first)

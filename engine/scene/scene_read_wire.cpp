@@ -132,6 +132,7 @@ void read_nodes(const TableReader& t, WireSpec& wire)
     }
     t.number("min_edge_m", wire.min_edge, positive);
     t.number("max_edge_m", wire.max_edge, positive);
+    t.number("edge_error_m", wire.edge_error, positive);
     if (wire.nodes == 0 && wire.min_edge >= wire.max_edge)
         t.fail("min_edge_m", fmt::format("expected less than max_edge_m, {} m", wire.max_edge));
     if (wire.nodes == 0 && wire.length / wire.min_edge > 200'000)
@@ -154,7 +155,7 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
 {
     const TableReader t(
         table, "wire",
-        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
+        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "edge_error_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
          "stretch_n", "mu_static", "mu_sliding", "curvature", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);

@@ -111,7 +111,7 @@ void write_wire(std::string& out, const Scene& scene)
     t.num("length_m", wire.length);
     if (wire.nodes == 0) t.word("nodes", "adaptive");
     else t.whole("nodes", wire.nodes);
-    t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge);
+    t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge).num("edge_error_m", wire.edge_error);
     write_properties(t, wire.shaft, false);
     t.word("curvature", word_of(curvature_words, wire.curvature));
     if (!scene.feed.on) {
@@ -176,6 +176,7 @@ void write_contact(std::string& out, const ContactSpec& c)
     t.num_unless_zero("layer_height_m", c.layer_height).num_unless_zero("pair_distance_m", c.pair_distance);
     if (c.samples_per_edge > 0) t.whole("samples_per_edge", c.samples_per_edge);
     t.num_unless_zero("overlap_m", c.overlap).num_unless_zero("barrier_distance_m", c.barrier_distance);
+    t.word("precision", word_of(precision_words, c.precision));
 }
 
 void write_feed(std::string& out, const FeedSpec& feed)

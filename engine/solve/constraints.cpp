@@ -2,11 +2,12 @@
 
 #include "core/error.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace seldinger {
 
@@ -38,10 +39,7 @@ double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std:
 constexpr int most_clamps = 12;  // RodFrames has room for 16; feeding and rings add their own
 
 /// Parallel transport of v from unit vector a to unit vector b.
-Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b)
-{
-    return Eigen::Quaterniond::FromTwoVectors(a, b) * v;
-}
+Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b) { return Eigen::Quaterniond::FromTwoVectors(a, b) * v; }
 
 Vec3 material_director(const RodView& rod, int edge)
 {
@@ -58,8 +56,8 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
                                                 what, index, at.from_tip, length, length));
 }
 
-/// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist that
-/// its inner node has per length.
+/// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist
+/// that its inner node has per length.
 double twist_to_end(const RodView& rod, int node)
 {
     if (rod.n < 3) return 0;
@@ -92,8 +90,8 @@ NodeFrame node_frame(const RodView& rod, int node)
 
 namespace {
 
-/// A wire may be placed with whole turns in it (a ring): the twist between a hold and its edges starts from their angles, so that none
-/// of them is lost. Reference twists as in rod/clamp.h.
+/// A wire may be placed with whole turns in it (a ring): the twist between a hold and its edges starts from their angles, so that
+/// none of them is lost. Reference twists as in rod/clamp.h.
 void count_turns(const RodView& rod, int node)
 {
     const bool end = node == 0 || node == rod.n - 1;
@@ -228,6 +226,40 @@ double WireHolds::moving_until() const
     for (const LinkSpec& link : links_) include(link.move);
     for (const LoadSpec& load : loads_) end = std::max(end, load.ramp);
     return end;
+}
+
+std::vector<double> WireHolds::path(double length) const
+{
+    constexpr double most_move = 0.005, most_turn = std::numbers::pi / 4, most_parts = 4096;  // [-] of the length, [rad]
+    std::vector<double> times = {0};
+    const auto include = [&](const auto& keys) {
+        for (const auto& key : keys)
+            if (key[0] > 0) times.push_back(key[0]);
+    };
+    for (const Hold& hold : holds_) include(hold.spec.move), include(hold.spec.turn);
+    for (const LinkSpec& link : links_) include(link.move);
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    const auto travel = [&](const auto& keys, double from, double until, double most) {
+        const auto a = interpolate(keys, from), b = interpolate(keys, until);
+        double square = 0;
+        for (std::size_t c = 0; c < a.size(); ++c) square += (b[c] - a[c]) * (b[c] - a[c]);
+        return std::sqrt(square) / most;
+    };
+    std::vector<double> path;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+        const double from = times[k - 1], until = times[k];
+        double parts = 1;
+        for (const Hold& hold : holds_)
+            parts = std::max(
+                {parts, travel(hold.spec.move, from, until, most_move * length), travel(hold.spec.turn, from, until, most_turn)});
+        for (const LinkSpec& link : links_) parts = std::max(parts, travel(link.move, from, until, most_move * length));
+        const int count = static_cast<int>(std::min(std::ceil(parts - 1e-9), most_parts));
+        for (int p = 1; p <= count; ++p) path.push_back(from + (until - from) * p / count);
+    }
+    if (path.empty()) return {INFINITY};
+    path.back() = INFINITY;
+    return path;
 }
 
 FeedKey FeedSpec::at(double t) const

@@ -1,4 +1,6 @@
-// Static equilibrium: Newton with an adaptive shift first; where that stalls, pseudo-time, which follows the wire downhill.
+// Static equilibrium: Newton with an adaptive shift first; where that stalls, pseudo-time, which follows the wire downhill; where
+// that is too slow, Newton for as long. (A ring beyond Michell's twist has a buckled shape that may sit anywhere along it: a bent
+// valley with hardly a slope, 1,400 iterations long. Pseudo-time creeps there, Newton walks.)
 
 #include "solve/newton.h"
 #include "solve/solver_work.h"
@@ -7,8 +9,8 @@
 
 namespace seldinger {
 
-void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
-                         std::span<const std::uint8_t> active, std::span<SolveReport> reports)
+void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+                         std::span<SolveReport> reports)
 {
     begin(Motion::Static, 0, constraints, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
@@ -20,17 +22,21 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
         if (active[w]) work_[w]->newton.start(newton, move_limit(contact, w));
     iterate_with_multipliers(0, contact, active);
 
-    NewtonOptions flow = newton;
+    NewtonOptions flow = newton, patient = newton;
     flow.gradient_flow = true;
-    flow.max_iterations = 3000;
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        NewtonWire& wire = work_[w]->newton;
-        if (!active[w] || wire.converged()) continue;
-        wire.problem.restore_reference();
-        wire.problem.trial = wire.problem.start;
-        wire.start(flow, move_limit(contact, w));
+    flow.max_iterations = patient.max_iterations = 3000;
+    for (const NewtonOptions& again : {flow, patient}) {
+        bool any = false;
+        for (int w = 0; w < rods_.wire_count(); ++w) {
+            NewtonWire& wire = work_[w]->newton;
+            if (!active[w] || wire.converged()) continue;
+            any = true;
+            wire.problem.restore_reference();
+            wire.problem.trial = wire.problem.start;
+            wire.start(again, move_limit(contact, w));
+        }
+        if (any) iterate_with_multipliers(0, contact, active);
     }
-    iterate_with_multipliers(0, contact, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w] && !work_[w]->newton.converged()) work_[w]->newton.problem.restore_reference();
     finish(active, reports);

@@ -143,7 +143,7 @@ double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrame
     return update_frames(rod, now, clamps, frames) ? elastic_energy(rod, clamps, frames) : 0.0;
 }
 
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits)
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits, HubScratch& scratch)
 {
     RodView rod = rods.view(index);
     const int base = rod.n - 2;  // the base edge
@@ -151,15 +151,19 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     const bool split = length > limits.longest && limits.inner > 0 && rod.n < rods.capacity(index);
     const bool merge = length < limits.shortest && rod.n > 2;
     if (!split && !merge) return {};
-    WireConstraints inlet;
+    WireConstraints& inlet = scratch.inlet;
+    RodFrames& frames = scratch.frames;
+    if (static_cast<int>(frames.tangent.size()) < rods.capacity(index)) frames = RodFrames(rods.capacity(index));
+    inlet.prescribed.clear();
+    inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);
-    RodFrames frames(rods.capacity(index));  // a split happens once per edge fed, not once per step
     const double before = energy_now(rod, inlet.clamps, frames);
     const SplitResult result = split ? split_base_edge(rods, index, limits.inner / length, wire, inlet.clamps)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
     state.debt += result.rest_length_added;
     rod = rods.view(index);
-    inlet = {};
+    inlet.prescribed.clear();
+    inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);
     return {true, energy_now(rod, inlet.clamps, frames) - before};
 }

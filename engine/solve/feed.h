@@ -54,7 +54,13 @@ struct BaseEdge {
     static BaseEdge uniform(double h) { return {0.5 * h, 1.5 * h, h}; }
 };
 
+/// What adapt_hub works with; kept, so that a split allocates nothing.
+struct HubScratch {
+    RodFrames frames;  // of any capacity: grows
+    WireConstraints inlet;
+};
+
 /// Splits or merges the base edge where it left its limits.
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits);
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits, HubScratch& scratch);
 
 }  // namespace seldinger

@@ -131,8 +131,10 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    if (options_.linearised && phase_ == Phase::Search) {  // a part of the step is no step: half the time is asked for instead
-        if (alpha_ == 1) phase_ = Phase::Done;
+    if (options_.linearised && phase_ == Phase::Search) {
+        // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for instead.
+        // Published detection has no such limit, and takes what it gets.
+        if (alpha_ == 1 || std::isinf(move_limit_)) phase_ = Phase::Done;
         else give_up();
         return;
     }

@@ -13,6 +13,7 @@ namespace seldinger {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double most_bending_force = 10;  // of the scale of forces, see set_scales [N]
 
 Vec3 node_of(std::span<const double> q, int i) { return {q[4 * i], q[4 * i + 1], q[4 * i + 2]}; }
 
@@ -132,7 +133,8 @@ void WireProblem::set_external(const Vec3& gravity)
 }
 
 // What the residual is measured against: the largest of total weight, loads (moments over the wire's length), stretched
-// springs, and B/L^2, the force that bends the wire to its own length. The floor is what rounding of positions far from the
+// springs, and B/L^2, the force that bends the wire to its own length, up to 10 N: a short stiff piece in the guide (0.01 N m^2, 1 cm:
+// 100 N) would else have residuals that show in the hand's force. The floor is what rounding of positions far from the
 // origin does to the stretching and inertia forces.
 void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)
 {
@@ -152,7 +154,7 @@ void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)
         reach = std::max({reach, std::abs(rod.x[i]), std::abs(rod.y[i]), std::abs(rod.z[i])});
     }
     length_scale = length / (n - 1);
-    force_scale = std::max(mass * gravity.norm(), bend / (length * length));
+    force_scale = std::max(mass * gravity.norm(), std::min(bend / (length * length), most_bending_force));
     double loads = 0, springs = 0;
     for (const auto& load : constraints_->loads) loads += load.force.norm() + load.moment.norm() / length;
     for (const auto& spring : constraints_->springs) {

@@ -1,5 +1,6 @@
 #include "study/chart.h"
 
+#include "core/error.h"
 #include "study/pareto.h"
 
 #include <fmt/format.h>
@@ -27,10 +28,34 @@ RunPlan plan_of(const ChartOptions& options, const Benchmark& benchmark)
     plan.processor_time = options.processor_time;
     plan.repeats = budget.repeats;
     plan.repeat_wall = budget.repeat_wall;
-    plan.wall_limit = budget.wall_limit;
+    plan.wall_limit = options.run_limit > 0 ? options.run_limit : budget.wall_limit;
     plan.end_on_blow_up = false;  // a method that makes energy is charted with the error that this leads to
     plan.stop = options.stop;
     return plan;
+}
+
+/// The model of options.planned. @throws Error BadScene: that scene is not this one under a model
+ChartModel planned_model(const ChartOptions& options, const Scene& scene)
+{
+    const Scene planned = read_scene(options.planned);
+    ChartModel entry;
+    entry.family = "planned";
+    entry.model = model_of(planned);
+    Scene under = apply(entry.model, scene);
+    under.planned = planned.planned;
+    const auto folder = scene.source.parent_path();
+    if (write_scene(under, folder) != write_scene(planned, folder))
+        throw Error(ExitCode::BadScene, fmt::format("--planned {}: is not {} under another model; give what `seldinger plan` wrote for it",
+                                                    options.planned.string(), scene.source.string()));
+    entry.model.name = "planned";
+    return entry;
+}
+
+std::vector<ChartModel> models_for(const ChartOptions& options, const Scene& scene)
+{
+    std::vector<ChartModel> models = chart_models(scene, options.quick, options.baselines);
+    if (!options.planned.empty()) models.insert(models.begin(), planned_model(options, scene));
+    return models;
 }
 
 void tell(const ChartOptions& options, const std::string& doing)
@@ -154,7 +179,7 @@ public:
     /// @return how many models there are to run
     int choose_models()
     {
-        for (ChartModel& model : chart_models(study_.scene, options_.quick, options_.baselines))
+        for (ChartModel& model : models_for(options_, study_.scene))
             (model.refused.empty() ? models_ : chart_.refused).push_back(std::move(model));
         return static_cast<int>(models_.size());
     }
@@ -186,6 +211,7 @@ ChartResult make_chart(const ChartOptions& options)
 {
     ChartResult result;
     const std::vector<std::string> names = options.scenes.empty() ? benchmark_names() : options.scenes;
+    if (!options.planned.empty() && names.size() != 1) throw Error(ExitCode::BadScene, "--planned belongs to one scene; give it with --scenes");
     std::vector<Scene> scenes;
     for (const std::string& name : names) {  // every name and file is checked before the first run
         SceneChart chart;
@@ -194,7 +220,8 @@ ChartResult make_chart(const ChartOptions& options)
         chart.title = scenes.back().name;
         chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
-        for (const ChartModel& model : chart_models(scenes.back(), options.quick, options.baselines))
+        if (options.reference_limit > 0) chart.benchmark.refinement.wall_limit = options.reference_limit;
+        for (const ChartModel& model : models_for(options, scenes.back()))
             result.runs_wanted += model.refused.empty();
         result.scenes.push_back(std::move(chart));
     }

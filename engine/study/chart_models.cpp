@@ -225,11 +225,11 @@ std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::
         else add_explicit(models, scene.wire, {13, 51});
     }
     add_baselines(models, baselines, quick);
-    Model single = basis(usual_nodes, 1 * ms), still = single;
+    Model single = basis(usual_nodes, 1 * ms), spins = single;
     single.precision = Precision::Float32;
-    still.spin = false;
+    spins.spin = scene.integrator.spins != Spins::Kept;
     if (touches) models.add("precision", "float32", single);
-    models.add("spin", "no spin", still);
+    models.add("spin", *spins.spin ? "spins kept" : "spins left out", spins);
     return models.take();
 }
 

@@ -21,10 +21,12 @@ bool all_finite(const WireReadings& r)
                          r.gravitational + r.base_force.sum());
 }
 
-// A fed wire whose piece is still in the guide has no energies yet; they begin, with its weight's height, when it is inside.
-bool in_guide(const WireReadings& r) { return r.nodes == 2 && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0; }
+// A fed wire whose piece is still in the guide has no energies yet, and a wire that was placed bent has none before its first step;
+// they begin when they are first known.
+bool not_known_yet(const WireReadings& r, long step) { return (r.nodes == 2 || step == 1) && r.kinetic == 0 && r.elastic == 0 && r.gravitational == 0; }
 
 constexpr int least_window = 10;  // steps; fewer say nothing of jitter
+constexpr int least_turns = 3;    // in a window
 
 }  // namespace
 
@@ -35,9 +37,8 @@ const char* name(Outcome outcome)
 }
 
 FailureWatch::FailureWatch(const FailureLimits& limits, const WireReadings& start)
-    : limits_(limits), last_(start), turned_over_(start.kinetic), most_stored_(stored(start))
+    : limits_(limits), last_(start), jitter_(limits), turned_over_(start.kinetic), most_stored_(stored(start))
 {
-    SEL_ASSERT(limits.jitter_window >= least_window);
     least_ = start.kinetic + stored(start) + contact_storage(start);
 }
 
@@ -47,7 +48,7 @@ void FailureWatch::note(Outcome outcome)
     if (first < 0) first = seen_.steps;
 }
 
-void FailureWatch::observe(const StepReport& report, const WireReadings& now, double work, double carried_in)
+void FailureWatch::observe(const StepReport& report, const WireReadings& now, double work, double carried_in, double jerk)
 {
     seen_.steps++;
     seen_.sub_steps = std::max(seen_.sub_steps, report.sub_steps);
@@ -61,32 +62,64 @@ void FailureWatch::observe(const StepReport& report, const WireReadings& now, do
     seen_.outside = std::max(seen_.outside, now.outside);
     if (now.outside > 0 || (report.flags & StepWallPenetration)) note(Outcome::Escape);
     if (now.overlap > std::min(2 * limits_.static_indentation, limits_.radius)) note(Outcome::Overlap);
-    watch_force(now.hand_force);
+    seen_.touching += now.normal > 0;
+    seen_.hand_force = std::max(seen_.hand_force, std::abs(now.hand_force));
+    note_jitter(jitter_.add(now.hand_force));
+    jerks_ += jerk;
     watch_energy(now, work, carried_in);
     last_ = now;
 }
 
-void FailureWatch::watch_force(double force)
+void FailureWatch::note_jitter(double ratio)
 {
-    seen_.hand_force = std::max(seen_.hand_force, std::abs(force));
-    if (++forces_ > 2) {
-        window_.push_back(std::abs(force_1_ - (force_2_ + force) / 2));
-        force_sum_ += std::abs(force_1_);
-    }
-    force_2_ = force_1_;
-    force_1_ = force;
-    if (static_cast<int>(window_.size()) == limits_.jitter_window) close_window();
-}
-
-void FailureWatch::close_window()
-{
-    const auto quartile = window_.begin() + static_cast<std::ptrdiff_t>(window_.size()) * 3 / 4;
-    std::nth_element(window_.begin(), quartile, window_.end());
-    const double ratio = *quartile / std::max(force_sum_ / static_cast<double>(window_.size()), limits_.force_floor);
     seen_.jitter = std::max(seen_.jitter, ratio);
     if (ratio > limits_.jitter) note(Outcome::Jitter);
-    force_sum_ = 0;
+}
+
+JitterMeter::JitterMeter(const FailureLimits& limits) : length_(limits.jitter_window), floor_(limits.force_floor)
+{
+    SEL_ASSERT(length_ >= least_window);
+    window_.reserve(static_cast<std::size_t>(length_));
+}
+
+double JitterMeter::add(double force)
+{
+    if (++forces_ > 2) {
+        const double came = last_ - before_, went = force - last_;
+        window_.push_back(came * went < 0 ? std::min(std::abs(came), std::abs(went)) : 0.0);
+        sum_ += std::abs(last_);
+    }
+    before_ = last_;
+    last_ = force;
+    if (static_cast<int>(window_.size()) < length_) return -1;
+    const double ratio = of_window();
+    sum_ = 0;
     window_.clear();
+    return ratio;
+}
+
+// what is left of the last window counts where it is long enough, or where there is no other
+double JitterMeter::rest() const
+{
+    const int left = static_cast<int>(window_.size());
+    return left >= least_window && (2 * left >= length_ || forces_ <= length_ + 2) ? of_window() : -1;
+}
+
+double JitterMeter::of_window() const
+{
+    std::vector<double> turns = window_;
+    const auto size = static_cast<std::ptrdiff_t>(turns.size());
+    const auto tenth = turns.begin() + std::min(size * 9 / 10, size - least_turns);
+    std::nth_element(turns.begin(), tenth, turns.end());
+    return *tenth / std::max(sum_ / static_cast<double>(size), floor_);
+}
+
+double jitter_of(std::span<const double> forces, const FailureLimits& limits)
+{
+    JitterMeter meter(limits);
+    double worst = 0;
+    for (const double force : forces) worst = std::max(worst, meter.add(force));
+    return std::max(worst, meter.rest());
 }
 
 void FailureWatch::watch_energy(const WireReadings& now, double work, double carried_in)
@@ -97,7 +130,7 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
     carried_ += carried_in;
     const double own = stored(now) - carried_;  // wherever the origin of heights is
     const double balance = now.kinetic + own - work_;
-    if (in_guide(last_)) {
+    if (not_known_yet(last_, seen_.steps)) {
         least_ = balance + contact_storage(now);
         most_stored_ = own;
         return;
@@ -106,7 +139,9 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
     seen_.energy_made = std::max(seen_.energy_made, made);
 
     const double rounding = 1e-9 * (std::abs(now.kinetic) + std::abs(stored(now)) + std::abs(work_));
-    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + most_released_) + limits_.energy_floor + rounding)
+    // what this step itself released counts: a bent wire that is let go turns it over in its first step
+    const double released = std::max(most_released_, most_stored_ - own);
+    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + released) + limits_.energy_floor + jerks_ + rounding)
         note(Outcome::BlowUp);
 
     turned_over_ += std::abs(step_work);
@@ -118,9 +153,7 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
 Verdict FailureWatch::verdict() const
 {
     FailureWatch ended = *this;
-    // what is left of the last window counts where it is long enough, or where there is no other
-    const int left = static_cast<int>(window_.size());
-    if (left >= least_window && (2 * left >= limits_.jitter_window || forces_ <= limits_.jitter_window + 2)) ended.close_window();
+    ended.note_jitter(jitter_.rest());
     Verdict verdict;
     verdict.first_step = ended.first_step_;
     verdict.readings = ended.seen_;
@@ -130,12 +163,26 @@ Verdict FailureWatch::verdict() const
     return verdict;
 }
 
+namespace {
+
+/// At one place of the wire [kg/m].
+double line_density(const WireSpec& wire, double s)
+{
+    const WireSection& section = wire.at(s);
+    return section.density * std::numbers::pi * section.radius * section.radius;
+}
+
+}  // namespace
+
 double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed)
 {
     const WireSetup& w = setup.wires[wire];
-    const WireSection& section = w.wire.at((from + to) / 2);
-    const double line_density = section.density * std::numbers::pi * section.radius * section.radius;
-    return (to - from) * line_density * (speed * speed - setup.gravity.dot(w.feed.point));
+    return (to - from) * line_density(w.wire, (from + to) / 2) * (speed * speed - setup.gravity.dot(w.feed.point));
+}
+
+double jerk_energy(const WorldSetup& setup, int wire, double inside, double speed_before, double speed)
+{
+    return inside * line_density(setup.wires[wire].wire, inside / 2) * std::abs(speed * speed - speed_before * speed_before);
 }
 
 }  // namespace seldinger

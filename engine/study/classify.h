@@ -8,20 +8,24 @@
 //   overlap   deeper than twice the law's static indentation under the scene's load, or than the wire's radius
 //   jitter    step-to-step jitter of the hand force above 10 % of max(mean, 1 mN)
 //
-// Jitter of one step is |f_k - (f_{k-1} + f_{k+1})/2|: 0 on any ramp, the peak-to-peak value of a force that alternates. What a
-// quarter of the steps of a window exceed is compared with the mean |f| of the same window: honest jumps (a tip let go, a wire
-// set moving within one step) are no jitter unless they come every dozen steps.
+// Jitter of one step is min(|f_k - f_{k-1}|, |f_{k+1} - f_k|) where the force turns round at k, and 0 where it goes on: the
+// peak-to-peak value of a force that alternates, 0 on any rise or fall. A second difference would not do: of an honest force whose
+// course takes T it is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T, and would call a wire that arrives at a wall within
+// ten long steps a jitter. What a tenth of the steps of a window (and three at least) exceed is compared with the mean |f| of the same
+// window: honest turns (a tip let go, a wire set moving within one step) are no jitter unless they come every ten steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
 // most S = (normal + friction) * overlap. What was made is the largest rise of B above the least B + S before it. It is a blow-up
 // when it shows as kinetic energy and exceeds a tenth of all energy that was honestly turned over: kinetic at the start, |work|,
-// and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). Below 1 uJ,
-// 1 mN over 1 mm, nothing is judged: a base edge that starts to move in one step makes and loses that much.
+// and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that changes
+// its speed within a step does work that forces at the ends of steps say nothing of, up to m v^2 of what is inside (an inelastic
+// jerk): it is counted as not known (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
 
 #include "engine.h"
 
 #include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace seldinger {
@@ -35,7 +39,7 @@ struct FailureLimits {
     double radius = std::numeric_limits<double>::infinity();              // of the wire, the smallest [m]
     double static_indentation = std::numeric_limits<double>::infinity();  // of the law under the scene's largest static load [m];
                                                                           // infinity where impacts, not a static load, press
-    double jitter = 0.10;                                                 // of max(mean |hand force|, force_floor) [-]
+    double jitter = 0.10;  // of max(mean |hand force|, force_floor) [-]; more by what the force honestly does between such steps
     double force_floor = 1e-3;                                            // [N]
     int jitter_window = 50;                                               // steps
     double energy_made = 0.10;                                            // of the energy turned over [-]
@@ -47,9 +51,10 @@ struct FailureReadings {
     long steps = 0;
     double overlap = 0;         // deepest [m]
     double outside = 0;         // farthest [m]
-    double jitter = 0;          // worst window: upper quartile / max(mean |f|, floor) [-]
+    double jitter = 0;          // worst window: upper tenth / max(mean |f|, floor) [-]
     double energy_made = 0;     // [J]
     double hand_force = 0;      // largest |f| [N]
+    long touching = 0;          // steps with a contact force
     int sub_steps = 1;          // most in one step
     int newton_iterations = 0;  // most in one solve
     double mean_iterations = 0;
@@ -64,6 +69,27 @@ struct Verdict {
     [[nodiscard]] bool had(Outcome kind) const { return first_step[static_cast<int>(kind)] >= 0; }
 };
 
+/// Jitter of one force, window by window; see the top.
+class JitterMeter {
+public:
+    explicit JitterMeter(const FailureLimits& limits);
+    /// The force at the end of the next step [N]. @return what the window that it completes shows [-]; else a negative number
+    double add(double force);
+    /// What the steps since the last full window show, where they are enough to say something; else a negative number.
+    [[nodiscard]] double rest() const;
+
+private:
+    [[nodiscard]] double of_window() const;
+    int length_;
+    double floor_;
+    double last_ = 0, before_ = 0, sum_ = 0;
+    long forces_ = 0;
+    std::vector<double> window_;
+};
+
+/// The worst window of a force given at the end of every step [N]. [-]
+[[nodiscard]] double jitter_of(std::span<const double> forces, const FailureLimits& limits);
+
 class FailureWatch {
 public:
     /// @param start  readings before the first step observed: where energies are counted from
@@ -73,31 +99,31 @@ public:
     /// @param work  done on the wire in this step by loads, links and moving holds [J]; the hand's f d(inserted) + M d(turned) is
     ///              counted here
     /// @param carried_in  by material that was fed, fed_energy() [J]
-    void observe(const StepReport& report, const WireReadings& now, double work = 0, double carried_in = 0);
+    /// @param jerk  work that the hand may have done unseen in changing its speed, jerk_energy() [J]
+    void observe(const StepReport& report, const WireReadings& now, double work = 0, double carried_in = 0, double jerk = 0);
 
     [[nodiscard]] Verdict verdict() const;
 
 private:
     void note(Outcome outcome);
-    void watch_force(double force);
-    void close_window();
+    void note_jitter(double ratio);
     void watch_energy(const WireReadings& now, double work, double carried_in);
 
     FailureLimits limits_;
     FailureReadings seen_;
     std::array<long, 6> first_step_{-1, -1, -1, -1, -1, -1};
     WireReadings last_;
-    // jitter: the last two forces, and those of the window
-    double force_1_ = 0, force_2_ = 0, force_sum_ = 0;
-    long forces_ = 0;
-    std::vector<double> window_;
+    JitterMeter jitter_;
     // energy
-    double work_ = 0, carried_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0;
+    double work_ = 0, carried_ = 0, jerks_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0;
     long iterations_ = 0;
 };
 
 /// Energy that material brings in when the wire's fed length goes from `from` to `to` [m] at `speed` [m/s]: its height, and the
 /// rho A v^2 per metre with which a guide accelerates it (momentum flux, design section 1). Negative when it leaves. [J]
 [[nodiscard]] double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed);
+
+/// m |v^2 - v_0^2| of the wire that is inside, `inside` metres of it, when the feed goes from speed v_0 to v [m/s]. [J]
+[[nodiscard]] double jerk_energy(const WorldSetup& setup, int wire, double inside, double speed_before, double speed);
 
 }  // namespace seldinger

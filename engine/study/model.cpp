@@ -8,9 +8,6 @@
 namespace seldinger {
 namespace {
 
-constexpr const char* no_float32 = "float32 contact is not available yet: no world selects those kernels";
-constexpr const char* no_spin_free = "spin = off is not available yet: the solver always carries the spin angles";
-
 /// "file:line:column: key: what" without the place: the text that was read is not the user's.
 std::string without_place(const std::string& message, const std::filesystem::path& file)
 {
@@ -48,12 +45,34 @@ Scene apply(const Model& model, Scene scene)
         scene.integrator.gamma = IntegratorSpec{}.gamma;
     }
     if (model.tolerance) scene.integrator.tolerance = *model.tolerance;
+    if (model.spin) scene.integrator.spins = *model.spin ? Spins::Kept : Spins::Auto;
     if (model.detection) scene.contact.detection = *model.detection;
     if (model.normal) scene.contact.normal = *model.normal;
     if (model.friction) scene.contact.friction = *model.friction;
     if (model.rolling) scene.contact.rolling = *model.rolling;
     if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
+    if (model.precision) scene.contact.precision = *model.precision;
     return scene;
+}
+
+Model model_of(const Scene& scene)
+{
+    Model model;
+    model.nodes = scene.wire.nodes;
+    model.min_edge = scene.wire.min_edge;
+    model.max_edge = scene.wire.max_edge;
+    model.scheme = scene.integrator.scheme;
+    model.tolerance = scene.integrator.tolerance;
+    model.spin = scene.integrator.spins == Spins::Kept;
+    if (scene.integrator.scheme != Scheme::Static) model.dt = scene.dt, model.trapezoid = scene.integrator.newmark;
+    if (scene.vessel.shape == VesselShape::None) return model;
+    model.detection = scene.contact.detection;
+    model.normal = scene.contact.normal;
+    model.friction = scene.contact.friction;
+    model.rolling = scene.contact.rolling;
+    model.elastic_wall = scene.vessel.elastic;
+    model.precision = scene.contact.precision;
+    return model;
 }
 
 std::vector<std::string> set_texts(const Model& model, const Scene& scene)
@@ -68,12 +87,14 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.scheme) set("integrator.scheme", word_of(scheme_words, *model.scheme));
     if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
     if (model.tolerance) set("integrator.tolerance", *model.tolerance);
+    if (model.spin) set("integrator.spins", word_of(spins_words, *model.spin ? Spins::Kept : Spins::Auto));
     if (scene.vessel.shape == VesselShape::None) return texts;
     if (model.detection) set("contact.detection", word_of(detection_words, *model.detection));
     if (model.normal) set("contact.normal", word_of(normal_words, *model.normal));
     if (model.friction) set("contact.friction", word_of(friction_words, *model.friction));
     if (model.rolling) set("contact.rolling", *model.rolling);
     if (model.elastic_wall) set("vessel.wall", word_of(wall_words, *model.elastic_wall));
+    if (model.precision) set("contact.precision", word_of(precision_words, *model.precision));
     return texts;
 }
 
@@ -96,15 +117,13 @@ std::string label(const Model& model)
     if (model.rolling) add(*model.rolling ? "rolling" : "no rolling");
     if (model.elastic_wall) add(*model.elastic_wall ? "elastic wall" : "rigid wall");
     if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
-    if (model.spin) add(*model.spin ? "spin" : "no spin");
+    if (model.spin) add(*model.spin ? "spins kept" : "spins left out");
     return text.empty() ? "as the scene" : text;
 }
 
 std::string why_not(const Model& model, const Scene& scene)
 {
-    if (model.precision == Precision::Float32) return no_float32;
-    if (model.spin == false) return no_spin_free;
-    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall;
+    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
     try {
         // the scene reader is the one place that knows what goes together and what is built
@@ -122,13 +141,11 @@ Available available_in(const Scene& scene)
     here.detections = keep_available(detection_words, &Model::detection, scene);
     here.normals = keep_available(normal_words, &Model::normal, scene);
     here.frictions = keep_available(friction_words, &Model::friction, scene);
-    Model elastic, single, still;
+    Model elastic, single;
     elastic.elastic_wall = true;
     single.precision = Precision::Float32;
-    still.spin = false;
     here.elastic_wall = why_not(elastic, scene).empty();
     here.float32 = why_not(single, scene).empty();
-    here.spin_free = why_not(still, scene).empty();
     return here;
 }
 

@@ -10,8 +10,6 @@
 
 namespace seldinger {
 
-enum class Precision { Float64, Float32 };  // of the contact kernels
-
 struct Model {
     std::string name;          // in tables and pictures; unique within a table. Empty: label() stands in
     std::string baseline;      // empty: the engine; else the name under which an application registered another simulation
@@ -27,11 +25,15 @@ struct Model {
     std::optional<bool> rolling;
     std::optional<bool> elastic_wall;
     std::optional<Precision> precision;
-    std::optional<bool> spin;  // false: spin angles eliminated
+    std::optional<bool> spin;  // false: spin angles left out of steps whose equations hold without them
 };
 
 /// The scene under the model. A baseline's name changes nothing here: the simulation that it names reads the same scene.
 [[nodiscard]] Scene apply(const Model& model, Scene scene);
+
+/// Every choice of a scene, spelled out: apply(model_of(other), scene) runs `scene` as `other` is run. (Newmark's beta and gamma
+/// other than 1/4 and 1/2 are no model's.)
+[[nodiscard]] Model model_of(const Scene& scene);
 
 /// The model as texts of `seldinger run SCENE --set`, so that any point of a chart can be run again.
 [[nodiscard]] std::vector<std::string> set_texts(const Model& model, const Scene& scene);
@@ -49,7 +51,7 @@ struct Available {
     std::vector<Detection> detections;  // empty without a vessel, as the next two
     std::vector<NormalLaw> normals;
     std::vector<FrictionLaw> frictions;
-    bool elastic_wall = false, float32 = false, spin_free = false;
+    bool elastic_wall = false, float32 = false;
 };
 [[nodiscard]] Available available_in(const Scene& scene);
 

@@ -12,6 +12,9 @@ namespace {
 // A pilot is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
 // from there on. Above 1, so that the search can tell a near miss from a hopeless one.
 constexpr double plainly_wrong = 2;
+// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does other
+// things makes a pilot look several times slower than it is.
+constexpr double plainly_dear = 8, least_patience = 1;
 
 double square(double x) { return x * x; }
 
@@ -27,10 +30,11 @@ CostRule::CostRule(int device_index)
 }
 
 Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
-               RunStore& store)
+               RunStore& store, std::function<double()> seconds_left)
     : scene_(scene), plan_(plan), reference_(reference), cost_(cost), store_(store),
       // pilots that were broken off say nothing about another tolerance
-      name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n"))
+      name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n")),
+      seconds_left_(std::move(seconds_left))
 {
     shape_limit_ = goals.tolerance - at(reference.uncertainty, Observable::Shape);
     force_limit_ = std::numeric_limits<double>::infinity();
@@ -58,6 +62,7 @@ Pilot Pilots::judge(const Model& model, const RunRecord& run, const Trajectory& 
     Pilot pilot;
     pilot.model = model;
     pilot.complete = run.complete;
+    pilot.too_dear = run.over_limit;
     pilot.outcome = run.outcome;
     pilot.jitter = run.readings.jitter;
     pilot.nodes = run.nodes;
@@ -85,12 +90,16 @@ const Pilot* Pilots::look_at(const Model& model)
     if (const auto found = known_.find(key); found != known_.end()) return &found->second;
     Trajectory values;
     double shape_sum = 0, force_sum = 0;
-    const std::optional<RunRecord> run = store_.get(name_, scene_, model, watched(shape_sum, force_sum), {}, &values);
+    RunPlan plan = watched(shape_sum, force_sum);
+    plan.wall_limit = std::min(std::max(least_patience, seconds_left_()), std::max(least_patience, plainly_dear * shortest_));
+    const std::optional<RunRecord> run = store_.get(name_, scene_, model, plan, {}, &values);
     if (!run) {
         stopped_ = true;
         return nullptr;
     }
-    return &(known_[key] = judge(model, *run, values));
+    const Pilot& pilot = known_[key] = judge(model, *run, values);
+    if (pilot.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
+    return &pilot;
 }
 
 double Pilots::time_again(const Model& model, int repeats)

@@ -3,6 +3,8 @@
 
 #include "study/plan_reference.h"
 
+#include <functional>
+#include <limits>
 #include <map>
 
 namespace seldinger {
@@ -18,6 +20,7 @@ struct Pilot {
     Model model;
     bool complete = false;         // false: broke off, or was plainly too wrong
     bool sound = false;            // complete, and the wire stayed in one piece and inside
+    bool too_dear = false;         // broken off because it took many times as long as one that meets the goals, or the budget ended
     bool meets = false;            // sound, and within the goals by more than the reference's uncertainty
     double error = 0, worst = 0;   // shape [m]; of a pilot that was broken off a lower bound
     double force_error = 0;        // [N]
@@ -50,8 +53,9 @@ public:
 class Pilots final : public PilotSource {
 public:
     /// @param plan  samples and stop, as the reference was run
+    /// @param seconds_left  of the budget: a pilot that takes longer is broken off [s]
     Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
-           RunStore& store);
+           RunStore& store, std::function<double()> seconds_left);
 
     [[nodiscard]] const Pilot* look_at(const Model& model) override;
     /// Times a complete pilot again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0 when
@@ -73,6 +77,8 @@ private:
     RunStore& store_;
     std::string name_;
     double shape_limit_ = 0, force_limit_ = 0;
+    std::function<double()> seconds_left_;
+    double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest pilot that met the goals [s]
     std::map<std::string, Pilot> known_;
     bool stopped_ = false;
 };

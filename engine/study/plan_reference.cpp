@@ -16,7 +16,7 @@ constexpr double cost_growth = edge_refinement * step_refinement;
 // what rounding and the solver's tolerance move [m], [N]
 constexpr double shape_noise = 1e-8, force_noise = 1e-6;
 
-Model level_model(const Scene& scene, const RunPlan& plan, int level)
+Model level_model(const Scene& scene, const RunPlan& plan, int level, bool trapezoid)
 {
     const bool is_static = scene.integrator.scheme == Scheme::Static;
     Model model;
@@ -26,7 +26,7 @@ Model level_model(const Scene& scene, const RunPlan& plan, int level)
     model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);
     if (scene.vessel.shape != VesselShape::None) model.detection = Detection::Swept;
     if (is_static) return model;
-    model.trapezoid = false;
+    model.trapezoid = trapezoid;
     // whole parts of the sampled interval, so that what is asked for is what is run
     model.dt = plan.interval / std::ceil(plan.interval / coarsest_step * std::pow(step_refinement, level) - 1e-9);
     return model;
@@ -95,26 +95,36 @@ PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const R
 {
     PlanReference reference;
     double last_seconds = 0;
+    // what touches nothing is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
+    const bool is_static = scene.scene.integrator.scheme == Scheme::Static;
+    bool trapezoid = !is_static && scene.scene.vessel.shape == VesselShape::None && !scene.scene.integrator.conserve;
+    RunPlan limited = plan;
     for (int level = 0; level < most_levels; ++level) {
-        const Model model = level_model(scene.scene, plan, level);
+        const Model model = level_model(scene.scene, plan, level, trapezoid);
         if (level > 0 && !goals.affordable(cost_growth * last_seconds)) {
             reference.out_of_budget = true;
             return reference;
         }
         if (progress) progress(fmt::format("reference: {}", label(model)));
         Trajectory values;
-        const std::optional<RunRecord> run = store.get(name, scene, model, plan, {}, &values);
+        if (goals.seconds_left) limited.wall_limit = goals.seconds_left();
+        const std::optional<RunRecord> run = store.get(name, scene, model, limited, {}, &values);
         if (!run) {
             reference.stopped = true;
+            return reference;
+        }
+        if (run->over_limit) {
+            reference.out_of_budget = true;
             return reference;
         }
         last_seconds = run->cost.wall * std::max(run->simulated, scene.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
         if (!sound(*run)) {
             // a coarse one may break where a finer one does not
-            reference.failure += fmt::format("{}{}: {} after {:.3g} s", reference.failure.empty() ? "" : "; ", label(model),
-                                             run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated);
+            reference.failures.push_back(fmt::format("{}: {} after {:.3g} s", label(model),
+                                                     run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
             reference.levels.clear();
             reference.moved.clear();
+            if (trapezoid) trapezoid = false, level = -1;
             continue;
         }
         if (!reference.levels.empty()) reference.moved.push_back(trajectory_errors(reference.values, values).rms);

@@ -10,8 +10,8 @@
 
 namespace seldinger {
 
-/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1, so that both
-/// errors fall by about two, and cost grows by three.
+/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler; where
+/// there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
 
 struct PlanReference {
@@ -25,7 +25,7 @@ struct PlanReference {
     bool jitters = false;                // the finest level's hand force does
     bool converges = false;              // the movements fall
     bool out_of_budget = false, stopped = false;
-    std::string failure;                 // why there is none: what broke off and how
+    std::vector<std::string> failures;   // levels that broke off, and how
 };
 
 /// What is needed of the reference: refinement goes on until its uncertainties are below.
@@ -33,6 +33,7 @@ struct ReferenceGoals {
     double shape = 0, force = 0;                       // [m], [N]; force infinity: not asked
     bool force_is_relative = false;                    // then of the rms hand force
     std::function<bool(double next_level_seconds)> affordable;  // asked before a level that is expected to take so long
+    std::function<double()> seconds_left;                       // a level that takes longer is broken off [s]; may be empty
 };
 
 /// @param store, name  where levels are kept

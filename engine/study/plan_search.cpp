@@ -13,6 +13,8 @@ constexpr double no_dearer = 1.25;       // what is left out is no work: more th
 constexpr double room = 0.7;             // a family with an error below this share of the winner's has room for coarser places
 constexpr double no_change = 0.1;        // of the limit: an error that grows by less has not changed
 constexpr int strides[] = {4, 2, 1};     // grid places
+constexpr int patience = 3;              // dearer corners in a row that end a walk along the staircase
+constexpr double widest_ratio = 1.3;     // between neighbours that are not neighbouring whole numbers
 
 /// A place on the grid.
 struct Place {
@@ -49,20 +51,15 @@ public:
     }
     [[nodiscard]] Place best_place() const { return best_place_; }
 
-    /// From a place that meets the goals: coarser steps, fewer nodes, and trades between the two, as long as that pays.
+    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that meet
+    /// the goals end in a staircase: first down to a corner of it, then along it, to longer steps and more nodes and back, as far as
+    /// that pays.
     void optimise(const Model& family, Place from)
     {
-        Place here = from;
-        for (bool moved = true; moved && !ended_;) {
-            moved = coarsen(family, here, &Place::step);
-            moved = coarsen(family, here, &Place::node) || moved;
-            if (moved) continue;
-            for (const auto& [nodes, steps] : {std::pair{-2, 1}, {-1, 1}, {2, -1}, {1, -1}})
-                if (try_move(family, here, {here.node + nodes, here.step + steps})) {
-                    moved = true;
-                    break;
-                }
-        }
+        Place corner = from;
+        while (coarsen(family, corner, &Place::step) || coarsen(family, corner, &Place::node)) {}
+        if (grid_.steps.empty() || family.nodes == 0) return;
+        for (const int direction : {1, -1}) corner = walk(family, corner, direction);
     }
 
     /// A family at the winner's place: where it does not meet the goals there, at finer steps that would still be cheaper.
@@ -136,6 +133,43 @@ private:
         return moved;
     }
 
+    /// Along the staircase from a corner of it: at each next step, the fewest nodes that meet the goals.
+    /// @return the cheapest place on the way, or `from`
+    Place walk(const Model& family, Place from, int direction)
+    {
+        Place cheapest = from, here = from;
+        const Pilot* pilot = look(family, from);
+        if (!pilot) return from;
+        double least = pilot->seconds;
+        for (int dearer = 0; dearer < patience && !ended_;) {
+            here.step += direction;
+            if (here.step < 0 || here.step >= static_cast<int>(grid_.steps.size())) break;
+            pilot = nodes_that_meet(family, here, least);
+            if (pilot && pilot->meets && pilot->seconds < least) least = pilot->seconds, cheapest = here, dearer = 0;
+            else ++dearer;
+        }
+        return cheapest;
+    }
+
+    /// Moves `here` along its nodes to the fewest that meet the goals. Gives up where more nodes would cost more than `least`: `here`
+    /// is then left there.
+    const Pilot* nodes_that_meet(const Model& family, Place& here, double least)
+    {
+        const Pilot* pilot = look(family, here);
+        while (pilot && !pilot->meets && here.node > 0 && pilot->seconds <= least) {
+            --here.node;
+            pilot = look(family, here);
+        }
+        if (!pilot || !pilot->meets) return pilot;
+        for (;;) {
+            const Place there = {here.node + 1, here.step};
+            const Pilot* then = look(family, there);
+            if (!then || !then->meets) return pilot;
+            here = there;
+            pilot = then;
+        }
+    }
+
     const SearchGrid& grid_;
     PilotSource& pilots_;
     const std::function<bool()>& may_go_on_;
@@ -143,6 +177,13 @@ private:
     Place best_place_;
     bool ended_ = false;
 };
+
+/// The next coarser whole number of edges, or of parts of an interval.
+int coarser(int parts)
+{
+    const int rounded = static_cast<int>(std::lround(parts / grid_ratio));
+    return std::min(parts - 1, parts > widest_ratio * rounded ? rounded + 1 : rounded);
+}
 
 template <class Enum, class Member>
 Choice exchange(std::string simpler, std::string fuller, Member member, Enum to, Enum from, bool leaves_out = false)
@@ -155,17 +196,13 @@ Choice exchange(std::string simpler, std::string fuller, Member member, Enum to,
 SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step)
 {
     SearchGrid grid;
-    for (double edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges /= grid_ratio) {
-        const int nodes = static_cast<int>(std::lround(edges)) + 1;
-        if (grid.nodes.empty() || nodes < grid.nodes.back()) grid.nodes.push_back(nodes);
-    }
+    for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges = coarser(edges)) grid.nodes.push_back(edges + 1);
     if (longest_step <= 0) return grid;
     const double finest = std::min(reference.model.dt.value_or(longest_step), longest_step);
-    for (double parts = std::round(interval / finest);; parts /= grid_ratio) {
-        const double step = interval / std::max(1.0, std::round(parts));
+    for (int parts = std::max(1, static_cast<int>(std::lround(interval / finest))); parts >= 1; parts = coarser(parts)) {
+        const double step = interval / parts;
         if (step > longest_step * (1 + 1e-9)) break;
-        if (grid.steps.empty() || step > grid.steps.back() * (1 + 1e-9)) grid.steps.push_back(step);
-        if (parts <= 1) break;
+        grid.steps.push_back(step);
     }
     // the longest step itself is worth a place: what a display asks for
     const double longest = interval / std::ceil(interval / longest_step - 1e-9);
@@ -185,7 +222,8 @@ std::vector<Choice> choices_in(const Scene& scene)
     if (own.rolling)
         all.push_back(exchange("no rolling friction", "rolling friction", &Model::rolling, false, true, true));
     all.push_back(exchange("float32 contact", "float64 contact", &Model::precision, Precision::Float32, Precision::Float64));
-    all.push_back({"spin angles eliminated", "spin angles", [](Model& m) { m.spin = false; }, [](Model& m) { m.spin.reset(); }, false, true});
+    if (scene.integrator.spins == Spins::Kept)
+        all.push_back({"spin angles left out where they do nothing", "spin angles always", [](Model& m) { m.spin = false; }, [](Model& m) { m.spin.reset(); }, false});
     if (scene.vessel.elastic)
         all.push_back(exchange("a rigid wall", "the elastic wall", &Model::elastic_wall, false, true, true));
     if (own.friction != FrictionLaw::Smooth && own.friction != FrictionLaw::None)

@@ -3,8 +3,8 @@
 // nothing is extrapolated.
 //
 // A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
-// error grows with the step and with the edges, so the search coarsens one as long as pilots meet the goals, then the other, then
-// trades one for the other. Families are tried from the winner's place on, the likeliest to pay first.
+// error grows with the step and with the edges, so the places that meet the goals end in a staircase: the search goes down to a
+// corner of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
 
 #include "study/plan_pilots.h"
 
@@ -21,6 +21,7 @@ struct SearchGrid {
     std::vector<double> steps;  // [s]; empty: static
 };
 
+/// Neighbours are a factor of 1.3 apart at most, where there are whole numbers of edges and of steps in an interval between.
 /// @param interval  between samples: every step divides it  @param longest_step  [s]; 0: static
 [[nodiscard]] SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step);
 

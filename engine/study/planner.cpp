@@ -31,7 +31,7 @@ public:
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         check_goals();
         const double duration = scene.scene.duration;
-        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step), 1.0, static_cast<double>(most_samples));
+        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step + 1e-9), 1.0, static_cast<double>(most_samples));
         plan_.until = duration;
         plan_.interval = is_static_ ? 1 : duration / samples;
         plan_.stop = options.stop;
@@ -79,13 +79,17 @@ private:
         wanted.force = goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
         wanted.force_is_relative = goals_.force_is_relative;
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
+        wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
         result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
         const PlanReference& reference = result_.reference;
         result_.touches = reference.contacts > 0;
         if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (reference.levels.empty() && reference.failures.empty())
+            return stop_with(PlanStatus::BelowReference, fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
         if (reference.levels.empty())
             return stop_with(PlanStatus::NothingHolds, fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
-                                                                   "feed speed, wire), or look at it with `seldinger run`", reference.failure));
+                                                                   "feed speed, wire), {}or look at it with `seldinger run`", failures(reference),
+                                                                   reference.out_of_budget ? "give a larger --budget, " : ""));
         const double shape = at(reference.uncertainty, Observable::Shape), force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
@@ -104,6 +108,14 @@ private:
                                            : fmt::format("; ask for {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
+    }
+
+    /// The first and the last that broke off.
+    [[nodiscard]] static std::string failures(const PlanReference& reference)
+    {
+        if (reference.failures.empty()) return "nothing was tried";
+        if (reference.failures.size() == 1) return reference.failures.front();
+        return fmt::format("{}; … {} refinements … {}", reference.failures.front(), reference.failures.size() - 1, reference.failures.back());
     }
 
     /// What is promised of the reference itself.
@@ -125,8 +137,8 @@ private:
         if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
             result_.notes.push_back("the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
-        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_);
-        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return;
+        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
+        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
         const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             tell(fmt::format("pilot {}", ++looked));
@@ -162,11 +174,11 @@ private:
         return as_pilot(model);
     }
 
-    /// What the reference says for itself a pilot leaves to the scene.
+    /// What the reference says for itself a pilot leaves to the scene, but for the order in time of what touches nothing.
     Model as_pilot(Model model) const
     {
         model.tolerance.reset();
-        if (!scene_.scene.integrator.newmark) model.trapezoid.reset();
+        if (model.trapezoid == scene_.scene.integrator.newmark) model.trapezoid.reset();
         return model;
     }
 
@@ -185,6 +197,30 @@ private:
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so that {:.2g} a second is about the most",
                                                    goals_.rate, label(coarse), 1e6 * step_seconds, cheaper_yet / step_seconds));
         return false;
+    }
+
+    /// The nearest to a rate that no model reaches: what the tolerance costs, and the quickest steps that were seen.
+    void out_of_reach(Pilots& pilots)
+    {
+        if (pilots.stopped()) return;
+        const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest_step);
+        const auto go_on = [&] { return may_go_on(); };
+        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, pilots, go_on);
+        result_.search_complete = found.complete;
+        const std::optional<PlannedModel> best = found.best && !pilots.stopped() ? timed_best(*found.best, pilots) : std::nullopt;
+        result_.pilots = static_cast<int>(pilots.all().size());
+        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        if (best) result_.accurate = best;
+        const Pilot* quickest = nullptr;
+        const auto step_seconds = [](const Pilot& pilot) { return pilot.seconds * pilot.model.dt.value_or(1); };
+        for (const auto& [key, pilot] : pilots.all())
+            if (pilot.sound && (!quickest || step_seconds(pilot) < step_seconds(*quickest))) quickest = &pilot;
+        if (!quickest) return;
+        const Model model = quickest->model;
+        const double slowest = pilots.time_again(model, final_repeats);
+        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        result_.fast = planned(pilots.all().at(label(model)), slowest);
+        result_.message += fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
     /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only where
@@ -269,7 +305,7 @@ private:
             tell("left out: " + what);
             const Pilot* pilot = pilots.look_at(model);
             if (!pilot) return;
-            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete});
+            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete, pilot->too_dear});
         };
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;

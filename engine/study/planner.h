@@ -48,6 +48,7 @@ struct Omission {
     double cost_ratio = 1;       // its cost over the chosen model's
     double error = 0, force_error = 0;  // [m], [N]
     bool holds = true;           // false: such a model does not run here
+    bool too_dear = false;       // it was not run to its end because it took many times as long
 };
 
 enum class PlanStatus {

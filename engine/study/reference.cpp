@@ -99,10 +99,16 @@ void Refiner::judge()
         reference_.moved_median.push_back(between.median);
     }
     for (int k = 0; k < observable_count; ++k) {
-        std::vector<double> moved;
-        for (const PerObservable& values : reference_.moved_median) moved.push_back(values[k]);
-        reference_.convergence[k] = judge_movements(moved, noise[k]);
-        reference_.uncertainty[k] = moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference_.moved.back()[k];
+        const auto judged = [k](const std::vector<PerObservable>& rows) {
+            std::vector<double> moved;
+            for (const PerObservable& values : rows) moved.push_back(values[k]);
+            return judge_movements(moved, noise[k]);
+        };
+        // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly move.
+        // What is uncertain is the rms in either case.
+        reference_.convergence[k] = judged(reference_.moved);
+        if (reference_.convergence[k] != Convergence::Falling) reference_.convergence[k] = judged(reference_.moved_median);
+        reference_.uncertainty[k] = reference_.moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference_.moved.back()[k];
     }
 }
 

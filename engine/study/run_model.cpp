@@ -142,6 +142,10 @@ private:
                 result_.over_limit = true;
                 return false;
             }
+            if (plan_.stop_now && plan_.stop_now()) {
+                result_.stopped = true;
+                return false;
+            }
             if (k > steps - averaged) average_.add(*simulation_, touches_ && (steps - k) % every == 0);
         }
         return true;

@@ -21,6 +21,7 @@ struct RunPlan {
     FailureLimits limits;                                          // radius infinite: the wire's own
     bool end_on_blow_up = true;  // energy made from nothing ends the run; values that are not finite do in any case
     std::function<bool()> stop;  // asked between samples; true ends the run, incomplete. May be empty
+    std::function<bool()> stop_now;  // the same, asked after every step
     /// Sees every sample as it is taken, with the wall and processor time of the steps so far [s]; false ends the run there,
     /// incomplete, as a run that has shown enough. May be empty.
     std::function<bool(const Sample&, double wall, double cpu)> after_sample;
@@ -44,7 +45,7 @@ struct ModelRun {
     int nodes = 0, contacts = 0;  // at most
     bool complete = false;        // reached the end
     bool over_limit = false;      // stopped by wall_limit
-    bool stopped = false;         // by plan.stop
+    bool stopped = false;         // by plan.stop or plan.stop_now
 };
 
 /// @throws Error when the model cannot run in the scene (see why_not)

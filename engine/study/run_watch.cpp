@@ -79,10 +79,14 @@ bool RunWatch::after_step(const Simulation& simulation, const StepReport& report
     const WireReadings now = simulation.readings();
     const std::vector<Vec3> shape = simulation.shape();
     const double dt = t - t_;
-    const double carried = scene_.feed.on && dt > 0
-                               ? fed_energy(setup_, 0, last_.inserted, now.inserted, (now.inserted - last_.inserted) / dt)
-                               : 0.0;
-    watch_.observe(report, now, work_of_step(now, shape, t), carried);
+    double carried = 0, jerk = 0;
+    if (scene_.feed.on && dt > 0) {
+        const double speed = (now.inserted - last_.inserted) / dt;
+        carried = fed_energy(setup_, 0, last_.inserted, now.inserted, speed);
+        jerk = jerk_energy(setup_, 0, scene_.feed.at(t).advance, speed_, speed);
+        speed_ = speed;
+    }
+    watch_.observe(report, now, work_of_step(now, shape, t), carried, jerk);
     last_ = now;
     tip_ = shape.front();
     base_ = shape.back();

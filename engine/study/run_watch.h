@@ -27,7 +27,7 @@ private:
     bool end_on_blow_up_;
     WireReadings last_;
     Vec3 tip_, base_;
-    double turned_ = 0, t_ = 0;
+    double turned_ = 0, t_ = 0, speed_ = 0;
 };
 
 }  // namespace seldinger

@@ -1,5 +1,7 @@
 #include "study/stability.h"
 
+#include "core/error.h"
+#include "core/file_io.h"
 #include "study/run_model.h"
 
 #include <fmt/format.h>
@@ -31,9 +33,11 @@ std::vector<Model> all_methods()
     using F = FrictionLaw;
     std::vector<Model> methods = {
         method("published", S::Linearised, D::Layer, N::LankaraniNikravesh, F::Sign),
+        method("published, nodes", S::Linearised, D::Nodes, N::LankaraniNikravesh, F::Sign),
         method("published, newton", S::Newton, D::Layer, N::LankaraniNikravesh, F::Sign),
         method("linearised, layer", S::Linearised, D::Layer, N::HuntCrossley, F::StickSlip),
         method("linearised, nodes", S::Linearised, D::Nodes, N::HuntCrossley, F::StickSlip),
+        method("linearised, capsule", S::Linearised, D::Capsule, N::HuntCrossley, F::StickSlip),
         method("linearised, swept, sign", S::Linearised, D::Swept, N::LankaraniNikravesh, F::Sign),
         method("linearised, swept", S::Linearised, D::Swept, N::HuntCrossley, F::StickSlip),
         method("explicit", S::Explicit, D::Capsule, N::HuntCrossley, F::Smooth),
@@ -60,11 +64,12 @@ Model in_map(const StabilityMap& map, Model model)
     return model;
 }
 
-ModelRun run_cell(const Scene& scene, const Model& method, FailureLimits limits, double wall_limit)
+ModelRun run_cell(const Scene& scene, const Model& method, FailureLimits limits, double wall_limit, const std::function<bool()>& stop)
 {
     RunPlan plan;
     plan.limits = limits;
     plan.wall_limit = wall_limit;
+    plan.stop_now = stop;
     plan.interval = scene.duration;  // one sample: steps are not shortened to fit others in
     return run_model(load_study_scene(scene), method, plan);
 }
@@ -83,32 +88,93 @@ const std::vector<Model>& stability_methods()
     return methods;
 }
 
+bool is_shown(const Model& method, bool quick)
+{
+    constexpr std::string_view shown[] = {"published", "published, nodes", "linearised, capsule", "default", "constraint", "barrier"};
+    constexpr std::ptrdiff_t quick_count = 4;
+    const auto end = quick ? std::begin(shown) + quick_count : std::end(shown);
+    return std::find(std::begin(shown), end, method.name) != end;
+}
+
 const Model& default_method() { return stability_methods().back(); }
+
+StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& key, const std::vector<double>& values)
+{
+    StabilityMap map;
+    map.source = std::filesystem::absolute(file);
+    map.scene = read_file(file);
+    map.name = file.stem().string();
+    map.rows = "";
+    map.title = file.filename().string();
+    map.axis = key;
+    map.values = map.quick_values = values;
+    map.logarithmic = values.front() > 0;
+    map.static_load = false;
+    map.set = [key](double value, double, double, const std::filesystem::path&) {
+        return std::vector<std::string>{fmt::format("{}={}", key, value)};
+    };
+    for (const double value : values) {
+        const Scene scene = stability_scene(map, value, slow_step, 1, {});
+        map.touches = scene.vessel.shape != VesselShape::None;
+        if (scene.integrator.scheme == Scheme::Static || !(scene.duration > 0))
+            throw Error(ExitCode::BadScene, fmt::format("{}: a static scene has no steps to sweep; give scene.duration_s and another "
+                                                        "integrator.scheme", file.string()));
+        const double longest = stability_steps(false).back();
+        if (scene.duration < longest)
+            throw Error(ExitCode::BadScene, fmt::format("{}: scene.duration_s: {} s given, at least the longest step that is swept, {:.4f} s, "
+                                                        "expected", file.string(), scene.duration, longest));
+    }
+    return map;
+}
 
 Scene stability_scene(const StabilityMap& map, double value, double dt, double pace, const std::filesystem::path& folder)
 {
     std::vector<std::string> texts = map.set(value, dt, pace, folder);
     texts.push_back(fmt::format("scene.dt_s={}", dt));
-    return read_scene_text(map.scene, folder / (map.name + ".toml"), texts);
+    return read_scene_text(map.scene, map.source.empty() ? folder / (map.name + ".toml") : map.source, texts);
 }
 
-double static_indentation(const StabilityMap& map, double value, const std::filesystem::path& folder)
+double CellReference::honest_jitter(double dt) const
 {
-    if (!map.touches || !map.static_load) return std::numeric_limits<double>::infinity();
-    const ModelRun run = run_cell(stability_scene(map, value, slow_step, slow_pace, folder), default_method(), {},
-                                  std::numeric_limits<double>::infinity());
-    return run.complete ? run.verdict.readings.overlap : std::numeric_limits<double>::infinity();
+    if (dt < 2 * slow_step) return 0;
+    std::vector<double> looked_at;
+    for (double t = dt;; t += dt) {
+        const auto at = static_cast<std::size_t>(std::lround(t / slow_step));
+        if (at > hand_force.size()) break;
+        looked_at.push_back(hand_force[at - 1]);
+    }
+    return std::max(0.0, jitter_of(looked_at, {}));
 }
 
-CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, double indentation,
-                              const std::filesystem::path& folder, double wall_limit)
+CellReference cell_reference(const StabilityMap& map, double value, const std::filesystem::path& folder, const std::function<bool()>& stop)
+{
+    CellReference reference;
+    const double forever = std::numeric_limits<double>::infinity();
+    if (map.touches && map.static_load) {
+        const ModelRun slow = run_cell(stability_scene(map, value, slow_step, slow_pace, folder), default_method(), {}, forever, stop);
+        if (slow.complete) reference.indentation = slow.verdict.readings.overlap;
+    }
+    if (map.touches && map.hand_is_steady) {
+        RunPlan plan;
+        plan.stop_now = stop;
+        plan.interval = slow_step;
+        plan.average = 0;  // the force of one step
+        const ModelRun run = run_model(load_study_scene(stability_scene(map, value, slow_step, 1, folder)), default_method(), plan);
+        if (run.complete)
+            for (const Sample& sample : run.trajectory.samples) reference.hand_force.push_back(sample.hand_force);
+    }
+    return reference;
+}
+
+CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, const CellReference& reference,
+                              const std::filesystem::path& folder, double wall_limit, const std::function<bool()>& stop)
 {
     const Scene scene = stability_scene(map, value, dt, 1, folder);
     FailureLimits limits;
-    limits.static_indentation = indentation;
-    if (!map.hand_is_steady) limits.jitter = std::numeric_limits<double>::infinity();
-    const ModelRun run = run_cell(scene, in_map(map, method), limits, wall_limit);
-    return {run.verdict, std::min(2 * indentation, scene.wire.shaft.radius), run.simulated, run.over_limit};
+    limits.static_indentation = reference.indentation;
+    limits.jitter = map.hand_is_steady ? limits.jitter + reference.honest_jitter(dt) : std::numeric_limits<double>::infinity();
+    const ModelRun run = run_cell(scene, in_map(map, method), limits, wall_limit, stop);
+    return {run.verdict, std::min(2 * reference.indentation, scene.wire.shaft.radius), limits.jitter, run.simulated, run.over_limit, run.stopped};
 }
 
 std::string why_not_in(const StabilityMap& map, const Model& method, const std::filesystem::path& folder)

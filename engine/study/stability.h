@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct StabilityMap {
     bool static_load = true;    // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
     bool hand_is_steady = true; // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
     std::string scene;          // TOML
+    std::filesystem::path source;  // the file that `scene` was read from, where it is the user's; else empty
     std::vector<double> values;        // SI, rising
     std::vector<double> quick_values;  // a subset
     /// --set texts for one value. @param dt  the cell's step [s], for what has to be prescribed step by step
@@ -37,30 +39,53 @@ struct StabilityMap {
 /// All maps, in the order of their rows.
 [[nodiscard]] const std::vector<StabilityMap>& stability_maps();
 
+/// A map of a scene of the user's: `key` takes `values`. Overlap is judged by the wire's radius alone, since nothing is known of its
+/// loads. @throws Error BadFile, BadScene: no such scene, or it cannot be read with one of the values
+[[nodiscard]] StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& key, const std::vector<double>& values);
+
 /// Steps that every map is swept over [s].
 [[nodiscard]] std::vector<double> stability_steps(bool quick);
 
 /// Methods: the published one, each of its choices exchanged for ours and ours for its, the default last.
 [[nodiscard]] const std::vector<Model>& stability_methods();
+/// The few that are shown side by side unless others are asked for.
+[[nodiscard]] bool is_shown(const Model& method, bool quick);
 [[nodiscard]] const Model& default_method();
 
 struct CellResult {
     Verdict verdict;
     double overlap_limit = 0;  // that overlap was judged by [m]
+    double jitter_limit = 0;   // that jitter was judged by [-]
     double simulated = 0;      // [s]; less than asked when the run broke off
     bool over_limit = false;   // took longer than the limit and was ended
+    bool stopped = false;      // by `stop`: says nothing
+    /// What was seen to fail; "unfinished" where nothing had failed when the limit ended it: no run that did not end has held.
+    [[nodiscard]] const char* outcome() const { return over_limit && verdict.held() ? "unfinished" : name(verdict.outcome); }
 };
 
 /// The scene of a cell. @throws Error BadScene: a map that its own scene reader refuses
 [[nodiscard]] Scene stability_scene(const StabilityMap& map, double value, double dt, double pace, const std::filesystem::path& folder);
 
-/// The deepest that the wire sinks in where the same is done slowly and with the default method: the law's static indentation
-/// under the scene's largest load. infinity where the map has no static load. [m]
-[[nodiscard]] double static_indentation(const StabilityMap& map, double value, const std::filesystem::path& folder);
+/// What the cells of one map and value are judged by: the default method's own runs of that scene, well resolved.
+struct CellReference {
+    /// The deepest that the wire sinks in where the same is done slowly: the law's static indentation under the scene's largest load.
+    /// infinity where the map has no static load, or where that run has no end. [m]
+    double indentation = std::numeric_limits<double>::infinity();
+    /// The hand's force after every millisecond [N]; empty where it is not judged.
+    std::vector<double> hand_force;
 
-/// @param indentation  of static_indentation()  @param wall_limit  of the steps [s]
-[[nodiscard]] CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, double indentation,
-                                            const std::filesystem::path& folder, double wall_limit);
+    /// Jitter that the force shows when it is looked at every `dt`: a tip that crosses a ridge of the wall every few steps is none of
+    /// the method's making. 0 for steps that resolve it. [-]
+    [[nodiscard]] double honest_jitter(double dt) const;
+};
+
+/// @param stop  asked after every step; true ends it with what there is. May be empty
+[[nodiscard]] CellReference cell_reference(const StabilityMap& map, double value, const std::filesystem::path& folder,
+                                           const std::function<bool()>& stop = {});
+
+/// @param wall_limit  of the steps [s]  @param stop  as above
+[[nodiscard]] CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, const CellReference& reference,
+                                            const std::filesystem::path& folder, double wall_limit, const std::function<bool()>& stop = {});
 
 /// Why a method has no place in a map ("the scene has no vessel to touch", "not available yet"); empty when it has. `folder`
 /// holds the map's meshes.

@@ -236,6 +236,35 @@ void write_triangle(WallTree& tree, const WallMesh& mesh, std::size_t k)
     for (int d = 0; d < 3; ++d) tree.normals[3 * k + static_cast<std::size_t>(d)] = static_cast<float>(normal[d]);
 }
 
+/// Bits 3 to 31 of a leaf's count (tree_types.h). Its box and its triangles' vertices and normals are there.
+std::uint32_t slab_bits(const WallTree& tree, const TreeNode& leaf)
+{
+    const std::size_t first = leaf.left_or_first, end = first + SEL_LEAF_TRIANGLES(leaf.count);
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t t = first; t < end; ++t) {
+        const Eigen::Map<const Eigen::Vector3f> a(&tree.vertices[9 * t]), b(&tree.vertices[9 * t + 3]), c(&tree.vertices[9 * t + 6]);
+        sum += (b - a).cross(c - a);
+    }
+    if (sum[2] < 0) sum = -sum;
+    const float size = sum.cwiseAbs().sum();
+    if (!(size > 0)) return 0;
+    const float x = sum[0] / size, y = sum[1] / size;
+    const auto step = [](float u) { return static_cast<std::uint32_t>(std::clamp((u + 1) * 511.5f + 0.5f, 0.0f, 1023.0f)); };
+    const std::uint32_t a = step(x + y), b = step(x - y);
+    // from here on with the normal as it will be read
+    const double ra = a / 511.5 - 1, rb = b / 511.5 - 1, nx = (ra + rb) / 2, ny = (ra - rb) / 2;
+    const Vec3 normal = Vec3(nx, ny, 1 - std::abs(nx) - std::abs(ny)).normalized();
+    const Vec3 lo(leaf.lo[0], leaf.lo[1], leaf.lo[2]), half = (Vec3(leaf.hi[0], leaf.hi[1], leaf.hi[2]) - lo) / 2, centre = lo + half;
+    double most = 0;
+    for (std::size_t k = 9 * first; k < 9 * end; k += 3)
+        most = std::max(most, std::abs(normal.dot(Vec3(tree.vertices[k], tree.vertices[k + 1], tree.vertices[k + 2]) - centre)));
+    const double rho = half.norm();
+    // a step more than needed: kernels compute in float, too
+    const double steps = rho > 0 ? most / rho * SEL_SLAB_STEPS + 1 : SEL_SLAB_STEPS + 1;
+    if (!(steps < SEL_SLAB_STEPS)) return 0;
+    return a << 3 | b << 13 | (static_cast<std::uint32_t>(std::ceil(steps)) + 1) << 23;
+}
+
 std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
 {
     std::vector<Lane4> rounded(mesh.vertices.size());
@@ -296,6 +325,8 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
         tree.edge_bits[k] = bits[tree.original[k]];
         write_triangle(tree, mesh, k);
     }
+    for (TreeNode& node : tree.nodes)
+        if (node.count > 0) node.count |= slab_bits(tree, node);
     return tree;
 }
 
@@ -310,10 +341,11 @@ void refit_wall_tree(WallTree& tree, const WallMesh& moved)
         if (node.count == 0) {
             for (std::uint32_t c = 0; c < 2; ++c) add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
         } else {
-            for (std::size_t p = 3 * std::size_t{node.left_or_first}; p < 3 * std::size_t{node.left_or_first + node.count}; ++p)
+            for (std::size_t p = 3 * std::size_t{node.left_or_first}; p < 3 * std::size_t{node.left_or_first + SEL_LEAF_TRIANGLES(node.count)}; ++p)
                 add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
         }
         box.store(node);
+        if (node.count > 0) node.count = SEL_LEAF_TRIANGLES(node.count) | slab_bits(tree, node);
     }
 }
 

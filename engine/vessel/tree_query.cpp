@@ -67,7 +67,7 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit)
     while (true) {
         const TreeNode& node = tree.nodes[current];
         if (current_entry <= best.distance2 && node.count > 0) {
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + node.count; ++k) {
+            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const ClosestPoint c = closest_point(local, tree.triangle(k));
                 const double d2 = (local - c.point).squaredNorm();
                 if (d2 < best.distance2 || (d2 == best.distance2 && (best.triangle < 0 || k < best.triangle)))
@@ -104,7 +104,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
         const TreeNode& node = tree.nodes[stack[--top]];
         if (!(box_entry(node, local, inverse) < best)) continue;
         if (node.count > 0) {
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + node.count; ++k) {
+            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));
                 if (t >= skip && t < best) best = t;
             }
@@ -133,7 +133,7 @@ void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi,
         for (int d = 0; d < 3; ++d) apart |= node.lo[d] > local_hi[d] || node.hi[d] < local_lo[d];
         if (apart) continue;
         if (node.count > 0) {
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + node.count; ++k) result.push_back(k);
+            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(k);
             continue;
         }
         stack[top++] = node.left_or_first + 1;

@@ -1,4 +1,4 @@
-// Capsule contact: candidates, evaluation and reduction to edges.
+// Capsule contact: cells near a sample, evaluation and reduction to edges.
 //   launch  engine/contact/capsule.cpp       test  tests/contact/test_twin.cpp
 #include "shared/contact_sample.h"
 #ifndef SEL_WORKGROUP
@@ -6,23 +6,22 @@
 #endif
 #define SEL_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
-// Candidate triangles of listed samples.
+// Cells of the tree near listed samples (walk.h).
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  candidates [samples][slots], counts [samples], found [item_count]: how many are within radius + reach + slack, also
-//           beyond `slots`
+//   writes  cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack, also beyond `slots`; 0: nothing is
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
-                             __global uint* restrict candidates, __global uint* restrict counts, __global uint* restrict found)
+                             __global uint* restrict cells, __global uint* restrict counts, __global uint* restrict found)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
-        counts[s] = found[item] = find_near(at.origin + at.offset, models[s].radius + models[s].reach + slack, nodes, vertices, par.slots,
-                                            candidates + (ulong)s * par.slots);
+        counts[s] = found[item] = find_cells(at.offset, at.origin, models[s].radius + models[s].reach + slack,
+                                             SEL_CELL_SIZE * models[s].radius, nodes, vertices, par.slots, cells + (ulong)s * par.slots);
     }
 }
 
@@ -42,13 +41,13 @@ SEL_KERNEL void contact_distance(const uint item_count, const real most, __globa
 }
 
 // Forces of active samples.
-//   item    one entry of `list` (samples with candidates, ordered by wire and edge)
+//   item    one entry of `list` (samples with cells, ordered by wire and edge)
 //   reads   ... and touches_t0, hard [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
 SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
                                  __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
-                                 __global const uint* restrict candidates, __global const uint* restrict counts,
-                                 __global const float* restrict vertices, __global const uint* restrict rims,
-                                 __global const float* restrict hi, __global const real* restrict lo,
+                                 __global const uint* restrict cells, __global const uint* restrict counts,
+                                 __global const TreeNode* restrict nodes, __global const float* restrict vertices,
+                                 __global const uint* restrict rims, __global const float* restrict hi, __global const real* restrict lo,
                                  __global const real* restrict theta, __global const float* restrict hi_t0,
                                  __global const real* restrict lo_t0, __global const real* restrict theta_t0,
                                  __global const TouchState* restrict touches_t0, __global TouchState* restrict touches,
@@ -58,7 +57,7 @@ SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* r
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        forces[item] = evaluate_sample(s, par, models[s], places[s], candidates + (ulong)s * par.slots, counts[s], vertices, rims,
+        forces[item] = evaluate_sample(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims,
                                        hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
         barys[item] = places[s].bary;
     }

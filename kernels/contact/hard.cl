@@ -41,12 +41,12 @@ SEL_KERNEL void contact_multipliers(const ContactParams par, __global const Samp
 }
 
 // Nearest gap at the start of a step, for the barrier's start.
-//   item    one entry of `list` (samples with candidates)
-//   reads   models, places; candidates, counts; the wall; hi, lo [nodes][3]; touches_t0 [samples][2]      writes  gaps [item_count] [m]
+//   item    one entry of `list` (samples with cells)
+//   reads   models, places; cells, counts; the wall; hi, lo [nodes][3]; touches_t0 [samples][2]      writes  gaps [item_count] [m]
 SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* restrict list,
                                   __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
-                                  __global const uint* restrict candidates, __global const uint* restrict counts,
-                                  __global const float* restrict vertices, __global const uint* restrict rims,
+                                  __global const uint* restrict cells, __global const uint* restrict counts,
+                                  __global const TreeNode* restrict nodes, __global const float* restrict vertices, __global const uint* restrict rims,
                                   __global const float* restrict hi, __global const real* restrict lo,
                                   __global const TouchState* restrict touches_t0, __global real* restrict gaps)
 {
@@ -54,7 +54,7 @@ SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* 
     if (item < par.item_count) {
         const uint s = list[item];
         gaps[item] = sample_gap(axis_point(places[s].edge, places[s].bary, hi, lo), models[s], par, touches_t0[2 * s],
-                                touches_t0[2 * s + 1], places[s].stamp, candidates + (ulong)s * par.slots, counts[s], vertices, rims);
+                                touches_t0[2 * s + 1], places[s].stamp, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
     }
 }
 
@@ -63,8 +63,8 @@ SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* 
 //   reads   as contact_clearance, and base_hi, base_lo, hi, lo [nodes][3]      writes  free_way [item_count]
 SEL_KERNEL void contact_sweep(const ContactParams par, __global const uint* restrict list,
                               __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
-                              __global const uint* restrict candidates, __global const uint* restrict counts,
-                              __global const float* restrict vertices, __global const uint* restrict rims,
+                              __global const uint* restrict cells, __global const uint* restrict counts,
+                              __global const TreeNode* restrict nodes, __global const float* restrict vertices, __global const uint* restrict rims,
                               __global const float* restrict base_hi, __global const real* restrict base_lo,
                               __global const float* restrict hi, __global const real* restrict lo,
                               __global real* restrict free_way)
@@ -74,6 +74,6 @@ SEL_KERNEL void contact_sweep(const ContactParams par, __global const uint* rest
         const uint s = list[item];
         const SamplePlace place = places[s];
         free_way[item] = sweep_sample(axis_point(place.edge, place.bary, base_hi, base_lo), axis_point(place.edge, place.bary, hi, lo),
-                                      models[s].radius - place.shrink, candidates + (ulong)s * par.slots, counts[s], vertices, rims);
+                                      models[s].radius - place.shrink, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
     }
 }

@@ -19,7 +19,7 @@
 //   * a rim (the free edge at an opening) has no sides: it pushes like a bar, so that contact fades as the wire slides off it.
 #ifndef SEL_SHARED_CONTACT_GAP_H
 #define SEL_SHARED_CONTACT_GAP_H
-#include "shared/triangle.h"
+#include "shared/walk.h"
 
 SEL_BEGIN
 
@@ -79,10 +79,27 @@ SEL_FN int on_rim(uint bits, int feature)
     return feature > 0 && (int)((bits >> (feature - 1)) & 1u);
 }
 
-// p, origin: see load_triangle. candidates: [count] triangle indices.
+// Triangles as near as the nearest, but for what is blended: noted while the nearest is looked for, so that the walls need not be walked again.
+#define SEL_NEAR_MOST 12
+typedef struct NearList {
+    uint count;  // beyond SEL_NEAR_MOST: there are more, and the list is of no use
+    uint triangle[SEL_NEAR_MOST];
+    real d2[SEL_NEAR_MOST];
+} NearList;
+
+// Squared distance within which triangles are blended with a nearest one at the distance d: eps <= 2 blend r.
+SEL_FN real shell_distance2(real d, real radius, real blend)
+{
+    const real shell = d + (2 * (1 + SEL_WALK_MARGIN) * blend + SEL_WALK_MARGIN) * radius;
+    return shell * shell;
+}
+
+// p, origin: see load_triangle. cells: [count] nodes of the tree (walk.h).
 // front_only: walls seen from behind are not there.
-SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int front_only, SEL_GLOBAL const uint* candidates,
-                           uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// near2: squared distance of some triangle of the cells, which the nearest cannot be beyond; anything larger than the reach: not known
+SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real blend, int front_only, real near2,
+                           SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
+                           SEL_GLOBAL const uint* rims, NearList* list)
 {
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
@@ -96,13 +113,31 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     for (int k = 0; k < 6; ++k) touch.bend[k] = 0;
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     real best2 = (radius + reach) * (radius + reach), best_align = 0;
-    for (uint k = 0; k < count; ++k) {
-        const uint t = candidates[k];
+    const real known2 = front_only ? best2 : min_r(near2, best2);
+    real shell2 = shell_distance2(sqrt(known2), radius, blend);
+    list->count = 0;
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    uint t = 0, end = 0;
+    for (;; ++t) {
+        if (t == end) {
+            if (!next_leaf(&walk, cells, count, nodes, p, origin, shell2, shell2, touch.side, &leaf)) break;
+            t = leaf.left_or_first;
+            end = t + leaf.count;
+        }
         const Triangle tri = load_triangle(vertices, t, origin);
-        if (triangle_box_distance2(p, tri) > best2 * (1 + SEL_TIE)) continue;
+        if (triangle_box_distance2(p, tri) > shell2) continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
+        if (d2 <= shell2) {
+            if (list->count < SEL_NEAR_MOST) {
+                list->triangle[list->count] = t;
+                list->d2[list->count] = d2;
+            }
+            ++list->count;
+        }
         if (d2 > best2 * (1 + SEL_TIE)) continue;
         const int rim = on_rim(rims[t], feature);
         const vec3 facet = triangle_normal(tri);
@@ -114,6 +149,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
         if (d2 >= best2 * (1 - SEL_TIE) && fabs(align) <= fabs(best_align)) continue;
         best2 = d2;
         best_align = align;
+        shell2 = min_r(shell2, shell_distance2(d, radius, blend));
         touch.found = 1;
         touch.triangle = t;
         touch.outside = align < 0;
@@ -125,10 +161,23 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, int fro
     return touch;
 }
 
-// Blends neighbouring facets into `first` and looks for the opposite wall; see above.
+// A plane beside the nearest's, and whether it is blended with it. v: from the triangle's closest point to p, d its length.
+SEL_FN int is_blended(const Touch* first, vec3 facet0, vec3 facet, vec3 v, real d, real radius, real blend, BlendPlane* plane)
+{
+    if (in_one_plane(facet, facet0)) return 0;
+    plane->facet = facet;
+    plane->turn = (1 / d) * v - first->normal;
+    plane->depth = radius - d;
+    plane->eps = blend * radius * sqrt(dot3(plane->turn, plane->turn));
+    plane->rest = plane->eps - (first->depth - plane->depth);
+    return plane->eps >= (real)1e-7 * blend * radius && plane->rest > 0;
+}
+
+// Blends neighbouring facets into `first` and looks for the opposite wall; see above. list: of nearest_touch for this touch, or one with more
+// than it holds.
 SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, real reach, real blend,
-                              SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
-                              SEL_GLOBAL const uint* rims)
+                              SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
+                              SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims, const NearList* list)
 {
     Touch second = *first;
     second.found = 0;
@@ -147,24 +196,50 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     real second_depth = -reach;
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
-    // beyond these nothing is found: of the other side; and of this one, where eps <= 2 blend r
-    const real reached2 = (1 + SEL_TIE) * (radius + reach) * (radius + reach);
-    // all of a triangle so far on this side that its direction to p is within the limit, as far as it is reached
+    const int listed = list->count <= SEL_NEAR_MOST;
+    const real range2 = (radius + reach) * (radius + reach), shell2 = shell_distance2(radius - depth0, radius, blend);
+    for (uint k = 0; listed && k < list->count; ++k) {
+        const uint t = list->triangle[k];
+        if (t == first->triangle || list->d2[k] > shell2) continue;
+        const Triangle tri = load_triangle(vertices, t, origin);
+        int feature;
+        const vec3 v = p - closest_on_triangle(p, tri, &feature);
+        const real d2 = dot3(v, v);
+        if (d2 > range2 || !(d2 > 0)) continue;
+        const vec3 facet = triangle_normal(tri);
+        if (dot3(v, facet) <= 0 && !on_rim(rims[t], feature)) continue;
+        const real d = sqrt(d2);
+        BlendPlane plane;
+        if (dot3((1 / d) * v, first->side) < first->limit || !is_blended(first, facet0, facet, v, d, radius, blend, &plane)) continue;
+        plane_count = keep_plane(planes, plane_count, plane);
+    }
+    // a triangle so far on this side, all of it, is within the limit as far as it is reached
     const real surely_own = max_r(first->limit, 0) * (1 + SEL_TIE) * (radius + reach);
-    const real blended = radius - depth0 + 2 * blend * radius, blended2 = (1 + SEL_TIE) * blended * blended;
-    for (uint k = 0; k < count; ++k) {
-        const uint t = candidates[k];
+    // of the other side is only what lies beyond that along `side`; what is listed has been blended already
+    const real rounding = SEL_WALK_MARGIN * radius, range = radius + reach + 2 * rounding + surely_own;
+    const vec3 p_side = p - (rounding + surely_own) * first->side;
+    const real wide_shell = sqrt(shell2) + rounding + surely_own, walked2 = listed ? (real)-1 : wide_shell * wide_shell;
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    uint t = 0, end = 0;
+    for (;; ++t) {
+        if (t == end) {
+            if (!next_leaf(&walk, cells, count, nodes, p_side, origin, range * range, walked2, first->side, &leaf)) break;
+            t = leaf.left_or_first;
+            end = t + leaf.count;
+        }
         if (t == first->triangle) continue;
         const Triangle tri = load_triangle(vertices, t, origin);
         const real box2 = triangle_box_distance2(p, tri);
-        if (box2 > reached2) continue;
-        if (box2 > blended2 && dot3(p - tri.a, first->side) >= surely_own && dot3(p - tri.b, first->side) >= surely_own &&
+        if (box2 > range2 * (1 + SEL_TIE)) continue;
+        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= surely_own && dot3(p - tri.b, first->side) >= surely_own &&
             dot3(p - tri.c, first->side) >= surely_own)
             continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 > (radius + reach) * (radius + reach) || !(d2 > 0)) continue;
+        if (d2 > range2 || !(d2 > 0)) continue;
         const vec3 facet = triangle_normal(tri);
         if (dot3(v, facet) <= 0 && !on_rim(rims[t], feature)) continue;
         const real d = sqrt(d2);
@@ -181,14 +256,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
             }
             continue;
         }
-        if (in_one_plane(facet, facet0)) continue;
         BlendPlane plane;
-        plane.facet = facet;
-        plane.turn = n - n0;
-        plane.depth = depth;
-        plane.eps = blend * radius * sqrt(dot3(plane.turn, plane.turn));
-        plane.rest = plane.eps - (depth0 - depth);
-        if (plane.eps < (real)1e-7 * blend * radius || plane.rest <= 0) continue;
+        if (listed || !is_blended(first, facet0, facet, v, d, radius, blend, &plane)) continue;
         plane_count = keep_plane(planes, plane_count, plane);
     }
     for (uint k = 0; k < plane_count; ++k) {

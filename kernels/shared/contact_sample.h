@@ -1,11 +1,10 @@
-// The three items of capsule contact: find candidates of a sample, evaluate a sample, reduce an edge. Kernels call them once per
+// The three items of capsule contact: find the cells near a sample, evaluate a sample, reduce an edge. Kernels call them once per
 // work-item, host twins in a loop.
 //
 // Node positions come as hi (float) + lo (real) relative to the mesh centre; see portable.h.
 #ifndef SEL_SHARED_CONTACT_SAMPLE_H
 #define SEL_SHARED_CONTACT_SAMPLE_H
 #include "shared/contact_law.h"
-#include "shared/tree_types.h"
 
 SEL_BEGIN
 
@@ -37,36 +36,6 @@ SEL_FN real box_distance2(vec3 p, TreeNode box)
     return x * x + y * y + z * z;
 }
 
-// All triangles within `range` of p (relative to the mesh centre), in the tree's own order. Writes at most `slots` of them;
-// @return how many there are
-SEL_FN uint find_near(vec3 p, real range, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, uint slots,
-                      SEL_GLOBAL uint* found)
-{
-    const real range2 = range * range;
-    const vec3 zero = make_vec3(0, 0, 0);
-    uint stack[SEL_TREE_STACK];
-    uint top = 0, count = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const TreeNode node = nodes[stack[--top]];
-        if (box_distance2(p, node) > range2) continue;
-        if (node.count == 0) {
-            stack[top++] = node.left_or_first + 1;
-            stack[top++] = node.left_or_first;
-            continue;
-        }
-        for (uint k = 0; k < node.count; ++k) {
-            const uint t = node.left_or_first + k;
-            int feature;
-            const vec3 v = p - closest_on_triangle(p, load_triangle(vertices, t, zero), &feature);
-            if (dot3(v, v) > range2) continue;
-            if (count < slots) found[count] = t;
-            ++count;
-        }
-    }
-    return count;
-}
-
 // Distance from p to the nearest triangle, or `most` if none is nearer.
 SEL_FN real wall_distance(vec3 p, real most, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices)
 {
@@ -91,7 +60,7 @@ SEL_FN real wall_distance(vec3 p, real most, SEL_GLOBAL const TreeNode* nodes, S
             away2[top++] = right_first ? to_right : to_left;
             continue;
         }
-        for (uint k = 0; k < node.count; ++k) {
+        for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             int feature;
             const vec3 v = p - closest_on_triangle(p, load_triangle(vertices, node.left_or_first + k, zero), &feature);
             best2 = min_r(best2, dot3(v, v));
@@ -112,18 +81,25 @@ typedef struct TouchPair {
 
 // What a sample touches. a, b: its records; lives: of the last step
 SEL_FN TouchPair touches_of(AxisPoint at, SampleModel m, ContactParams par, TouchState a, int a_lives, TouchState b, int b_lives,
-                            SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices,
-                            SEL_GLOBAL const uint* rims)
+                            SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
+                            SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     TouchPair out;
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 0, candidates, count, vertices, rims);
+    // the triangles that were touched last are near: nothing farther away needs to be looked at
+    real near2 = (real)1e30;
+    if (a_lives) near2 = triangle_distance2(at.offset, at.origin, a.triangle, vertices);
+    if (b_lives) near2 = min_r(near2, triangle_distance2(at.offset, at.origin, b.triangle, vertices));
+    NearList list;
+    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 0, near2, cells, count, nodes, vertices, rims, &list);
     if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, 1, candidates, count, vertices, rims);
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 1, near2, cells, count, nodes, vertices, rims, &list);
     if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
     else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
+    list.count = SEL_NEAR_MOST + 1;  // it was of the first
     // both sides are blended alike: which of them is nearer may change without a jump
-    if (second.found) (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, candidates, count, vertices, rims);
+    if (second.found)
+        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
     out.first = first;
     out.second = second;
     return out;
@@ -147,8 +123,9 @@ SEL_FN real fit(TouchState touch, HardState hard, int lives, vec3 normal)
 
 // Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step; so is `hard`,
 // which only augmented, constraint and impulse read.
-SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* candidates,
-                                   uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims,
+SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells,
+                                   uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
+                                   SEL_GLOBAL const uint* rims,
                                    SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
                                    SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
                                    SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches,
@@ -186,7 +163,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     }
     const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
     const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
-    const TouchPair touching = touches_of(at, m, par, a, a_lives, b, b_lives, candidates, count, vertices, rims);
+    const TouchPair touching = touches_of(at, m, par, a, a_lives, b, b_lives, cells, count, nodes, vertices, rims);
     const Touch first = touching.first, second = touching.second;
     if (first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer

@@ -128,7 +128,7 @@ typedef struct EdgeForce {
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
-    uint slots;          // candidates per sample
+    uint slots;          // per sample: cells of the tree (walk.h); layer: triangles
     uint friction;       // SEL_FRICTION_*
     uint settling;       // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;     // SEL_NORMAL_*

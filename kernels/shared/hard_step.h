@@ -72,10 +72,11 @@ SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uin
 
 // Nearest gap of a sample [m], as contact has it; its reach when nothing is nearer. a, b: its records
 SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, TouchState a, TouchState b, uint stamp,
-                       SEL_GLOBAL const uint* candidates, uint count, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+                       SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
+                       SEL_GLOBAL const uint* rims)
 {
     const TouchPair touching =
-        touches_of(at, m, par, a, a.stamp + 1 == stamp, b, b.stamp + 1 == stamp, candidates, count, vertices, rims);
+        touches_of(at, m, par, a, a.stamp + 1 == stamp, b, b.stamp + 1 == stamp, cells, count, nodes, vertices, rims);
     real depth = -m.reach;
     if (touching.first.found) depth = max_r(depth, touching.first.depth);
     if (touching.second.found) depth = max_r(depth, touching.second.depth);

@@ -40,7 +40,7 @@ SEL_FN int sphere_touches(vec3 p, real radius, SEL_GLOBAL const TreeNode* nodes,
             stack[top++] = node.left_or_first;
             continue;
         }
-        for (uint k = 0; k < node.count; ++k) {
+        for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             const Triangle tri = load_triangle(vertices, node.left_or_first + k, zero);
             int feature;
             const vec3 v = p - closest_on_triangle(p, tri, &feature);
@@ -210,7 +210,7 @@ SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const
             stack[top++] = node.left_or_first;
             continue;
         }
-        for (uint k = 0; k < node.count; ++k) {
+        for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             const uint t = node.left_or_first + k;
             const Triangle tri = load_triangle(vertices, t, zero);
             if (!layer_meets_triangle(layer, tri)) continue;

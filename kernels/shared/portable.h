@@ -15,7 +15,9 @@
     #define SEL_END }
 namespace seldinger {
 using uint = std::uint32_t;
-    #ifdef SEL_FLOAT32
+    #if defined(SEL_REAL)
+using real = SEL_REAL;  // a number that counts what is done with it: engine/contact/kernel_bench_work.cpp
+    #elif defined(SEL_FLOAT32)
 using real = float;
     #else
 using real = double;

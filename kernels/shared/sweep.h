@@ -49,17 +49,22 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint ri
     return most;
 }
 
-// Fraction of the straight way of a sample from `base` to `trial` that is free of its candidates (1: all).
-SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBAL const uint* candidates, uint count,
-                         SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// Fraction of the straight way of a sample from `base` to `trial` that is free of the triangles of its cells (1: all).
+SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBAL const uint* cells, uint count,
+                         SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     const vec3 move = (trial.origin - base.origin) + (trial.offset - base.offset);
     real free_way = 1;
     if (!(dot3(move, move) > 0)) return free_way;
-    for (uint k = 0; k < count; ++k) {
-        const uint t = candidates[k];
-        free_way = min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));
-    }
+    // all that the ball can meet is within its radius and half the way of the way's middle
+    const vec3 middle = base.offset + (real)0.5 * move;
+    const real range = (1 + SEL_WALK_MARGIN) * (radius + (real)0.5 * sqrt(dot3(move, move)));
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    while (next_leaf(&walk, cells, count, nodes, middle, base.origin, range * range, range * range, move, &leaf))
+        for (uint t = leaf.left_or_first; t < leaf.left_or_first + leaf.count; ++t)
+            free_way = min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));
     return free_way;
 }
 

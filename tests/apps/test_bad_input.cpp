@@ -80,8 +80,8 @@ TEST_CASE("property: a wrong command line is exit 2") {
     refused(folder, "render nothing --size 12", 2, "--size");
     refused(folder, "vessel m.stl --units ell", 2, "--units");
     refused(folder, "plan s.toml --tolerance 0.2parsec", 2, "--tolerance");
-    for (const char* name : {"bench"})
-        refused(folder, name, 2, "not available yet");
+    refused(folder, "bench --device x", 2, "--device");
+    refused(folder, "vessel m.stl --subdivide 9", 2, "--subdivide");
 }
 
 TEST_CASE("property: a wrong scene is exit 2 and names file, line and key") {

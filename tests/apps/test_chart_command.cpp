@@ -29,4 +29,32 @@ TEST_CASE("property: Ctrl-C ends a chart with exit 130 and one line that says ho
     CHECK(cut.out.empty());
 }
 
+TEST_CASE("property: what was planned is charted beside the models, and is as far off as the plan said") {
+    const ScratchFolder folder;
+    folder.write("t.toml", free_scene(0.1));
+    const AppResult planned = run_app(folder, "plan t.toml --tolerance 1mm --json -o p.toml");
+    REQUIRE(planned.code == 0);
+    const auto plan = nlohmann::json::parse(planned.out);
+    const AppResult charted = run_app(folder, "chart --quick --scenes t.toml --planned p.toml --run-limit 0.05 --reference-limit 0.3 -o D --quiet");
+    CAPTURE(charted.err);
+    REQUIRE(charted.code == 0);
+    const auto rows = csv_rows(folder.path / "D" / "chart.csv");
+    const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
+    REQUIRE(rows.size() > 10);
+    CHECK(rows[1][column("family")] == "planned");  // first: an interrupted chart has it
+    CHECK(rows[1][column("settings")].find(fmt::format("wire.nodes={}", plan["chosen"]["nodes"].get<int>())) != std::string::npos);
+    // two references stand between the two: the one of the plan, and the one of the chart
+    double of_chart = 0;
+    for (const auto& row : csv_rows(folder.path / "D" / "references.csv"))
+        if (row[1] == "shape") of_chart = std::stod(row[6]);
+    const double of_plan = plan["reference"]["uncertainty_m"].get<double>();
+    CHECK(std::abs(std::stod(rows[1][column("shape_rms_m")]) - plan["chosen"]["error_m"].get<double>()) <= of_plan + 2 * of_chart);
+    // only for the scene that it was planned for
+    folder.write("other.toml", free_scene(0.2));
+    const AppResult other = run_app(folder, "chart --scenes other.toml --planned p.toml");
+    CHECK(other.code == 2);
+    CHECK(other.err.find("is not") != std::string::npos);
+    CHECK(run_app(folder, "chart --planned p.toml").code == 2);
+}
+
 }

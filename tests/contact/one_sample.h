@@ -44,7 +44,7 @@ struct OneSample {
         nodes(start, hi_t0, lo_t0);
         const double theta[2] = {q[3], 0}, theta_t0[2] = {theta0, 0};
         TouchState scratch[2];
-        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.vertices.data(),
+        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.nodes.data(), soup.vertices.data(),
                                soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(), lo_t0.data(), theta_t0, touches,
                                out ? out : scratch, hard);
     }

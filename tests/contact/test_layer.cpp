@@ -36,6 +36,7 @@ struct Floor {
         soup.rims.assign(tree.triangle_count(), 0);
         soup.all.resize(tree.triangle_count());
         std::iota(soup.all.begin(), soup.all.end(), 0u);
+        soup.rebox();
     }
 };
 
@@ -119,7 +120,8 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
         TouchState t1[2];
         force +=
             evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
-                            static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.vertices.data(), floor.soup.rims.data(),
+                            static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.nodes.data(), floor.soup.vertices.data(),
+                            floor.soup.rims.data(),
                             edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1,
                             nullptr)
                 .force[2];

@@ -107,6 +107,7 @@ TEST_SUITE("contact/touch")
             const double x = soup.vertices[k - 2], y = soup.vertices[k - 1];
             soup.vertices[k] = static_cast<float>(2e-4 * std::sin(900 * x) * std::cos(700 * y));
         }
+        soup.rebox();
         int found = 0;
         for (int k = 0; k < 100; ++k) {
             const vec3 p = v3(0.008 * draw(rng), 0.008 * draw(rng), 0.8 * r + 1e-4 * draw(rng));
@@ -350,8 +351,9 @@ TEST_SUITE("contact/touch")
         }
         std::vector<std::uint32_t> all = {0};
         const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0, all.data(), 1, soup.vertices.data(), soup.rims.data()).outside == 1);
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 1, all.data(), 1, soup.vertices.data(), soup.rims.data()).found == 0);
+        NearList list;
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 0, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list).outside == 1);
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 1, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list).found == 0);
     }
 
     TEST_CASE("property: facets without area beside real ones change nothing")

@@ -164,8 +164,9 @@ Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint 
     Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
     for (uint sample : list) {
         const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        out.counts[sample] = find_near(at.origin + at.offset, s.models[sample].radius + s.models[sample].reach + slack, s.nodes.data(),
-                                       s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
+        out.counts[sample] = find_cells(at.offset, at.origin, s.models[sample].radius + s.models[sample].reach + slack,
+                                        SEL_CELL_SIZE * s.models[sample].radius, s.nodes.data(), s.wall.vertices.data(), slots,
+                                        out.candidates.data() + sample * slots);
     }
     return out;
 }
@@ -183,7 +184,7 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
         const uint at = list[k];
         out.forces[k] =
             evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
-                            s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
+                            s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
                             s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data(),
                             s.hard.data());
         out.barys[k] = s.places[at].bary;
@@ -207,8 +208,9 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(list.size()));
     Guarded<real> barys(context, lane, std::vector<real>(list.size()));
     Guarded<HardState> hard(context, lane, s.hard);
+    Guarded<TreeNode> nodes(context, lane, s.nodes);
     kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                  vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(), lo_t0.buffer(),
+                  nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(), lo_t0.buffer(),
                   theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer());
     (void)candidates.read();
     return {forces.read(), barys.read(), t1.read()};
@@ -465,8 +467,8 @@ void sweep_case()
             const AxisPoint now = axis_point(p.edge, p.bary, s.hi.data(), s.lo.data());
             const AxisPoint was = axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data());
             gaps[k] = sample_gap(now, s.models[at], s.par, s.touches_t0[2 * at], s.touches_t0[2 * at + 1], p.stamp, candidates,
-                                 found.counts[at], s.wall.vertices.data(), s.wall.rims.data());
-            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.wall.vertices.data(),
+                                 found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data());
+            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.nodes.data(), s.wall.vertices.data(),
                                    s.wall.rims.data());
             near_wall += gaps[k] < s.models[at].reach;
             stopped += ways[k] > 0 && ways[k] < 1;
@@ -480,10 +482,11 @@ void sweep_case()
         Guarded<real> lo(context, lane, s.lo), lo_t0(context, lane, s.lo_t0), gap_out(context, lane, std::vector<real>(n)),
             way_out(context, lane, std::vector<real>(n));
         Guarded<TouchState> t0(context, lane, s.touches_t0);
+        Guarded<TreeNode> nodes(context, lane, s.nodes);
         clearance.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(), gap_out.buffer());
+                         nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(), gap_out.buffer());
         sweep.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                     vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(), way_out.buffer());
+                     nodes.buffer(), vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(), way_out.buffer());
         CAPTURE(n);
         CHECK(first_difference(gap_out.read(), gaps) == -1);
         CHECK(first_difference(way_out.read(), ways) == -1);

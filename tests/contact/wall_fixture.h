@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -22,6 +23,7 @@ struct Soup {
     std::vector<float> vertices;      // [T][9] [m]
     std::vector<std::uint32_t> rims;  // [T]
     std::vector<std::uint32_t> all;   // [T] 0, 1, ...
+    std::vector<TreeNode> nodes;      // [T] cells of one triangle each, so that a cell's index is its triangle's
 
     void add(vec3 a, vec3 b, vec3 c, std::uint32_t rim = 0)
     {
@@ -29,6 +31,25 @@ struct Soup {
             for (double x : {p.x, p.y, p.z}) vertices.push_back(static_cast<float>(x));
         all.push_back(static_cast<std::uint32_t>(rims.size()));
         rims.push_back(rim);
+        nodes.push_back(leaf(rims.size() - 1));
+    }
+    [[nodiscard]] TreeNode leaf(std::size_t t) const
+    {
+        TreeNode node{};
+        node.left_or_first = static_cast<std::uint32_t>(t);
+        node.count = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float* x = &vertices[9 * t + k];
+            node.lo[k] = std::min({x[0], x[3], x[6]});
+            node.hi[k] = std::max({x[0], x[3], x[6]});
+        }
+        return node;
+    }
+    /// Boxes again, where vertices were changed by hand.
+    void rebox()
+    {
+        nodes.clear();
+        for (std::size_t t = 0; t < rims.size(); ++t) nodes.push_back(leaf(t));
     }
     /// Parallelogram `corner`, `corner + u`, ...; normal u x v; cut into cells x cells squares of two triangles.
     void add_patch(vec3 corner, vec3 u, vec3 v, int cells = 1)
@@ -54,13 +75,16 @@ inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach,
     const vec3 origin = v3(0, 0, 0);
     const auto count = static_cast<std::uint32_t>(order.size());
     Touches t;
-    t.first = nearest_touch(p, origin, radius, reach, 0, order.data(), count, soup.vertices.data(), soup.rims.data());
+    NearList list;
+    t.first = nearest_touch(p, origin, radius, reach, blend, 0, 1e30, order.data(), count, soup.nodes.data(), soup.vertices.data(),
+                            soup.rims.data(), &list);
     t.first.side = side;
     t.second =
-        blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(), soup.rims.data());
+        blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list);
+    list.count = SEL_NEAR_MOST + 1;  // it was of the first
     if (t.second.found)
-        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.vertices.data(),
-                               soup.rims.data());
+        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(), soup.vertices.data(),
+                               soup.rims.data(), &list);
     return t;
 }
 inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double blend = 0.002)

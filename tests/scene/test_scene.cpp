@@ -47,6 +47,7 @@ poisson = 0.33
 nodes = 55
 min_edge_m = 0.0011
 max_edge_m = 0.0099
+edge_error_m = 3.1e-6
 mu_static = 0.3
 mu_sliding = 0.25
 curvature = "tangent"
@@ -146,6 +147,7 @@ void check_same_wire(const WireSpec& a, const WireSpec& b)
     CHECK(a.nodes == b.nodes);
     CHECK(a.min_edge == b.min_edge);
     CHECK(a.max_edge == b.max_edge);
+    CHECK(a.edge_error == b.edge_error);
     check_same(a.shaft, b.shaft);
     REQUIRE(a.sections.size() == b.sections.size());
     for (std::size_t i = 0; i < a.sections.size(); ++i) {

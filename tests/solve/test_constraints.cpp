@@ -156,4 +156,20 @@ TEST_CASE("analytic: a link holds a free wire against a load, and a dead moment 
     CHECK(bent.tip().x() == about(radius).epsilon(0.002));
     CHECK(bent.tip().z() == about(radius).epsilon(0.002));
 }
+
+TEST_CASE("property: an equilibrium is followed along moves in parts, to where they end") {
+    Rig rig(nitinol(0.1), 11);
+    const auto path = [&](const HoldSpec& hold) { return WireHolds(std::vector{hold}, {}, {}, rig.rod(), 0.1).path(0.1); };
+    CHECK(path(clamp_base()) == std::vector<double>{INFINITY});
+    HoldSpec turned = clamp_base();
+    turned.turn = {{0, 0}, {2, 2 * pi}};  // 45 degrees a part
+    std::vector<double> parts = path(turned);
+    REQUIRE(parts.size() == 8);
+    CHECK(parts[0] == about(0.25).epsilon(1e-12));
+    CHECK(std::isinf(parts[7]));
+    turned.move = {{1, 0, 0, 0}, {2, 0, 0, 0.001}};  // two parts of half a hundredth of the length, fewer than the turn's
+    parts = path(turned);
+    REQUIRE(parts.size() == 8);
+    CHECK(parts[3] == 1);  // a key is never stepped over
+}
 }

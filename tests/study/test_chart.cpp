@@ -109,7 +109,7 @@ TEST_SUITE("study/chart")
         CHECK(lines(references_csv(whole)) == 3);  // header, tip, shape: nothing touches
         CHECK(std::filesystem::exists(options.dir / "chart.csv"));
         CHECK(chart_summary(whole).find("tip position: reference converges") != std::string::npos);
-        CHECK(chart_summary(whole).find("no spin: spin = off is not available yet") != std::string::npos);
+        CHECK(table.find("integrator.spins=kept") != std::string::npos);
     }
 
     TEST_CASE_FIXTURE(ChartFixture, "property: a wrong name is refused before anything runs, and the nearest is named")

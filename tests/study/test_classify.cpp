@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -88,6 +89,16 @@ TEST_SUITE("study/classify")
         const auto spikes = [](int period) { return pushed([=](int k) { return k % period ? 0.2 : 0.4; }); };
         CHECK(judge(spikes(20), 400).held());
         CHECK(judge(spikes(8), 400).outcome == Outcome::Jitter);
+        // half a period of a sine in six steps: its second difference is 13 % of the amplitude, yet nothing goes back and forth
+        const auto swell = [](int k) { return 0.2 + 0.15 * std::sin(std::numbers::pi * k / 6); };
+        CHECK(judge(pushed([&](int k) { return swell(std::min(k, 6)); }), 18).held());
+        CHECK(judge(pushed([&](int k) { return swell(std::min(k, 6)); }), 18).readings.jitter == 0);
+        // an oscillation that a step hardly resolves is jitter, one of 24 steps a period is not
+        const auto oscillation = [](double period) {
+            return pushed([=](int k) { return 0.2 + 0.15 * std::sin(2 * std::numbers::pi * k / period); });
+        };
+        CHECK(judge(oscillation(5), 200).outcome == Outcome::Jitter);
+        CHECK(judge(oscillation(24), 200).held());
         CHECK(judge(alternating(0.2, 0.03), 15).outcome == Outcome::Jitter);  // a run shorter than a window is judged whole
         CHECK(judge(alternating(0.2, 0.03), 5).held());                       // but five steps say nothing
     }
@@ -197,6 +208,47 @@ TEST_SUITE("study/classify")
                   },
                   100)
                   .held());
+    }
+
+    // energies are not known before the first step: a wire that was placed bent brings 0.4 mJ along, lets them go, and made nothing
+    TEST_CASE("regression: a bent wire that is let go has made no energy; one that makes a tenth of it in a later step has")
+    {
+        const auto let_go = [](double made) {
+            return [made](int k) {
+                WireReadings r;
+                r.nodes = 37;
+                if (k == 0) return r;
+                r.kinetic = 3e-4 + (k > 20 ? made : 0);
+                r.elastic = 1e-4;
+                return r;
+            };
+        };
+        CHECK(judge(let_go(0), 40).held());
+        CHECK(judge(let_go(4e-4), 40).outcome == Outcome::BlowUp);
+    }
+
+    // 1 g is at 1 m/s after one step, with nothing left of the force at its end: 0.5 mJ that the readings know nothing of
+    TEST_CASE("property: a hand that changes its speed within a step may have done m v^2 unseen, and no more")
+    {
+        const auto outcome = [](double kinetic, double jerk) {
+            FailureWatch watch({.radius = 0.4e-3}, {});
+            WireReadings moving;
+            watch.observe({}, moving, 0, 0, 0);  // energies are known from the first step on
+            moving.inserted = 1e-3;
+            moving.kinetic = kinetic;
+            watch.observe({}, moving, 0, 0, jerk);
+            return watch.verdict().outcome;
+        };
+        CHECK(outcome(5e-4, 0) == Outcome::BlowUp);
+        CHECK(outcome(5e-4, 1e-3) == Outcome::Hold);
+        CHECK(outcome(2e-3, 1e-3) == Outcome::BlowUp);
+        WorldSetup setup;
+        setup.wires = {fed_wire(steel_wire(0.15, 51), Vec3::Zero(), 0.1, 0)};
+        const WireSection& shaft = setup.wires[0].wire.shaft;
+        const double mass = 0.02 * shaft.density * std::numbers::pi * shaft.radius * shaft.radius;
+        CHECK(jerk_energy(setup, 0, 0.02, 1, 0) == about(mass).epsilon(1e-12));
+        CHECK(jerk_energy(setup, 0, 0.02, 0.5, 1) == about(0.75 * mass).epsilon(1e-12));
+        CHECK(jerk_energy(setup, 0, 0.02, 0.5, 0.5) == 0);
     }
 
     // signs and sums of the engine's own readings: nothing is made or lost but what backward Euler and friction take

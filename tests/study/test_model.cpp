@@ -79,6 +79,21 @@ TEST_SUITE("study/model")
         CHECK(label(model) == "mine");
     }
 
+    TEST_CASE("property: a scene's own model laid over another of its versions gives the scene back")
+    {
+        const Scene scene = read_scene_text(tube_scene, "tube.toml");
+        const Scene other = apply(everything_else(), scene);
+        REQUIRE(write_scene(other, "") != write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(scene), other), "") == write_scene(scene, ""));
+        CHECK(write_scene(apply(model_of(other), scene), "") == write_scene(other, ""));
+        Model adaptive;
+        adaptive.nodes = 0;
+        adaptive.min_edge = 3e-3;
+        adaptive.spin = true;
+        const Scene third = apply(adaptive, scene);
+        CHECK(write_scene(apply(model_of(third), scene), "") == write_scene(third, ""));
+    }
+
     TEST_CASE("property: what cannot be run is refused in one sentence, what can is listed")
     {
         const Scene scene = read_scene_text(tube_scene, "tube.toml");
@@ -92,7 +107,10 @@ TEST_SUITE("study/model")
         CHECK(why_not(wrong, scene).find("expected at least one step") != std::string::npos);
         Model single;
         single.precision = Precision::Float32;
-        CHECK_FALSE(why_not(single, scene).empty());
+        CHECK(why_not(single, scene).empty());
+        Model hard = single;
+        hard.normal = NormalLaw::Barrier;
+        CHECK(why_not(hard, scene).find("float32") != std::string::npos);
 
         const Available here = available_in(scene);
         CHECK(here.schemes.size() == 4);

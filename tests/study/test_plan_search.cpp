@@ -116,6 +116,74 @@ const std::function<bool()> always = [] { return true; };
 TEST_SUITE("study/plan_search")
 {
 
+    TEST_CASE("property: neighbours on the grid are at most a factor of 1.3 apart, or neighbouring whole numbers, from the reference to what is asked for")
+    {
+        for (const int nodes : {17, 43, 101, 337, 1282})
+            for (const double finest : {1e-4, 2.6e-4, 1e-3, 7e-3})
+                for (const double interval : {0.1, 1.0 / 30, 0.034})
+                    for (const double longest : {1.0 / 30, 1.0 / 60, 1.0 / 500}) {
+                        if (finest > longest) continue;
+                        INFO("nodes " << nodes << " finest " << finest << " interval " << interval << " longest " << longest);
+                        const double reference_step = interval / std::ceil(interval / finest);
+                        const SearchGrid grid = search_grid(reference_with(nodes, reference_step), interval, longest);
+                        REQUIRE(grid.nodes.size() > 1);
+                        REQUIRE(!grid.steps.empty());
+                        CHECK(grid.nodes.front() == nodes);
+                        CHECK(grid.nodes.back() == 5);
+                        for (std::size_t k = 1; k < grid.nodes.size(); ++k) {
+                            const int fine = grid.nodes[k - 1] - 1, coarse = grid.nodes[k] - 1;
+                            CHECK(coarse < fine);
+                            CHECK((fine <= 1.3 * coarse || fine == coarse + 1));
+                        }
+                        CHECK(grid.steps.front() == about(reference_step).epsilon(1e-9));
+                        // the longest that divides the interval and is not too long
+                        CHECK(grid.steps.back() == about(interval / std::ceil(interval / longest - 1e-9)).epsilon(1e-9));
+                        for (std::size_t k = 0; k < grid.steps.size(); ++k) {
+                            const double parts = interval / grid.steps[k];
+                            CHECK(std::abs(parts - std::round(parts)) < 1e-9 * parts);
+                            if (k == 0) continue;
+                            const double before = interval / grid.steps[k - 1];
+                            CHECK(parts < before);
+                            CHECK((before <= 1.3 * parts * (1 + 1e-9) || before < parts + 1 + 1e-9));
+                        }
+                    }
+    }
+
+    // On a law that is monotone in nodes and steps the whole grid can be looked at. The walk gives up after three dearer corners and
+    // takes 3 % for noise, so that what it finds may be a little dearer than the cheapest; 10 % is what the planner promises.
+    TEST_CASE("property: in one family the search finds a place that costs at most 1.1 times the cheapest of the whole grid")
+    {
+        const Scene scene = small_scene();
+        int cases = 0;
+        std::size_t most_pilots = 0;
+        for (const double interval : {0.1, 1.0 / 30})
+            for (const double a : {0.4, 4.0, 40.0, 400.0})
+                for (const double b : {1e-3, 5e-3, 2e-2, 2e-1})
+                    for (const double fixed : {3.0, 30.0, 300.0})
+                        for (const double limit : {1e-5, 5e-5, 2e-4, 1e-3}) {
+                            const SearchGrid grid = search_grid(reference_with(577, interval / 384), interval, 1.0 / 30);
+                            Law law{a, b, fixed};
+                            // one family only: every other one is dearer
+                            law.share = [](const Model& m) { return label(m).find("tolerance") == std::string::npos && m.scheme == Scheme::Newton &&
+                                                                            m.detection == Detection::Swept && m.nodes != 0 && !m.rolling && !m.friction && !m.normal && !m.trapezoid
+                                                                        ? 1.0 : 100.0; };
+                            const Model family = start_model(385, interval / 384);
+                            const double least = cheapest(MadeUpPilots(law, limit), grid, family);
+                            if (!std::isfinite(least)) continue;
+                            ++cases;
+                            INFO("interval " << interval << " a " << a << " b " << b << " fixed " << fixed << " limit " << limit);
+                            MadeUpPilots pilots(law, limit);
+                            const SearchResult found = search_models(scene, start_model(577, interval / 384), grid, false, pilots, always);
+                            CHECK(found.complete);
+                            REQUIRE(found.best);
+                            CHECK(pilots.look_at(*found.best)->seconds <= 1.1 * least);
+                            most_pilots = std::max(most_pilots, pilots.count());
+                        }
+        CHECK(cases > 200);
+        MESSAGE("at most " << most_pilots << " pilots");
+        CHECK(most_pilots < 100);  // a fifth of the grid's places
+    }
+
     TEST_CASE("property: a choice that saves more than its error costs is made, one that ruins the result is not")
     {
         const Scene scene = small_scene();

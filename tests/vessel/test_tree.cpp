@@ -52,8 +52,8 @@ void check_structure(const WallTree& tree)
             }
             continue;
         }
-        small &= node.count <= SEL_TREE_LEAF;
-        for (std::uint32_t k = node.left_or_first; k < node.left_or_first + node.count; ++k) {
+        small &= SEL_LEAF_TRIANGLES(node.count) <= SEL_TREE_LEAF;
+        for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
             ++seen[k];
             for (std::size_t i = 0; i < 9; ++i)
                 inside &= tree.vertices[9 * k + i] >= node.lo[i % 3] && tree.vertices[9 * k + i] <= node.hi[i % 3];

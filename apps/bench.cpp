@@ -1,0 +1,148 @@
+// seldinger bench [--device N] [--json] [-o DIR] [--quick] [--repeat N] [--scenes FILE …] [--kernels-only] [--overwrite] [--quiet]
+
+#include "assets.h"
+#include "bench_report.h"
+#include "commands.h"
+#include "core/file_io.h"
+#include "device/enumerate.h"
+#include "stop_signal.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <unistd.h>
+#include <csignal>
+#include <memory>
+
+namespace seldinger::apps {
+namespace {
+
+struct Options {
+    std::filesystem::path dir;
+    std::vector<std::filesystem::path> scenes;
+    int device = -1, repeat = 3;
+    bool quick = false, json = false, overwrite = false, quiet = false, kernels_only = false;
+};
+
+constexpr long quick_steps = 600;
+
+/// One line on stderr; nothing when it is not a terminal.
+void show(const Options& options, const std::string& doing)
+{
+    if (!options.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", doing);
+}
+
+void stop_when_asked()
+{
+    if (stop_asked_for() == SIGINT) throw Error(ExitCode::Interrupted, "interrupted; nothing was written");
+    if (stop_asked_for() != 0) throw Error(ExitCode::TimeLimit, "stopped; nothing was written");
+}
+
+void check_folder(const Options& options)
+{
+    if (options.dir.empty() || options.overwrite) return;
+    for (const char* file : bench_files)
+        if (std::filesystem::exists(options.dir / file))
+            throw Error(ExitCode::BadScene, fmt::format("{}: holds results of a benchmark ({}); give --overwrite, or another folder with -o",
+                                                        options.dir.string(), file));
+}
+
+/// Peaks and kernels, in double and in float.
+void measure_kernels(const Options& options, BenchResults& results)
+{
+    using namespace device;
+    kernel_bench::KernelBenchOptions how;
+    how.repeats = options.quick ? 3 : 2 * options.repeat + 1;
+    if (options.quick) how.light = {300}, how.heavy = {4800}, how.least = 5e-4;
+    const bool fp64 = results.device.fp64;
+    Context context(options.device, !fp64);
+    show(options, "peaks");
+    for (const Lane lane : {Lane::Light, Lane::Heavy}) {
+        stop_when_asked();
+        if (lane == Lane::Light && !context.two_lanes()) continue;
+        results.peaks.push_back(measure_peaks(context, lane, how.repeats, options.quick ? 48 : 384));
+    }
+    if (!context.two_lanes()) how.light.clear();
+    const kernel_bench::BenchWall wall = kernel_bench::make_bench_wall(context);
+    const auto work = kernel_bench::count_work(wall, 4800);
+    show(options, "kernels");
+    results.kernels = kernel_bench::time_kernels(context, wall, work, how);
+    stop_when_asked();
+    if (!fp64) return;
+    show(options, "kernels in float32");
+    Context single(options.device, true);
+    const auto more = kernel_bench::time_kernels(single, wall, work, how);
+    results.kernels.insert(results.kernels.end(), more.begin(), more.end());
+    stop_when_asked();
+}
+
+void measure_scenes(const Options& options, BenchResults& results)
+{
+    std::vector<std::filesystem::path> files = options.scenes;
+    if (files.empty())
+        for (const char* name : {"experiment1.toml", "experiment2.toml", "aortic-arch.toml", "patients/tha001-arch.toml"})
+            files.push_back(assets_folder() / "scenes" / name);
+    for (const auto& file : files) {
+        show(options, file.filename().string());
+        try {
+            if (!results.device.fp64) throw Error(ExitCode::NoDevice, "the device has no double precision, which a world needs");
+            results.scenes.push_back(time_scene(read_scene(file), options.device, options.quick ? 1 : options.repeat,
+                                                options.quick ? quick_steps : 0, [] { return stop_asked_for() != 0; }));
+        } catch (const Error& error) {
+            stop_when_asked();
+            if (!options.scenes.empty()) throw;  // asked for by name
+            results.skipped.push_back({file.filename().string(), error.what()});
+        }
+    }
+}
+
+ExitCode bench(const Options& options)
+{
+    const StopSignal listening;
+    check_folder(options);
+    BenchResults results;
+    const std::vector<DeviceInfo> list = list_devices();
+    device::check_device_index(options.device);
+    if (list.empty()) throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
+    results.device = list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
+    for (const auto& file : options.scenes) (void)read_scene(file);  // before minutes are spent on kernels
+    results.chosen = options.device < 0 ? "default" : "asked for";
+    measure_kernels(options, results);
+    if (!options.kernels_only) measure_scenes(options, results);
+    show(options, "");
+    bool drawn = false;
+    if (!options.dir.empty()) {
+        write_bench(results, options.dir);
+        drawn = draw_with("plot_roofline.py", {options.dir.string()});
+    }
+    if (options.json) print(bench_json(results));
+    else if (!options.quiet) print(bench_summary(results));
+    if (!options.json && !options.quiet && !options.dir.empty())
+        print(fmt::format("{}: device.csv, kernels.csv, scenes.csv{}\n", options.dir.string(), drawn ? ", roofline.png, roofline.svg" : ""));
+    return ExitCode::Done;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("bench", "time an OpenCL device: its peaks, every kernel, whole scenes");
+    command->add_option("-o", options->dir, "folder for device.csv, kernels.csv, scenes.csv and the roofline picture (default: none is written)")
+        ->type_name("DIR");
+    command->add_option("--scenes", options->scenes, "time these instead of the project's own")->type_name("FILE")->delimiter(',');
+    command->add_option("--repeat", options->repeat, "runs of each scene, of which the median counts")
+        ->check(CLI::Range(1, 99))
+        ->type_name("N");
+    command->add_flag("--quick", options->quick, "small loads, 600 steps of each scene, once: does it work?");
+    command->add_flag("--kernels-only", options->kernels_only, "no scenes");
+    command->add_flag("--overwrite", options->overwrite, "replace the results in DIR");
+    command->add_option("--device", options->device, "OpenCL device, as `seldinger devices` lists them")
+        ->type_name("N")
+        ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
+    command->add_flag("--quiet", options->quiet, "no progress, no tables");
+    command->add_flag("--json", options->json, "print the results as one JSON object");
+    command->callback([options, &chosen] { chosen = [options] { return bench(*options); }; });
+}
+
+}  // namespace seldinger::apps

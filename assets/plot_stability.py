@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Stability maps, from what `seldinger stability` wrote.
+
+    plot_stability.py DIR|FILE.csv [-o DIR2] [--maps NAME,NAME] [--methods NAME;NAME] [--name STEM]
+
+Reads stability.csv; writes STEM.png (default stability.png) into DIR2 (default: beside the table): one row of small maps for each map,
+one column for each method, all of a row on the same axes. A cell is a run; its colour and its letter say how it went.
+"""
+import argparse
+import csv
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")  # no display needed
+import matplotlib.pyplot as plt
+from matplotlib.patches import Patch, Rectangle
+
+# Okabe and Ito's colours, which the colour-blind tell apart; the letter says the same. From harmless to hopeless.
+OUTCOMES = {"hold": ("#bfe3f5", "·", "holds"), "unfinished": ("#ffffff", "?", "not finished"), "jitter": ("#f0e442", "J", "jitter"),
+            "overlap": ("#e69f00", "O", "overlap"), "escape": ("#cc79a7", "E", "escape"), "gave-up": ("#999999", "G", "gave up"),
+            "blow-up": ("#d55e00", "B", "blow-up")}
+AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "triangles": "triangle leg / wire radius",
+        "bending": "bending stiffness [N m²]", "friction": "sliding friction", "axial": "stretching stiffness [N]",
+        "spacing": "edge / bend radius", "damage": "share of spoilt triangles", "approach": "approach speed [m/s]",
+        "carina": "tip off the middle / lumen", "whip": "tip curvature [1/m]", "buckling": "tube / wire radius",
+        "ratio": "shaft / tip stiffness", "stenosis": "throat / wire radius", "septum": "septum / wire radius",
+        "offset": "distance from origin [m]", "strokes": "strokes per second", "fold": "turning per edge [°]",
+        "twist": "turning per edge [rad]", "alternating": "side load [N]"}
+SCALE = {"speed": 100.0}
+
+
+def read_table(path):
+    file = path / "stability.csv" if path.is_dir() else path
+    try:
+        with open(file, newline="", encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+    except OSError as error:
+        sys.exit(f"plot_stability.py: {file}: {error.strerror}; give a folder that `seldinger stability` wrote")
+    if not rows or not {"map", "method", "dt_s", "value", "outcome"} <= set(rows[0]):
+        sys.exit(f"plot_stability.py: {file}: no cells of a stability map in it; give a folder that `seldinger stability` wrote")
+    cells = {}
+    for row in rows:  # the last of a cell's rows stands
+        cells[row["map"], row["method"], float(row["value"]), float(row["dt_s"])] = row["outcome"]
+    return cells
+
+
+def ordered(items):
+    return list(dict.fromkeys(items))
+
+
+def short(number):
+    if number != 0 and not 1e-2 <= abs(number) < 1e4:
+        mantissa, exponent = f"{number:.0e}".split("e")
+        return f"{mantissa}e{int(exponent)}"
+    return f"{number:.2g}" if abs(number) < 100 else f"{number:.0f}"
+
+
+def draw_panel(axes, cells, name, method, values, steps):
+    there = False
+    for x, value in enumerate(values):
+        for y, step in enumerate(steps):
+            outcome = cells.get((name, method, value, step))
+            if outcome is None:
+                continue
+            there = True
+            colour, letter, _ = OUTCOMES[outcome]
+            axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, edgecolor="white", linewidth=0.8))
+            axes.text(x, y, letter, ha="center", va="center", fontsize=7, color="#222222")
+    axes.set_xlim(-0.5, len(values) - 0.5)
+    axes.set_ylim(-0.5, len(steps) - 0.5)
+    if not there:
+        axes.text((len(values) - 1) / 2, (len(steps) - 1) / 2, "not run", ha="center", va="center", fontsize=7, color="#888888")
+    axes.set_xticks(range(len(values)), [short(v * SCALE.get(name, 1)) for v in values], rotation=90, fontsize=6)
+    axes.set_yticks(range(len(steps)), [f"{1e3 * s:.3g}" for s in steps], fontsize=6)
+    axes.tick_params(length=0)
+    for side in axes.spines.values():
+        side.set_visible(False)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("table", type=pathlib.Path, metavar="DIR|FILE.csv")
+    parser.add_argument("-o", type=pathlib.Path, metavar="DIR2", help="where the picture goes (default: beside the table)")
+    parser.add_argument("--maps", help="only these, separated by commas")
+    parser.add_argument("--methods", help="only these, in this order, separated by semicolons")
+    parser.add_argument("--name", default="stability", metavar="STEM")
+    options = parser.parse_args()
+    cells = read_table(options.table)
+    maps = options.maps.split(",") if options.maps else ordered(key[0] for key in cells)
+    methods = options.methods.split(";") if options.methods else ordered(key[1] for key in cells)
+    for wanted, known, what in ((maps, {k[0] for k in cells}, "map"), (methods, {k[1] for k in cells}, "method")):
+        for name in wanted:
+            if name not in known:
+                sys.exit(f"plot_stability.py: no {what} \"{name}\" in {options.table}; there are: {'; '.join(sorted(known))}")
+
+    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(1.0 + 1.75 * len(methods), 0.8 + 1.75 * len(maps)))
+    for row, name in enumerate(maps):
+        values = sorted({key[2] for key in cells if key[0] == name})
+        steps = sorted({key[3] for key in cells if key[0] == name})
+        for column, method in enumerate(methods):
+            axes = grid[row][column]
+            draw_panel(axes, cells, name, method, values, steps)
+            axes.set_xlabel(AXES.get(name, name), fontsize=7)
+            if column == 0:
+                axes.set_ylabel(f"{name}\nstep [ms]", fontsize=7)
+            else:
+                axes.set_yticks([])
+            if row == 0:
+                axes.set_title(method, fontsize=8)
+    seen = set(cells[key] for key in cells if key[0] in maps and key[1] in methods)
+    legend = [Patch(facecolor=colour, edgecolor="#888888", label=f"{letter}  {words}")
+              for outcome, (colour, letter, words) in OUTCOMES.items() if outcome in seen]
+    figure.legend(handles=legend, loc="upper center", ncols=len(legend), fontsize=7, frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 1 - 0.3 / figure.get_figheight()))
+    out = options.o or (options.table if options.table.is_dir() else options.table.parent)
+    out.mkdir(parents=True, exist_ok=True)
+    part = out / f".{options.name}.part.png"
+    figure.savefig(part, dpi=110)
+    part.replace(out / f"{options.name}.png")
+
+
+if __name__ == "__main__":
+    main()

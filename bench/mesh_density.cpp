@@ -1,0 +1,165 @@
+// Step time against mesh density: the same wire in the same vessel, Loop-subdivided round by round.
+//
+//     mesh_density SCENE.toml [--rounds 4] [--first 0] [--steps N] [--repeat 1] [--csv FILE] [--set table.key=value]…
+//
+// A row per round: triangles, tree build rate (two threads, median of three), resident bytes per triangle (arrays that the world keeps, counted; and
+// growth of the resident set, which counts everything), steps per second, processor time (the least
+// of the repeats; a step is one thread's work unless thousands of samples touch) and the time of each stage over the same steps.
+
+#include "core/error.h"
+#include "scene/scene.h"
+#include "vessel/subdivide.h"
+#include "vessel/tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <ctime>
+#include <malloc.h>
+#include <unistd.h>
+
+namespace {
+
+using namespace seldinger;
+using Clock = std::chrono::steady_clock;
+
+double processor_time()
+{
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Memory of this process in RAM [bytes]; what was freed has been given back.
+double resident()
+{
+    malloc_trim(0);
+    std::ifstream in("/proc/self/statm");
+    double pages = 0, in_ram = 0;
+    in >> pages >> in_ram;
+    return in_ram * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+struct Options {
+    std::string scene, csv;
+    std::vector<std::string> overrides;
+    int rounds = 4, first = 0, repeat = 1;
+    long steps = 0;  // 0: all
+};
+
+Options read_options(int argc, char** argv)
+{
+    Options options;
+    for (int k = 1; k < argc; ++k) {
+        const std::string word = argv[k];
+        const auto value = [&]() -> std::string { return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing"); };
+        if (word == "--rounds") options.rounds = std::atoi(value().c_str());
+        else if (word == "--first") options.first = std::atoi(value().c_str());
+        else if (word == "--steps") options.steps = std::atol(value().c_str());
+        else if (word == "--repeat") options.repeat = std::max(1, std::atoi(value().c_str()));
+        else if (word == "--csv") options.csv = value();
+        else if (word == "--set") options.overrides.push_back(value());
+        else if (options.scene.empty() && word[0] != '-') options.scene = word;
+        else throw Error(ExitCode::BadScene, word + ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] [--repeat N] [--csv FILE] [--set k=v]");
+    }
+    if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
+    return options;
+}
+
+/// The wall's arrays that stay: the mesh (world), tree nodes, vertices, rims and the way back to the mesh's triangles (contact).
+double kept_bytes(const WallMesh& mesh, const WallTree& tree)
+{
+    const double t = static_cast<double>(tree.triangle_count());
+    return static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
+                               tree.nodes.size() * sizeof(TreeNode)) + t * (9 * sizeof(float) + 2 * sizeof(std::uint32_t));
+}
+
+std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& options)
+{
+    std::vector<double> builds;
+    double bytes = 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto start = Clock::now();
+        const WallTree tree = build_wall_tree(setup.mesh);
+        builds.push_back(since(start));
+        bytes = kept_bytes(setup.mesh, tree);
+    }
+    std::sort(builds.begin(), builds.end());
+    const double triangles = static_cast<double>(setup.mesh.triangles.size());
+    const long steps = options.steps > 0 ? std::min(options.steps, scene.steps()) : scene.steps();
+    std::vector<std::pair<double, StageTimes>> runs;
+    double grown = 0, newton = 0, load = 0, cpu = 0;
+    int contacts = 0;
+    std::string hash;
+    for (int r = 0; r < options.repeat; ++r) {
+        WorldSetup copy = setup;
+        const double before = resident() - static_cast<double>(setup.mesh.vertices.size() * sizeof(Vec3) + setup.mesh.triangles.size() * 12);
+        const auto loading = Clock::now();
+        World world(std::move(copy));
+        load = since(loading);
+        grown = resident() - before;
+        StageTimes stages;
+        newton = 0;
+        const auto start = Clock::now();
+        const double cpu_start = processor_time();
+        for (long k = 0; k < steps; ++k) {
+            const StepReport report = step(world, scene.dt);
+            if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("step {} failed", k + 1));
+            stages += report.times;
+            newton += report.newton_iterations;
+            contacts = std::max(contacts, world.readings(0).contacts);
+        }
+        const double cpu_here = processor_time() - cpu_start;
+        cpu = r == 0 ? cpu_here : std::min(cpu, cpu_here);
+        runs.emplace_back(since(start), stages);
+        hash = world.state_hash();
+    }
+    std::sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    const auto& [wall, s] = runs[runs.size() / 2];
+    const double n = static_cast<double>(steps), us = 1e6 / n;
+    return fmt::format("{:.0f},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}\n", triangles,
+                       builds[1], triangles / builds[1], bytes / triangles, grown / triangles, load, steps, n / wall, wall * us, cpu * us, s.detect * us,
+                       s.evaluate * us, s.reduce * us, s.solve * us, newton / n, contacts, hash);
+}
+
+int run(const Options& options)
+{
+    const Scene scene = read_scene(options.scene, options.overrides);
+    WorldSetup setup = make_setup(scene);
+    std::string table =
+        "triangles,tree_build_s,tree_triangles_per_s,kept_bytes_per_triangle,grown_bytes_per_triangle,world_s,steps,steps_per_s,step_us,processor_us,detect_us,"
+        "evaluate_us,reduce_us,solve_us,newton_per_step,contacts_max,state_hash\n";
+    fmt::print("{}", table);
+    for (int round = 0; round <= options.rounds; ++round) {
+        if (round > 0) setup.mesh = subdivide_loop(setup.mesh);
+        if (round < options.first) continue;
+        const std::string row = row_of(scene, setup, options);
+        table += row;
+        fmt::print("{}", row);
+        std::fflush(stdout);
+    }
+    if (!options.csv.empty()) {
+        std::ofstream out(options.csv);
+        out << table;
+        if (!out.flush()) throw Error(ExitCode::BadFile, options.csv + ": cannot be written");
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    try {
+        return run(read_options(argc, argv));
+    } catch (const seldinger::Error& error) {
+        fmt::print(stderr, "mesh_density: {}\n", error.what());
+        return static_cast<int>(error.code());
+    }
+}

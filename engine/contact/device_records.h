@@ -1,0 +1,92 @@
+#pragma once
+// Records of kernels/shared as the device has them: in double as they stand; in a float32 context with every real narrowed, which is how
+// the same structs are laid out when `real` is float. The host keeps double throughout.
+//
+// Positions are hi (float) + lo, so narrowing lo loses 6e-8 of 4 nm; edges and gaps are differences near the segment (portable.h).
+
+#include "device/device.h"
+#include "shared/contact_types.h"
+
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+/// A run of words of one kind in a record.
+struct WordRun {
+    int count;
+    bool reals;
+};
+template <class Record>
+inline constexpr int record_words = 0;
+template <>
+inline constexpr WordRun record_words<double>[] = {{1, true}};
+template <>
+inline constexpr WordRun record_words<SampleModel>[] = {{20, true}};
+template <>
+inline constexpr WordRun record_words<SamplePlace>[] = {{2, false}, {2, true}, {2, false}, {1, true}};
+template <>
+inline constexpr WordRun record_words<TouchState>[] = {{18, true}, {4, false}};
+template <>
+inline constexpr WordRun record_words<SampleForce>[] = {{32, true}, {2, false}};
+template <>
+inline constexpr WordRun record_words<HardState>[] = {{9, true}, {2, false}};
+template <>
+inline constexpr WordRun record_words<EdgeForce>[] = {{71, true}, {2, false}};
+template <>
+inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
+
+template <class Record>
+constexpr std::size_t double_size()
+{
+    std::size_t bytes = 0;
+    for (const WordRun& run : record_words<Record>) bytes += run.count * (run.reals ? sizeof(double) : sizeof(uint));
+    return bytes;
+}
+template <class Record>
+constexpr std::size_t float_size()
+{
+    std::size_t words = 0;
+    for (const WordRun& run : record_words<Record>) words += run.count;
+    return words * sizeof(float);
+}
+/// Size of a record on the device. A record that has grown needs its words above put right.
+template <class Record>
+[[nodiscard]] std::size_t device_size(const device::Context& context)
+{
+    static_assert(double_size<Record>() == sizeof(Record), "record_words does not describe this record");
+    return context.float32() ? float_size<Record>() : sizeof(Record);
+}
+
+void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t records, std::vector<std::uint32_t>& to);
+void widen_words(std::span<const WordRun> runs, const std::uint32_t* from, std::size_t records, void* to);
+
+/// What one record is when it goes to a kernel by value.
+struct NarrowParams {
+    std::uint32_t words[float_size<ContactParams>() / sizeof(std::uint32_t)];
+};
+[[nodiscard]] NarrowParams narrow(const ContactParams& par);
+
+/// Writes records, narrowed where the context asks for it. `scratch` must stay as it is until the next read() or finish() on the lane.
+template <class Record>
+void write_records(device::Context& context, device::Lane lane, const device::Buffer& to, const std::vector<Record>& from,
+                   std::vector<std::uint32_t>& scratch)
+{
+    if (!context.float32()) return context.write(lane, to, from.data(), from.size() * sizeof(Record));
+    narrow_words(record_words<Record>, from.data(), from.size(), scratch);
+    context.write(lane, to, scratch.data(), scratch.size() * sizeof(std::uint32_t));
+}
+
+/// Reads `count` records from the first-th on, and waits.
+template <class Record>
+void read_records(device::Context& context, device::Lane lane, const device::Buffer& from, Record* to, std::size_t count, std::size_t first,
+                  std::vector<std::uint32_t>& scratch)
+{
+    const std::size_t size = device_size<Record>(context);
+    if (!context.float32()) return context.read(lane, from, to, count * size, first * size);
+    scratch.resize(count * size / sizeof(std::uint32_t));
+    context.read(lane, from, scratch.data(), count * size, first * size);
+    widen_words(record_words<Record>, scratch.data(), count, to);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,81 @@
+#include "study/scene_bench.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace seldinger {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+struct OneRun {
+    double wall = 0;
+    StageTimes stages;
+};
+
+}  // namespace
+
+SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long most_steps, const std::function<bool()>& stop)
+{
+    SceneTiming timing;
+    timing.scene = scene.source.filename().string();
+    timing.steps = most_steps > 0 ? std::min(most_steps, scene.steps()) : scene.steps();
+    const auto loading = Clock::now();
+    const WorldSetup setup = make_setup(scene, device_index);
+    timing.triangles = setup.mesh.triangles.size();
+    std::vector<OneRun> runs;
+    for (int r = 0; r < repeats; ++r) {
+        World world(setup);
+        if (r == 0) timing.load = since(loading);
+        OneRun run;
+        DeviceCounts warm;
+        long newton = 0;
+        const auto begin = Clock::now();
+        const auto account = [&](const StepReport& report, long k) {
+            if (report.failed())
+                throw Error(ExitCode::Stopped, fmt::format("{}: step {} failed; see `seldinger run {}`", timing.scene, k + 1, scene.source.string()));
+            newton += report.newton_iterations;
+            run.stages += report.times;
+            if (r == 0) timing.contacts_max = std::max(timing.contacts_max, world.readings(0).contacts);
+        };
+        if (scene.start_settled) account(settle(world), -1);
+        for (long k = 0; k < timing.steps; ++k) {
+            if (stop && stop()) throw Error(ExitCode::Interrupted, fmt::format("interrupted in {}", timing.scene));
+            if (k == 100) warm = world.device_counts();
+            account(step(world, scene.dt), k);
+        }
+        run.wall = since(begin);
+        runs.push_back(run);
+        if (r + 1 < repeats) continue;
+        const double steps = static_cast<double>(std::max(timing.steps, 1l));
+        const DeviceCounts end = world.device_counts();
+        timing.device = world.device_name();
+        timing.nodes = world.readings(0).nodes;
+        timing.newton = static_cast<double>(newton) / steps;
+        const double counted = static_cast<double>(std::max(timing.steps - 100, 1l));
+        timing.launches = static_cast<double>(end.launches - warm.launches) / counted;
+        timing.reads = static_cast<double>(end.reads - warm.reads) / counted;
+        timing.writes = static_cast<double>(end.writes - warm.writes) / counted;
+        timing.buffers = static_cast<long>(end.buffers_created - warm.buffers_created);
+        timing.programs = static_cast<long>(end.programs_built - warm.programs_built);
+        timing.state_hash = world.state_hash();
+    }
+    std::sort(runs.begin(), runs.end(), [](const OneRun& a, const OneRun& b) { return a.wall < b.wall; });
+    const double steps = static_cast<double>(std::max(timing.steps, 1l));
+    const OneRun& middle = runs[runs.size() / 2];
+    timing.rate = steps / middle.wall;
+    timing.lowest = steps / runs.back().wall;
+    timing.highest = steps / runs.front().wall;
+    const StageTimes& s = middle.stages;
+    timing.stages = {s.detect / steps, s.evaluate / steps, s.reduce / steps, s.solve / steps, s.wall / steps, s.adapt / steps};
+    timing.other = (middle.wall - (s.detect + s.evaluate + s.reduce + s.solve + s.wall + s.adapt)) / steps;
+    return timing;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,60 @@
+// engine/vessel/ridges: a roof, a valley, a bend that is meshed finer and finer.
+
+#include "vessel/ridges.h"
+
+#include "vessel/shapes.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace seldinger;
+
+namespace {
+
+/// Two squares of side 1 that meet in the y axis, each falling off by `slope` [rad] (rising when negative); normals upward.
+WallMesh roof(double slope)
+{
+    WallMesh mesh;
+    const double c = std::cos(slope), s = std::sin(slope);
+    mesh.vertices = {{-c, 0, -s}, {0, 0, 0}, {0, 1, 0}, {-c, 1, -s}, {c, 0, -s}, {c, 1, -s}};
+    mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}, {{1, 4, 5}}, {{1, 5, 2}}};
+    return mesh;
+}
+
+WallMesh bend(int triangles)
+{
+    VesselSpec spec;
+    spec.shape = VesselShape::Arc;
+    spec.radius = 0.002;
+    spec.bend_radius = 0.02;
+    spec.angle = std::numbers::pi / 2;
+    spec.triangles = triangles;
+    return make_arc(spec).mesh;
+}
+
+}  // namespace
+
+TEST_SUITE("vessel/ridges") {
+
+TEST_CASE("analytic: a roof has the angle between its facets, a valley and a plane none")
+{
+    for (const double slope : {0.02, 0.1, 0.5}) CHECK(mean_ridge_angle(roof(slope), 0) == doctest::Approx(2 * slope).epsilon(1e-12));
+    CHECK(mean_ridge_angle(roof(-0.1), 0) == 0);
+    CHECK(mean_ridge_angle(roof(0), 0) == 0);
+    CHECK(mean_ridge_angle(roof(0.1), 1.5) == 0);  // facets of sides 1, 1 and 1.41
+    CHECK(mean_ridge_angle(roof(0.1), 1.4) > 0);
+}
+
+// the wall of a bend is a ridge along its inner side only: facets of length l turn by l/(bend radius - lumen radius) at most
+TEST_CASE("property: ridges of a bend grow flat as its facets grow small, and are no sharper than the facets' turning")
+{
+    const double coarse = mean_ridge_angle(bend(100), 0), fine = mean_ridge_angle(bend(10000), 0);
+    CHECK(coarse > 0.1);
+    CHECK(coarse < std::numbers::pi / 2 / 4);  // at least four rows
+    CHECK(fine < 0.05);
+    CHECK(mean_ridge_angle({}, 0) == 0);
+}
+
+}
