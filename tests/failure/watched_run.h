@@ -78,7 +78,7 @@ private:
 /// One line: outcome, first steps of each failure, measured numbers.
 [[nodiscard]] std::string tell(const Outcomes& outcomes);
 
-/// Runs and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
+/// Runs, a linearised method until it jams, and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
 [[nodiscard]] Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& method, double dt, int steps);
 
 /// Wall whose bed is `factor` times as stiff as the nominal 1 MPa one.
