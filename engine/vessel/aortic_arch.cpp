@@ -191,8 +191,8 @@ void check_spec(const ArchSpec& spec)
                                 spec.arch_width, spec.descending_length, spec.ascending_length, spec.diameter_innominate,
                                 spec.diameter_carotid, spec.diameter_subclavian, spec.branch_length, spec.fillet})
         if (!(length > 0) || !std::isfinite(length)) throw Error(ExitCode::BadScene, "aortic arch: every length must be finite and above 0");
-    if (spec.triangles < 2000 || spec.triangles > 1'000'000)
-        throw Error(ExitCode::BadScene, fmt::format("vessel.triangles: {} given, 2000 to 1000000 expected for an aortic arch", spec.triangles));
+    if (spec.triangles < 2000 || spec.triangles > 4'000'000)
+        throw Error(ExitCode::BadScene, fmt::format("vessel.triangles: {} given, 2000 to 4000000 expected for an aortic arch", spec.triangles));
 }
 
 }  // namespace
