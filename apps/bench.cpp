@@ -1,4 +1,5 @@
-// seldinger bench [--device N] [--json] [-o DIR] [--quick] [--repeat N] [--scenes FILE …] [--kernels-only] [--overwrite] [--quiet]
+// seldinger bench [--device N] [--json] [-o DIR] [--quick] [--repeat N] [--scenes FILE …] [--kernels-only] [--overwrite]
+// [--quiet]
 
 #include "assets.h"
 #include "bench_report.h"
@@ -7,8 +8,8 @@
 #include "device/enumerate.h"
 #include "stop_signal.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 #include <csignal>
@@ -43,8 +44,9 @@ void check_folder(const Options& options)
     if (options.dir.empty() || options.overwrite) return;
     for (const char* file : bench_files)
         if (std::filesystem::exists(options.dir / file))
-            throw Error(ExitCode::BadScene, fmt::format("{}: holds results of a benchmark ({}); give --overwrite, or another folder with -o",
-                                                        options.dir.string(), file));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("{}: holds results of a benchmark ({}); give --overwrite, or another folder with -o",
+                                    options.dir.string(), file));
 }
 
 /// Peaks and kernels, in double and in float.
@@ -103,8 +105,11 @@ ExitCode bench(const Options& options)
     BenchResults results;
     const std::vector<DeviceInfo> list = list_devices();
     device::check_device_index(options.device);
-    if (list.empty()) throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
-    results.device = list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
+    if (list.empty())
+        throw Error(ExitCode::NoDevice,
+                    "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
+    results.device =
+        list[static_cast<std::size_t>(options.device < 0 ? device::default_device(device::all_devices()) : options.device)];
     for (const auto& file : options.scenes) (void)read_scene(file);  // before minutes are spent on kernels
     results.chosen = options.device < 0 ? "default" : "asked for";
     measure_kernels(options, results);
@@ -118,7 +123,8 @@ ExitCode bench(const Options& options)
     if (options.json) print(bench_json(results));
     else if (!options.quiet) print(bench_summary(results));
     if (!options.json && !options.quiet && !options.dir.empty())
-        print(fmt::format("{}: device.csv, kernels.csv, scenes.csv{}\n", options.dir.string(), drawn ? ", roofline.png, roofline.svg" : ""));
+        print(fmt::format("{}: device.csv, kernels.csv, scenes.csv{}\n", options.dir.string(),
+                          drawn ? ", roofline.png, roofline.svg" : ""));
     return ExitCode::Done;
 }
 
@@ -128,9 +134,13 @@ void add_bench(CLI::App& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("bench", "time an OpenCL device: its peaks, every kernel, whole scenes");
-    command->add_option("-o", options->dir, "folder for device.csv, kernels.csv, scenes.csv and the roofline picture (default: none is written)")
+    command
+        ->add_option("-o", options->dir,
+                     "folder for device.csv, kernels.csv, scenes.csv and the roofline picture (default: none is written)")
         ->type_name("DIR");
-    command->add_option("--scenes", options->scenes, "time these instead of the project's own")->type_name("FILE")->delimiter(',');
+    command->add_option("--scenes", options->scenes, "time these instead of the project's own")
+        ->type_name("FILE")
+        ->delimiter(',');
     command->add_option("--repeat", options->repeat, "runs of each scene, of which the median counts")
         ->check(CLI::Range(1, 99))
         ->type_name("N");

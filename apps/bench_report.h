@@ -16,7 +16,7 @@ inline constexpr const char* bench_files[] = {"device.csv", "kernels.csv", "scen
 struct BenchResults {
     DeviceInfo device;
     std::string chosen;
-    std::vector<device::Peaks> peaks;                   // one per lane
+    std::vector<device::Peaks> peaks;  // one per lane
     std::vector<kernel_bench::KernelTiming> kernels;
     std::vector<SceneTiming> scenes;
     struct Skipped {

@@ -78,12 +78,15 @@ void add_chart(CLI::App& app, Command& chosen)
         ->delimiter(',');
     command->add_flag("--processor-time", options->chart.processor_time,
                       "cost is processor time instead of wall time: for a machine that does other things too");
-    command->add_option("--planned", options->chart.planned, "what `plan` wrote for the one scene charted: its model joins the others")
+    command
+        ->add_option("--planned", options->chart.planned,
+                     "what `plan` wrote for the one scene charted: its model joins the others")
         ->type_name("FILE");
     command->add_option("--run-limit", options->chart.run_limit, "a model that takes longer is stopped (default: 60, or 10)")
         ->check(CLI::PositiveNumber)
         ->type_name("S");
-    command->add_option("--reference-limit", options->chart.reference_limit, "refine the reference no longer (default: 240, or 30)")
+    command
+        ->add_option("--reference-limit", options->chart.reference_limit, "refine the reference no longer (default: 240, or 30)")
         ->check(CLI::PositiveNumber)
         ->type_name("S");
     command->add_flag("--overwrite", options->overwrite, "run everything again");

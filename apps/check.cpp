@@ -3,8 +3,8 @@
 #include "commands.h"
 #include "scene/scene.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <memory>
 

@@ -3,8 +3,8 @@
 #include "commands.h"
 #include "engine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 namespace seldinger::apps {
 
@@ -15,11 +15,13 @@ void add_devices(CLI::App& app, Command& chosen)
         chosen = [] {
             const std::vector<DeviceInfo> list = list_devices();
             if (list.empty())
-                throw Error(ExitCode::NoDevice, "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
+                throw Error(ExitCode::NoDevice,
+                            "no OpenCL device; install one, e.g. the package pocl-opencl-icd for the processor itself");
             std::string text;
             for (const DeviceInfo& d : list)
-                text += fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type, d.platform, d.version,
-                                    d.compute_units, static_cast<double>(d.memory_bytes) / (1u << 30), d.fp64 ? "fp64" : "no fp64");
+                text += fmt::format("{}: {} ({}), {}, {}, {} compute units, {:.1f} GiB, {}\n", d.index, d.name, d.type,
+                                    d.platform, d.version, d.compute_units, static_cast<double>(d.memory_bytes) / (1u << 30),
+                                    d.fp64 ? "fp64" : "no fp64");
             print(text);
             return ExitCode::Done;
         };

@@ -3,8 +3,8 @@
 #include "commands.h"
 #include "engine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <csignal>

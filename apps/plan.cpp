@@ -1,13 +1,14 @@
-// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--rate 60] [--budget 120] [-o planned.toml] [--device N] [--json] [--quiet]
+// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--rate 60] [--budget 120] [-o planned.toml] [--device N]
+// [--json] [--quiet]
 
 #include "commands.h"
 #include "plan_report.h"
 #include "quantity.h"
 #include "stop_signal.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <csignal>
 #include <memory>
@@ -25,10 +26,14 @@ struct Options {
 ExitCode exit_code(const Plan& plan)
 {
     switch (plan.status) {
-        case PlanStatus::Planned: return ExitCode::Done;
-        case PlanStatus::NothingHolds: return ExitCode::Stopped;
-        case PlanStatus::Interrupted: return stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
-        default: return ExitCode::NotFeasible;
+        case PlanStatus::Planned:
+            return ExitCode::Done;
+        case PlanStatus::NothingHolds:
+            return ExitCode::Stopped;
+        case PlanStatus::Interrupted:
+            return stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
+        default:
+            return ExitCode::NotFeasible;
     }
 }
 
@@ -53,7 +58,9 @@ ExitCode plan_scene(Options& options)
     const Plan plan = make_plan(scene, what);
     if (shows) fmt::print(stderr, "\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
-        throw Error(exit_code(plan), fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on", what.pilots.string()));
+        throw Error(exit_code(plan),
+                    fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on",
+                                what.pilots.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
     else if (!options.quiet) print(plan_report(plan, what.goals, files));
@@ -68,14 +75,23 @@ void add_plan(CLI::App& app, Command& chosen)
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
     command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
-    command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")->required()->type_name("LENGTH");
-    command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")->type_name("SHARE|FORCE");
-    command->add_option("--rate", options->what.goals.rate, "keep up with real time in steps of at most one in so many of a second")
+    command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
+        ->required()
+        ->type_name("LENGTH");
+    command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")
+        ->type_name("SHARE|FORCE");
+    command
+        ->add_option("--rate", options->what.goals.rate, "keep up with real time in steps of at most one in so many of a second")
         ->check(CLI::PositiveNumber)
         ->type_name("N");
-    command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")->check(CLI::PositiveNumber)->type_name("S");
-    command->add_option("-o", options->plan, "scene file to write (default: planned.toml); pilots are kept beside it")->type_name("FILE");
-    command->add_option("--device", options->what.device, "OpenCL device, as `seldinger devices` lists them")->check(CLI::NonNegativeNumber)->type_name("N");
+    command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
+    command->add_option("-o", options->plan, "scene file to write (default: planned.toml); pilots are kept beside it")
+        ->type_name("FILE");
+    command->add_option("--device", options->what.device, "OpenCL device, as `seldinger devices` lists them")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("N");
     command->add_flag("--json", options->json, "print the plan as one JSON object");
     command->add_flag("--quiet", options->quiet, "no progress, no report");
     command->callback([options, &chosen] { chosen = [options] { return plan_scene(*options); }; });

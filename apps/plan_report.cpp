@@ -39,7 +39,10 @@ struct Band {
 };
 Band band(double error, double uncertainty) { return {std::max(0.0, error - uncertainty), error + uncertainty}; }
 
-Band shape_band(const Plan& plan, const PlannedModel& m) { return band(m.error, at(plan.reference.uncertainty, Observable::Shape)); }
+Band shape_band(const Plan& plan, const PlannedModel& m)
+{
+    return band(m.error, at(plan.reference.uncertainty, Observable::Shape));
+}
 Band force_band(const Plan& plan, const PlannedModel& m)
 {
     Band b = band(m.force_error, at(plan.reference.uncertainty, Observable::HandForce));
@@ -57,16 +60,19 @@ std::string speed(const PlannedModel& m)
 {
     if (m.seconds == 0) return "not timed";
     if (m.scene.integrator.scheme == Scheme::Static) return fmt::format("{:.3g} ms a solution", 1e3 * m.seconds);
-    return fmt::format("{:.3g} x real time ({:.3g} x in the slowest stretch)", 1 / m.seconds, m.slowest > 0 ? 1 / m.slowest : 0.0);
+    return fmt::format("{:.3g} x real time ({:.3g} x in the slowest stretch)", 1 / m.seconds,
+                       m.slowest > 0 ? 1 / m.slowest : 0.0);
 }
 
 /// What `run` says of a planned scene in its summary.
 std::string origin(const Plan& plan, const PlanGoals& goals, const PlannedModel& m, bool meets)
 {
-    return fmt::format("by seldinger plan for {}{}: expected {}", goals_text(goals), meets ? "" : " (which it does not meet)", expected(plan, m));
+    return fmt::format("by seldinger plan for {}{}: expected {}", goals_text(goals), meets ? "" : " (which it does not meet)",
+                       expected(plan, m));
 }
 
-void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan, const PlanGoals& goals, const std::filesystem::path& file, bool meets)
+void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan, const PlanGoals& goals,
+                     const std::filesystem::path& file, bool meets)
 {
     if (!model) {
         std::filesystem::remove(file);
@@ -113,12 +119,18 @@ Json model_json(const Plan& plan, const PlannedModel& m, const std::filesystem::
 const char* status_of(PlanStatus status)
 {
     switch (status) {
-        case PlanStatus::Planned: return "planned";
-        case PlanStatus::NotBoth: return "not-both";
-        case PlanStatus::BelowReference: return "below-reference";
-        case PlanStatus::NoReference: return "no-reference";
-        case PlanStatus::NothingHolds: return "nothing-holds";
-        case PlanStatus::Interrupted: return "interrupted";
+        case PlanStatus::Planned:
+            return "planned";
+        case PlanStatus::NotBoth:
+            return "not-both";
+        case PlanStatus::BelowReference:
+            return "below-reference";
+        case PlanStatus::NoReference:
+            return "no-reference";
+        case PlanStatus::NothingHolds:
+            return "nothing-holds";
+        case PlanStatus::Interrupted:
+            return "interrupted";
     }
     return "unknown";
 }
@@ -127,8 +139,9 @@ std::string reference_text(const Plan& plan)
 {
     const PlanReference& r = plan.reference;
     if (r.levels.empty()) return "none";
-    return fmt::format("{}, after {} refinements; known to {} and {} of the hand force ({:.3g} mN rms)", label(r.model), r.levels.size() - 1,
-                       length(at(r.uncertainty, Observable::Shape)), percent(at(r.uncertainty, Observable::HandForce) / r.force_scale), 1e3 * r.force_scale);
+    return fmt::format("{}, after {} refinements; known to {} and {} of the hand force ({:.3g} mN rms)", label(r.model),
+                       r.levels.size() - 1, length(at(r.uncertainty, Observable::Shape)),
+                       percent(at(r.uncertainty, Observable::HandForce) / r.force_scale), 1e3 * r.force_scale);
 }
 
 std::string omissions(const Plan& plan)
@@ -137,10 +150,13 @@ std::string omissions(const Plan& plan)
     std::string text = fmt::format("  {:<44}{:>10}  {:>22}  {:>18}\n", "left out", "cost", "shape error", "hand force error");
     for (const Omission& o : plan.left_out) {
         const double scale = plan.reference.force_scale;
-        text += o.holds ? fmt::format("    {:<42}{:>8.2f} x  {:>22}  {:>18}\n", o.what, o.cost_ratio,
-                                      fmt::format("{} -> {}", length(plan.chosen->error), length(o.error)),
-                                      fmt::format("{} -> {}", percent(plan.chosen->force_error / scale), percent(o.force_error / scale)))
-                        : fmt::format("    {:<42}{}\n", o.what, o.too_dear ? "many times the cost: not run to its end" : "breaks off, or is more than twice the tolerance off");
+        text += o.holds ? fmt::format(
+                              "    {:<42}{:>8.2f} x  {:>22}  {:>18}\n", o.what, o.cost_ratio,
+                              fmt::format("{} -> {}", length(plan.chosen->error), length(o.error)),
+                              fmt::format("{} -> {}", percent(plan.chosen->force_error / scale), percent(o.force_error / scale)))
+                        : fmt::format("    {:<42}{}\n", o.what,
+                                      o.too_dear ? "many times the cost: not run to its end"
+                                                 : "breaks off, or is more than twice the tolerance off");
     }
     return text;
 }
@@ -168,7 +184,8 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
     std::string text = fmt::format("asked      {}\n", goals_text(goals));
     const auto describe = [&](const char* what, const PlannedModel& m, const std::filesystem::path& file) {
         text += fmt::format("{:<11}{}\n", what, label(m.model));
-        text += fmt::format("  expected {}{}\n", expected(plan, m), m.worst > 0 ? fmt::format("; worst moment {}", length(m.worst)) : "");
+        text += fmt::format("  expected {}{}\n", expected(plan, m),
+                            m.worst > 0 ? fmt::format("; worst moment {}", length(m.worst)) : "");
         text += fmt::format("  speed    {}\n", speed(m));
         if (m.outcome == Outcome::Jitter) text += fmt::format("  hand     jitters by {} from step to step\n", percent(m.jitter));
         text += fmt::format("  written  {}\n", file.string());
@@ -176,8 +193,8 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
     if (plan.chosen) {
         describe("chosen", *plan.chosen, files.plan);
         if (goals.rate > 0)
-            text += fmt::format("  head-room {:.3g}: {:.4g} steps a second are possible where it is slowest, {:g} were asked\n", 1 / plan.chosen->slowest,
-                                steps_per_second(*plan.chosen), goals.rate);
+            text += fmt::format("  head-room {:.3g}: {:.4g} steps a second are possible where it is slowest, {:g} were asked\n",
+                                1 / plan.chosen->slowest, steps_per_second(*plan.chosen), goals.rate);
         text += omissions(plan);
     }
     if (plan.status != PlanStatus::Planned) {
@@ -196,7 +213,8 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     json["status"] = status_of(plan.status);
     if (!plan.message.empty()) json["message"] = plan.message;
     json["tolerance_m"] = goals.tolerance;
-    if (goals.force_tolerance > 0) json[goals.force_is_relative ? "force_tolerance" : "force_tolerance_n"] = goals.force_tolerance;
+    if (goals.force_tolerance > 0)
+        json[goals.force_is_relative ? "force_tolerance" : "force_tolerance_n"] = goals.force_tolerance;
     if (goals.rate > 0) json["rate"] = goals.rate;
     if (plan.chosen) json["chosen"] = model_json(plan, *plan.chosen, files.plan);
     if (plan.chosen && goals.rate > 0) json["head_room"] = 1 / plan.chosen->slowest;
@@ -206,14 +224,19 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     }
     json["left_out"] = Json::array();
     for (const Omission& o : plan.left_out)
-        json["left_out"].push_back({{"what", o.what}, {"holds", o.holds}, {"too_dear", o.too_dear}, {"cost_ratio", o.cost_ratio}, {"error_m", o.error},
+        json["left_out"].push_back({{"what", o.what},
+                                    {"holds", o.holds},
+                                    {"too_dear", o.too_dear},
+                                    {"cost_ratio", o.cost_ratio},
+                                    {"error_m", o.error},
                                     {"force_error", o.force_error / plan.reference.force_scale}});
     if (!plan.reference.levels.empty()) {
-        json["reference"] = {{"model", label(plan.reference.model)},
-                             {"refinements", plan.reference.levels.size() - 1},
-                             {"uncertainty_m", at(plan.reference.uncertainty, Observable::Shape)},
-                             {"force_uncertainty", at(plan.reference.uncertainty, Observable::HandForce) / plan.reference.force_scale},
-                             {"hand_force_rms_n", plan.reference.force_scale}};
+        json["reference"] = {
+            {"model", label(plan.reference.model)},
+            {"refinements", plan.reference.levels.size() - 1},
+            {"uncertainty_m", at(plan.reference.uncertainty, Observable::Shape)},
+            {"force_uncertainty", at(plan.reference.uncertainty, Observable::HandForce) / plan.reference.force_scale},
+            {"hand_force_rms_n", plan.reference.force_scale}};
     }
     json["touches"] = plan.touches;
     json["search_complete"] = plan.search_complete;

@@ -1,8 +1,8 @@
 #include "progress.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <unistd.h>
+#include <algorithm>
 
 namespace seldinger::apps {
 
@@ -40,11 +40,12 @@ void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds
     next_ = now + std::chrono::milliseconds(250);
     // runs of one world end together: within it the steps tell how far they are
     const double inside = static_cast<double>(state.step_count()) / static_cast<double>(std::max(1L, state.steps_in_all()));
-    const double fraction = (static_cast<double>(done) + inside * static_cast<double>(state.running())) / static_cast<double>(runs_);
+    const double fraction =
+        (static_cast<double>(done) + inside * static_cast<double>(state.running())) / static_cast<double>(runs_);
     constexpr int width = 24;
     const int filled = std::min(width, static_cast<int>(fraction * width));
-    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled, "", width - filled,
-               done, runs_, world + 1, worlds, state.step_count(), state.steps_in_all(), rate);
+    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled,
+               "", width - filled, done, runs_, world + 1, worlds, state.step_count(), state.steps_in_all(), rate);
     drawn_ = true;
 }
 

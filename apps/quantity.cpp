@@ -16,7 +16,8 @@ namespace {
 using Unit = std::pair<std::string_view, double>;
 
 /// @return the number and the index of its unit
-std::pair<double, std::size_t> parse(const std::string& option, const std::string& text, std::span<const Unit> units, const char* example)
+std::pair<double, std::size_t> parse(const std::string& option, const std::string& text, std::span<const Unit> units,
+                                     const char* example)
 {
     const auto fail = [&](const std::string& what) -> std::pair<double, std::size_t> {
         throw Error(ExitCode::BadScene, fmt::format("{} {}: {}; write for example {}", option, text, what, example));
@@ -32,7 +33,8 @@ std::pair<double, std::size_t> parse(const std::string& option, const std::strin
         if (unit == units[k].first) return {number * units[k].second, k};
         known += (known.empty() ? "" : ", ") + std::string(units[k].first);
     }
-    return fail(unit.empty() ? fmt::format("has no unit; expected one of {}", known) : fmt::format("unknown unit \"{}\"; expected one of {}", unit, known));
+    return fail(unit.empty() ? fmt::format("has no unit; expected one of {}", known)
+                             : fmt::format("unknown unit \"{}\"; expected one of {}", unit, known));
 }
 
 }  // namespace

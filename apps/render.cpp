@@ -2,8 +2,8 @@
 
 #include "commands.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <filesystem>
@@ -63,7 +63,8 @@ void add_render(CLI::App& app, Command& chosen)
     CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
     command->add_option("--size", options->size, "picture in pixels (default 1280x720)")->type_name("WxH");
-    command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")->type_name("A:B");
+    command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")
+        ->type_name("A:B");
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
 }
 

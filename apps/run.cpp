@@ -14,7 +14,9 @@ void add_limits(CLI::App& command, double& time_limit, int& device)
 {
     command.add_option("--time-limit", time_limit, "stop after so many seconds, state saved, exit 75")
         ->type_name("S")
-        ->check([](const std::string& text) { return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected"; });
+        ->check([](const std::string& text) {
+            return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected";
+        });
     command.add_option("--device", device, "OpenCL device, as `seldinger devices` lists them")
         ->type_name("N")
         ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });

@@ -4,9 +4,9 @@
 #include "progress.h"
 #include "stop_signal.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
-#include <fmt/format.h>
 #include <optional>
 
 namespace seldinger::apps {
@@ -23,16 +23,23 @@ std::string advice(const StepReport& report, bool settling)
 {
     if (report.flags & StepNonFinite)
         return "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller";
-    if (settling) return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
+    if (settling)
+        return "no equilibrium was found; raise integrator.tolerance, or run it in time with integrator.damping_mass_1_s";
     return "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower";
 }
 
 class Run {
 public:
-    Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel, const std::optional<Checkpoint>& saved)
-        : scene_(scene), options_(options), vessel_(std::move(vessel)), world_(std::move(setup)),
-          recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved) : Recorder(scene, vessel_, world_, options.dir)),
-          earlier_wall_(recorder_.tally().wall), fresh_(!saved || saved->tally.steps == 0)
+    Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel,
+        const std::optional<Checkpoint>& saved)
+        : scene_(scene),
+          options_(options),
+          vessel_(std::move(vessel)),
+          world_(std::move(setup)),
+          recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved)
+                          : Recorder(scene, vessel_, world_, options.dir)),
+          earlier_wall_(recorder_.tally().wall),
+          fresh_(!saved || saved->tally.steps == 0)
     {
     }
 
@@ -46,9 +53,11 @@ public:
         const double moving_until = prescribed_until(scene_);
         for (bool first = true; recorder_.tally().steps < steps; first = false) {
             if (stop_asked_for() != 0) return stop(stop_asked_for() == SIGINT ? RunStatus::Interrupted : RunStatus::TimeLimit);
-            if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit) return stop(RunStatus::TimeLimit);
+            if (!first && options_.time_limit > 0 && seconds_since(called) >= options_.time_limit)
+                return stop(RunStatus::TimeLimit);
             if (!take_step()) return stop(RunStatus::Stopped);
-            if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until) break;
+            if (scene_.until == Until::Rest && recorder_.tally().rest_steps >= steps_at_rest && world_.time() >= moving_until)
+                break;
             save_now_and_then();
             progress.show(recorder_, wall());
         }
@@ -89,15 +98,20 @@ private:
         RunOutcome outcome;
         outcome.summary = recorder_.finish(world_, status, wall());
         const std::string dir = options_.dir.string();
-        const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume", recorder_.tally().steps,
-                                              scene_.steps(), dir);
+        const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume",
+                                              recorder_.tally().steps, scene_.steps(), dir);
         switch (status) {
             case RunStatus::Stopped:
                 outcome = {ExitCode::Stopped, outcome.summary, fmt::format("{}; last good state in {}", failure_, dir)};
                 break;
-            case RunStatus::TimeLimit: outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved}; break;
-            case RunStatus::Interrupted: outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved}; break;
-            default: break;
+            case RunStatus::TimeLimit:
+                outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved};
+                break;
+            case RunStatus::Interrupted:
+                outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved};
+                break;
+            default:
+                break;
         }
         return outcome;
     }

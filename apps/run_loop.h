@@ -15,15 +15,15 @@ struct RunOptions {
     std::filesystem::path dir;
     std::vector<std::string> overrides;  // of --set
     FolderUse use = FolderUse::Refuse;
-    double time_limit = 0;               // [s] from the call on, loading included; 0: none
+    double time_limit = 0;  // [s] from the call on, loading included; 0: none
     int device = -1;
     bool quiet = false;
 };
 
 struct RunOutcome {
     ExitCode code = ExitCode::Done;
-    std::string summary;   // JSON
-    std::string message;   // one line for stderr; empty when the run is done
+    std::string summary;  // JSON
+    std::string message;  // one line for stderr; empty when the run is done
 };
 
 /// Always takes at least one step, so that a short limit and --resume in turn come to an end. @throws Error

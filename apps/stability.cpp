@@ -7,8 +7,8 @@
 #include "stability_study.h"
 #include "stop_signal.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <csignal>
 #include <memory>
@@ -22,18 +22,28 @@ void add_stability(CLI::App& app, Command& chosen)
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
-    command->add_option("-o", options->dir, "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
+    command
+        ->add_option("-o", options->dir,
+                     "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
         ->type_name("DIR");
-    command->add_option("scene", options->scene, "a scene of your own, swept over its step and --vary, instead of the maps")->type_name("SCENE.toml");
-    command->add_option("--vary", options->vary, "what is varied in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")->type_name("KEY=V,V,...");
+    command->add_option("scene", options->scene, "a scene of your own, swept over its step and --vary, instead of the maps")
+        ->type_name("SCENE.toml");
+    command->add_option("--vary", options->vary, "what is varied in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")
+        ->type_name("KEY=V,V,...");
     command->add_flag("--quick", options->quick, "nine cells a map, four methods: a few minutes");
-    command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")->type_name("F1..F17")->delimiter(',');
+    command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")
+        ->type_name("F1..F17")
+        ->delimiter(',');
     command->add_option("--maps", options->maps, "only these")->type_name("NAME")->delimiter(',');
     // a method's name may hold a comma
-    command->add_option("--methods", options->methods, "only these; separate by spaces, quote names; all: all of them (default: those in docs/stability.md)")
+    command
+        ->add_option("--methods", options->methods,
+                     "only these; separate by spaces, quote names; all: all of them (default: those in docs/stability.md)")
         ->type_name("NAME");
     command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(CLI::Range(1, 1024))->type_name("N");
-    command->add_option("--cell-budget", options->cell_limit, "seconds that one cell may take (default: 30); it is then \"unfinished\"")
+    command
+        ->add_option("--cell-budget", options->cell_limit,
+                     "seconds that one cell may take (default: 30); it is then \"unfinished\"")
         ->check(CLI::PositiveNumber)
         ->type_name("S");
     command->add_flag("--quiet", options->quiet, "no progress, no summary");
@@ -48,11 +58,14 @@ void add_stability(CLI::App& app, Command& chosen)
             const bool drawn = !done.interrupted && draw_with("plot_stability.py", {options->dir.string()});
             if (options->json) print(json);
             else if (!options->quiet) print(stability_summary(work, table, options->dir));
-            if (drawn && !options->quiet && !options->json) print(fmt::format("{}: stability.csv, maps.json, stability.png\n", options->dir.string()));
+            if (drawn && !options->quiet && !options->json)
+                print(fmt::format("{}: stability.csv, maps.json, stability.png\n", options->dir.string()));
             if (!done.interrupted) return ExitCode::Done;
-            throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
-                        fmt::format("interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",
-                                    done.left, (options->dir / stability_table_file).string()));
+            throw Error(
+                stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted,
+                fmt::format(
+                    "interrupted with {} cells of this selection still to run; what is done is in {}, the same command goes on",
+                    done.left, (options->dir / stability_table_file).string()));
         };
     });
 }

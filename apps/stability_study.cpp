@@ -5,8 +5,8 @@
 #include "stop_signal.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -22,9 +22,10 @@ namespace {
 
 using Row = ResultTable::Row;
 
-const std::vector<std::string> columns = {"map", "method", "dt_s", "value", "outcome", "failed_step", "steps", "simulated_s", "overlap_m",
-                                          "overlap_limit_m", "outside_m", "jitter", "jitter_limit", "energy_made_j", "hand_force_n", "sub_steps",
-                                          "newton_mean", "touching_steps", "budget_s", "set"};
+const std::vector<std::string> columns = {"map",         "method",      "dt_s",           "value",         "outcome",
+                                          "failed_step", "steps",       "simulated_s",    "overlap_m",     "overlap_limit_m",
+                                          "outside_m",   "jitter",      "jitter_limit",   "energy_made_j", "hand_force_n",
+                                          "sub_steps",   "newton_mean", "touching_steps", "budget_s",      "set"};
 constexpr std::size_t key_columns = 4, outcome_column = 4, touching_column = 17, budget_column = 18, set_column = 19;
 constexpr std::string_view unfinished = "unfinished";
 
@@ -33,17 +34,19 @@ Row key_of(const StabilityMap& map, const Model& method, double dt, double value
     return {map.name, method.name, csv_number(dt), csv_number(value)};
 }
 
-Row row_of(const StabilityMap& map, const Model& method, double dt, double value, const CellResult& cell, const std::filesystem::path& folder,
-           double budget)
+Row row_of(const StabilityMap& map, const Model& method, double dt, double value, const CellResult& cell,
+           const std::filesystem::path& folder, double budget)
 {
     Row row = key_of(map, method, dt, value);
     const Verdict& verdict = cell.verdict;
     const FailureReadings& r = verdict.readings;
     const auto count = [](long n) { return fmt::format("{}", n); };
-    row.insert(row.end(), {cell.outcome(), count(verdict.held() ? -1 : verdict.first_step[static_cast<std::size_t>(verdict.outcome)]),
-                           count(r.steps), csv_number(cell.simulated), csv_number(r.overlap), csv_number(cell.overlap_limit), csv_number(r.outside),
-                           csv_number(r.jitter), csv_number(cell.jitter_limit), csv_number(r.energy_made), csv_number(r.hand_force), count(r.sub_steps),
-                           csv_number(r.mean_iterations), count(r.touching), csv_number(budget)});
+    row.insert(
+        row.end(),
+        {cell.outcome(), count(verdict.held() ? -1 : verdict.first_step[static_cast<std::size_t>(verdict.outcome)]),
+         count(r.steps), csv_number(cell.simulated), csv_number(r.overlap), csv_number(cell.overlap_limit), csv_number(r.outside),
+         csv_number(r.jitter), csv_number(cell.jitter_limit), csv_number(r.energy_made), csv_number(r.hand_force),
+         count(r.sub_steps), csv_number(r.mean_iterations), count(r.touching), csv_number(budget)});
     std::string texts;
     std::vector<std::string> all = map.set(value, dt, 1, folder);
     all.push_back(fmt::format("scene.dt_s={}", dt));
@@ -61,7 +64,8 @@ std::vector<Item> named(const std::vector<Item>& all, const std::vector<std::str
     for (const Item& item : all) known += (known.empty() ? "" : "; ") + item.name;
     for (const std::string& wanted : names) {
         const auto at = std::find_if(all.begin(), all.end(), [&](const Item& item) { return item.name == wanted; });
-        if (at == all.end()) throw Error(ExitCode::BadScene, fmt::format("--{}: \"{}\" is none; expected of: {}", what, wanted, known));
+        if (at == all.end())
+            throw Error(ExitCode::BadScene, fmt::format("--{}: \"{}\" is none; expected of: {}", what, wanted, known));
         found.push_back(*at);
     }
     return found;
@@ -78,7 +82,8 @@ std::pair<std::string, std::vector<double>> parse_vary(const std::string& text)
 {
     const auto fail = [&] {
         throw Error(ExitCode::BadScene, fmt::format("--vary: \"{}\" given; expected a key of the scene and numbers, rising, e.g. "
-                                                    "\"vessel.youngs_pa=1e5,1e6,1e7\"", text));
+                                                    "\"vessel.youngs_pa=1e5,1e6,1e7\"",
+                                                    text));
     };
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || text.find('.') > equals) fail();
@@ -99,7 +104,9 @@ std::pair<std::string, std::vector<double>> parse_vary(const std::string& text)
 std::vector<StabilityMap> of_rows(const std::vector<StabilityMap>& all, const std::vector<std::string>& rows)
 {
     if (rows.empty()) return all;
-    const auto shows = [](const StabilityMap& map, const std::string& row) { return (" " + map.rows + " ").find(" " + row + " ") != std::string::npos; };
+    const auto shows = [](const StabilityMap& map, const std::string& row) {
+        return (" " + map.rows + " ").find(" " + row + " ") != std::string::npos;
+    };
     std::vector<StabilityMap> found;
     for (const StabilityMap& map : all)
         if (std::any_of(rows.begin(), rows.end(), [&](const std::string& row) { return shows(map, row); })) found.push_back(map);
@@ -116,8 +123,8 @@ struct Strip {
     std::vector<std::pair<const Model*, double>> cells;  // method, dt
 };
 
-/// stderr as it is now, put back at the end. PoCL points descriptor 2 elsewhere while it compiles, and back; two threads that do so at
-/// once may leave it where it should not be.
+/// stderr as it is now, put back at the end. PoCL points descriptor 2 elsewhere while it compiles, and back; two threads that do
+/// so at once may leave it where it should not be.
 class KeptStderr {
 public:
     KeptStderr() : fd_(dup(STDERR_FILENO)), is_terminal_(isatty(STDERR_FILENO) != 0) {}
@@ -154,7 +161,8 @@ public:
                 for (const Model* method : here)
                     for (const double dt : work.steps) {
                         ++progress_.asked;
-                        if (!stands(table_.find(key_of(map, *method, dt, value)), options.cell_limit)) strip.cells.emplace_back(method, dt);
+                        if (!stands(table_.find(key_of(map, *method, dt, value)), options.cell_limit))
+                            strip.cells.emplace_back(method, dt);
                     }
                 progress_.left += static_cast<long>(strip.cells.size());
                 if (!strip.cells.empty()) strips_.push_back(std::move(strip));
@@ -164,10 +172,12 @@ public:
 
     StabilityProgress run()
     {
-        const int wanted = options_.jobs > 0 ? options_.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        const int wanted =
+            options_.jobs > 0 ? options_.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         (void)list_devices();  // OpenCL starts up on one thread: its loader and PoCL are not safe in that
         std::vector<std::thread> threads;
-        for (int k = 0; k < std::min<int>(wanted, static_cast<int>(strips_.size())); ++k) threads.emplace_back([this] { work_off(); });
+        for (int k = 0; k < std::min<int>(wanted, static_cast<int>(strips_.size())); ++k)
+            threads.emplace_back([this] { work_off(); });
         for (std::thread& thread : threads) thread.join();
         if (shown_) stderr_.show("\n");
         if (failure_) std::rethrow_exception(failure_);
@@ -195,7 +205,8 @@ private:
         const CellReference reference = cell_reference(*strip.map, strip.value, scenes_, stop);
         for (const auto& [method, dt] : strip.cells) {
             if (over()) return;
-            const CellResult cell = run_stability_cell(*strip.map, *method, dt, strip.value, reference, scenes_, options_.cell_limit, stop);
+            const CellResult cell =
+                run_stability_cell(*strip.map, *method, dt, strip.value, reference, scenes_, options_.cell_limit, stop);
             if (cell.stopped) return;
             const std::scoped_lock lock(mutex_);
             table_.append(row_of(*strip.map, *method, dt, strip.value, cell, scenes_, options_.cell_limit));
@@ -249,16 +260,22 @@ std::vector<std::string> doubts(const StabilityWork& work, const ResultTable& ta
     std::vector<std::string> lines;
     if (all.all == 0) return lines;
     if (map.touches && all.touched == 0)
-        lines.push_back(fmt::format("{}: the wire never touches the wall, so this says nothing of contact; let it come farther (feed.keys, "
-                                    "scene.duration_s)", map.name));
+        lines.push_back(
+            fmt::format("{}: the wire never touches the wall, so this says nothing of contact; let it come farther (feed.keys, "
+                        "scene.duration_s)",
+                        map.name));
     if (!map.touches && !map.source.empty())
         lines.push_back(fmt::format("{}: the scene has no vessel, so methods differ by their integrator alone", map.name));
     if (all.unfinished > 0)
-        lines.push_back(fmt::format("{}: {} cells were not finished within their budget and count as not held; run again with a larger "
-                                    "--cell-budget", map.name, all.unfinished));
+        lines.push_back(
+            fmt::format("{}: {} cells were not finished within their budget and count as not held; run again with a larger "
+                        "--cell-budget",
+                        map.name, all.unfinished));
     else if (all.hold == 0)
-        lines.push_back(fmt::format("{}: no method holds in any cell; look at the scene itself before the methods (seldinger check, then "
-                                    "seldinger run at the smallest step)", map.name));
+        lines.push_back(
+            fmt::format("{}: no method holds in any cell; look at the scene itself before the methods (seldinger check, then "
+                        "seldinger run at the smallest step)",
+                        map.name));
     return lines;
 }
 
@@ -273,7 +290,8 @@ StabilityWork select_work(const StabilityOptions& options)
 {
     StabilityWork work;
     if (options.scene.empty()) {
-        if (!options.vary.empty()) throw Error(ExitCode::BadScene, "--vary: goes with a SCENE.toml; the maps have their own values");
+        if (!options.vary.empty())
+            throw Error(ExitCode::BadScene, "--vary: goes with a SCENE.toml; the maps have their own values");
         work.maps = named(of_rows(stability_maps(), options.rows), options.maps, "maps");
     } else {
         if (!options.rows.empty() || !options.maps.empty())
@@ -322,8 +340,8 @@ std::string stability_summary(const StabilityWork& work, const ResultTable& tabl
             for (const double dt : work.steps) {
                 const Row* row = table.find(key_of(map, default_method(), dt, value));
                 if (!row || (*row)[outcome_column] == name(Outcome::Hold)) continue;
-                broken += fmt::format("default does not hold: {} at {} s, {} = {}\n  seldinger run {} {}\n", (*row)[outcome_column], dt, map.axis,
-                                      value, scene_of(map, dir), (*row)[set_column]);
+                broken += fmt::format("default does not hold: {} at {} s, {} = {}\n  seldinger run {} {}\n",
+                                      (*row)[outcome_column], dt, map.axis, value, scene_of(map, dir), (*row)[set_column]);
             }
     }
     return text + broken;
@@ -333,10 +351,12 @@ std::string stability_json(const StabilityWork& work, const ResultTable& table, 
 {
     nlohmann::ordered_json json;
     for (const StabilityMap& map : work.maps) {
-        nlohmann::ordered_json entry = {{"name", map.name}, {"rows", map.rows}, {"title", map.title}, {"axis", map.axis}, {"logarithmic", map.logarithmic}};
+        nlohmann::ordered_json entry = {
+            {"name", map.name}, {"rows", map.rows}, {"title", map.title}, {"axis", map.axis}, {"logarithmic", map.logarithmic}};
         for (const Model& method : work.methods) {
             const Count count = count_cells(work, table, map, method);
-            if (count.all) entry["methods"][method.name] = {{"hold", count.hold}, {"cells", count.all}, {"unfinished", count.unfinished}};
+            if (count.all)
+                entry["methods"][method.name] = {{"hold", count.hold}, {"cells", count.all}, {"unfinished", count.unfinished}};
             else entry["left_out"][method.name] = why_not_in(map, method, dir / "scenes");
         }
         const std::vector<std::string> lines = doubts(work, table, map);

@@ -12,12 +12,13 @@ namespace seldinger::apps {
 
 struct StabilityOptions {
     std::filesystem::path dir = "stability";
-    std::vector<std::string> rows, maps, methods;  // names; empty: all rows and maps, the methods that are shown; "all": all methods
-    std::filesystem::path scene;                   // of the user's, swept instead of the maps
-    std::string vary;                              // its key and values, "wire.bend_nm2=1e-5,1e-4"
+    std::vector<std::string> rows, maps,
+        methods;                  // names; empty: all rows and maps, the methods that are shown; "all": all methods
+    std::filesystem::path scene;  // of the user's, swept instead of the maps
+    std::string vary;             // its key and values, "wire.bend_nm2=1e-5,1e-4"
     bool quick = false, quiet = false;
-    int jobs = 0;             // threads; 0: one per core
-    double cell_limit = 30;   // [s] of steps
+    int jobs = 0;            // threads; 0: one per core
+    double cell_limit = 30;  // [s] of steps
 };
 
 /// What of the study there is to run.
@@ -26,7 +27,10 @@ struct StabilityWork {
     std::vector<Model> methods;
     std::vector<double> steps;
     bool quick = false;
-    [[nodiscard]] const std::vector<double>& values(const StabilityMap& map) const { return quick ? map.quick_values : map.values; }
+    [[nodiscard]] const std::vector<double>& values(const StabilityMap& map) const
+    {
+        return quick ? map.quick_values : map.values;
+    }
 };
 
 /// @throws Error BadScene: no row, map or method of that name; a scene that cannot be swept
@@ -43,9 +47,10 @@ struct StabilityProgress {
 /// @throws Error BadFile: the folder cannot be written
 [[nodiscard]] StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options);
 
-/// Per map and method "hold of all"; what a map cannot say (nothing touched, nothing held, cells that were not finished); and every
-/// cell of the default method that does not hold with how to run it again.
-[[nodiscard]] std::string stability_summary(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);
+/// Per map and method "hold of all"; what a map cannot say (nothing touched, nothing held, cells that were not finished); and
+/// every cell of the default method that does not hold with how to run it again.
+[[nodiscard]] std::string stability_summary(const StabilityWork& work, const ResultTable& table,
+                                            const std::filesystem::path& dir);
 [[nodiscard]] std::string stability_json(const StabilityWork& work, const ResultTable& table, const std::filesystem::path& dir);
 
 }  // namespace seldinger::apps

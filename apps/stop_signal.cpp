@@ -20,8 +20,9 @@ sigset_t both_signals()
 
 }  // namespace
 
-// A compiler inside an OpenCL driver sets handlers of its own while it builds a kernel, and ends the process in them. So the signals are
-// kept off this thread and those that it starts, and looked up where they wait; the handler is for threads that were there before.
+// A compiler inside an OpenCL driver sets handlers of its own while it builds a kernel, and ends the process in them. So the
+// signals are kept off this thread and those that it starts, and looked up where they wait; the handler is for threads that were
+// there before.
 StopSignal::StopSignal()
 {
     struct sigaction action {};

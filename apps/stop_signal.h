@@ -14,7 +14,8 @@ public:
     StopSignal& operator=(const StopSignal&) = delete;
 
 private:
-    struct sigaction old_int_ {}, old_term_ {};
+    struct sigaction old_int_ {
+    }, old_term_{};
     sigset_t old_mask_{};
 };
 

@@ -1,16 +1,17 @@
-// seldinger vessel MESH --units mm | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and mends, and the mesh as the engine sees it.
+// seldinger vessel MESH --units mm | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and mends, and the mesh as
+// the engine sees it.
 
 #include "commands.h"
 #include "core/file_io.h"
 #include "scene/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "vessel/inlets.h"
 #include "vessel/repair.h"
 #include "vessel/subdivide.h"
-#include "vessel/inlets.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -48,10 +49,18 @@ Json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json repairs_of(const RepairReport& r)
 {
-    return {{"vertices_welded", r.vertices_welded}, {"non_finite_dropped", r.non_finite_dropped},
-            {"degenerate_dropped", r.degenerate_dropped}, {"duplicates_dropped", r.duplicates_dropped}, {"flipped", r.flipped},
-            {"inverted", r.inverted}, {"hole_loops_closed", r.hole_loops_closed}, {"non_manifold_edges", r.non_manifold_edges},
-            {"boundary_edges", r.boundary_edges}, {"components", r.components}, {"slivers", r.slivers}, {"notes", r.notes}};
+    return {{"vertices_welded", r.vertices_welded},
+            {"non_finite_dropped", r.non_finite_dropped},
+            {"degenerate_dropped", r.degenerate_dropped},
+            {"duplicates_dropped", r.duplicates_dropped},
+            {"flipped", r.flipped},
+            {"inverted", r.inverted},
+            {"hole_loops_closed", r.hole_loops_closed},
+            {"non_manifold_edges", r.non_manifold_edges},
+            {"boundary_edges", r.boundary_edges},
+            {"components", r.components},
+            {"slivers", r.slivers},
+            {"notes", r.notes}};
 }
 
 Json centreline_of(const Centreline& line)
@@ -59,7 +68,8 @@ Json centreline_of(const Centreline& line)
     std::vector<double> radius = line.radius;
     std::sort(radius.begin(), radius.end());
     const auto percentile = [&](double p) {
-        return radius.empty() ? Json() : Json(radius[static_cast<std::size_t>(p / 100 * static_cast<double>(radius.size() - 1) + 0.5)]);
+        return radius.empty() ? Json()
+                              : Json(radius[static_cast<std::size_t>(p / 100 * static_cast<double>(radius.size() - 1) + 0.5)]);
     };
     std::vector<int> children(line.points.size(), 0);
     for (const int parent : line.parent)
@@ -67,23 +77,37 @@ Json centreline_of(const Centreline& line)
     Json ends = Json::array();
     for (std::size_t i = 0; i < line.points.size(); ++i)
         if (line.parent[i] < 0 || children[i] == 0) ends.push_back(list(line.points[i]));
-    return {{"points", line.points.size()}, {"length_m", line.total_length()},
-            {"radius", {{"p5", percentile(5)}, {"p50", percentile(50)}, {"max", percentile(100)}}}, {"ends", ends}};
+    return {{"points", line.points.size()},
+            {"length_m", line.total_length()},
+            {"radius", {{"p5", percentile(5)}, {"p50", percentile(50)}, {"max", percentile(100)}}},
+            {"ends", ends}};
 }
 
 Json report_of(const LoadedVessel& vessel)
 {
     const RepairReport& r = vessel.report;
     Json loops = Json::array(), inlets = Json::array();
-    for (const BoundaryLoop& loop : r.loops) loops.push_back({{"centre", list(loop.centre)}, {"radius", loop.radius}, {"inward", list(loop.inward)}});
+    for (const BoundaryLoop& loop : r.loops)
+        loops.push_back({{"centre", list(loop.centre)}, {"radius", loop.radius}, {"inward", list(loop.inward)}});
     for (const Inlet& inlet : find_inlets(r.loops, vessel.centreline))
-        inlets.push_back({{"point", list(inlet.point)}, {"direction", list(inlet.direction)}, {"radius", inlet.radius},
+        inlets.push_back({{"point", list(inlet.point)},
+                          {"direction", list(inlet.direction)},
+                          {"radius", inlet.radius},
                           {"opening", inlet.opening >= 0 ? Json(inlet.opening) : Json()}});
-    return {{"triangles_read", r.triangles_read}, {"triangles", r.triangles}, {"vertices", r.vertices}, {"repairs", repairs_of(r)},
-            {"loops", loops}, {"centreline", centreline_of(vessel.centreline)}, {"inlets", inlets}};
+    return {{"triangles_read", r.triangles_read},
+            {"triangles", r.triangles},
+            {"vertices", r.vertices},
+            {"repairs", repairs_of(r)},
+            {"loops", loops},
+            {"centreline", centreline_of(vessel.centreline)},
+            {"inlets", inlets}};
 }
 
-std::string place_mm(const Json& p) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm", 1e3 * p[0].get<double>(), 1e3 * p[1].get<double>(), 1e3 * p[2].get<double>()); }
+std::string place_mm(const Json& p)
+{
+    return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm", 1e3 * p[0].get<double>(), 1e3 * p[1].get<double>(),
+                       1e3 * p[2].get<double>());
+}
 
 std::string for_people(const Json& report, const std::string& name)
 {
@@ -93,13 +117,15 @@ std::string for_people(const Json& report, const std::string& name)
     text += fmt::format("  {} openings\n", report["loops"].size());
     const Json& line = report["centreline"];
     if (line["points"].get<long>() > 0)
-        text += fmt::format("  centreline {:.1f} mm long in all, lumen radius {:.2f} mm (5 %), {:.2f} mm (half), {:.2f} mm (widest)\n",
-                            1e3 * line["length_m"].get<double>(), 1e3 * line["radius"]["p5"].get<double>(),
-                            1e3 * line["radius"]["p50"].get<double>(), 1e3 * line["radius"]["max"].get<double>());
+        text += fmt::format(
+            "  centreline {:.1f} mm long in all, lumen radius {:.2f} mm (5 %), {:.2f} mm (half), {:.2f} mm (widest)\n",
+            1e3 * line["length_m"].get<double>(), 1e3 * line["radius"]["p5"].get<double>(),
+            1e3 * line["radius"]["p50"].get<double>(), 1e3 * line["radius"]["max"].get<double>());
     for (const Json& inlet : report["inlets"])
         text += fmt::format("  way in: {} along [{:.3f}, {:.3f}, {:.3f}], radius {:.2f} mm{}\n", place_mm(inlet["point"]),
-                            inlet["direction"][0].get<double>(), inlet["direction"][1].get<double>(), inlet["direction"][2].get<double>(),
-                            1e3 * inlet["radius"].get<double>(), inlet["opening"].is_null() ? " (a closed end)" : "");
+                            inlet["direction"][0].get<double>(), inlet["direction"][1].get<double>(),
+                            inlet["direction"][2].get<double>(), 1e3 * inlet["radius"].get<double>(),
+                            inlet["opening"].is_null() ? " (a closed end)" : "");
     return text;
 }
 
@@ -124,10 +150,11 @@ ExitCode inspect(const Options& options)
     }
     const Json report = report_of(vessel);
     if (!options.dir.empty()) write_files(vessel, spec.units, options.dir);
-    std::string text = options.json ? report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : for_people(report, options.input.string());
+    std::string text = options.json ? report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                                    : for_people(report, options.input.string());
     if (!options.json && !options.dir.empty())
-        text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(), vessel.centreline.empty() ? "" : ", centreline.vtp",
-                            spec.units);
+        text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(),
+                            vessel.centreline.empty() ? "" : ", centreline.vtp", spec.units);
     print(text);
     return ExitCode::Done;
 }
@@ -138,8 +165,11 @@ void add_vessel(CLI::App& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
     CLI::App* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
-    vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP) or scene file (TOML)")->type_name("MESH|SCENE.toml")->required();
-    vessel->add_option("--units", options->units, "of the mesh: m, cm, mm (default), um, in")->check(CLI::IsMember({"m", "cm", "mm", "um", "in"}));
+    vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP) or scene file (TOML)")
+        ->type_name("MESH|SCENE.toml")
+        ->required();
+    vessel->add_option("--units", options->units, "of the mesh: m, cm, mm (default), um, in")
+        ->check(CLI::IsMember({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "write the cleaned mesh and the centreline there")->type_name("DIR");
     vessel->add_option("--subdivide", options->subdivide, "rounds of Loop subdivision: four times the triangles each, smooth")

@@ -2,9 +2,9 @@
 //
 //     mesh_density SCENE.toml [--rounds 4] [--first 0] [--steps N] [--repeat 1] [--csv FILE] [--set table.key=value]…
 //
-// A row per round: triangles, tree build rate (two threads, median of three), resident bytes per triangle (arrays that the world keeps, counted; and
-// growth of the resident set, which counts everything), steps per second, processor time (the least
-// of the repeats; a step is one thread's work unless thousands of samples touch) and the time of each stage over the same steps.
+// A row per round: triangles, tree build rate (two threads, median of three), resident bytes per triangle (arrays that the world
+// keeps, counted; and growth of the resident set, which counts everything), steps per second, processor time (the least of the
+// repeats; a step is one thread's work unless thousands of samples touch) and the time of each stage over the same steps.
 
 #include "core/error.h"
 #include "scene/scene.h"
@@ -13,14 +13,14 @@
 
 #include <fmt/format.h>
 
+#include <malloc.h>
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <ctime>
-#include <malloc.h>
-#include <unistd.h>
+#include <fstream>
 
 namespace {
 
@@ -58,7 +58,9 @@ Options read_options(int argc, char** argv)
     Options options;
     for (int k = 1; k < argc; ++k) {
         const std::string word = argv[k];
-        const auto value = [&]() -> std::string { return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing"); };
+        const auto value = [&]() -> std::string {
+            return k + 1 < argc ? argv[++k] : throw Error(ExitCode::BadScene, word + ": a value is missing");
+        };
         if (word == "--rounds") options.rounds = std::atoi(value().c_str());
         else if (word == "--first") options.first = std::atoi(value().c_str());
         else if (word == "--steps") options.steps = std::atol(value().c_str());
@@ -66,7 +68,10 @@ Options read_options(int argc, char** argv)
         else if (word == "--csv") options.csv = value();
         else if (word == "--set") options.overrides.push_back(value());
         else if (options.scene.empty() && word[0] != '-') options.scene = word;
-        else throw Error(ExitCode::BadScene, word + ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] [--repeat N] [--csv FILE] [--set k=v]");
+        else
+            throw Error(ExitCode::BadScene, word +
+                                                ": unknown; usage: mesh_density SCENE.toml [--rounds N] [--first N] [--steps N] "
+                                                "[--repeat N] [--csv FILE] [--set k=v]");
     }
     if (options.scene.empty()) throw Error(ExitCode::BadScene, "give a scene file");
     return options;
@@ -77,7 +82,8 @@ double kept_bytes(const WallMesh& mesh, const WallTree& tree)
 {
     const double t = static_cast<double>(tree.triangle_count());
     return static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
-                               tree.nodes.size() * sizeof(TreeNode)) + t * (9 * sizeof(float) + 2 * sizeof(std::uint32_t));
+                               tree.nodes.size() * sizeof(TreeNode)) +
+           t * (9 * sizeof(float) + 2 * sizeof(std::uint32_t));
 }
 
 std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& options)
@@ -99,7 +105,8 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
     std::string hash;
     for (int r = 0; r < options.repeat; ++r) {
         WorldSetup copy = setup;
-        const double before = resident() - static_cast<double>(setup.mesh.vertices.size() * sizeof(Vec3) + setup.mesh.triangles.size() * 12);
+        const double before =
+            resident() - static_cast<double>(setup.mesh.vertices.size() * sizeof(Vec3) + setup.mesh.triangles.size() * 12);
         const auto loading = Clock::now();
         World world(std::move(copy));
         load = since(loading);
@@ -123,9 +130,10 @@ std::string row_of(const Scene& scene, const WorldSetup& setup, const Options& o
     std::sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     const auto& [wall, s] = runs[runs.size() / 2];
     const double n = static_cast<double>(steps), us = 1e6 / n;
-    return fmt::format("{:.0f},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}\n", triangles,
-                       builds[1], triangles / builds[1], bytes / triangles, grown / triangles, load, steps, n / wall, wall * us, cpu * us, s.detect * us,
-                       s.evaluate * us, s.reduce * us, s.solve * us, newton / n, contacts, hash);
+    return fmt::format(
+        "{:.0f},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{:.5g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}\n", triangles,
+        builds[1], triangles / builds[1], bytes / triangles, grown / triangles, load, steps, n / wall, wall * us, cpu * us,
+        s.detect * us, s.evaluate * us, s.reduce * us, s.solve * us, newton / n, contacts, hash);
 }
 
 int run(const Options& options)
@@ -133,7 +141,8 @@ int run(const Options& options)
     const Scene scene = read_scene(options.scene, options.overrides);
     WorldSetup setup = make_setup(scene);
     std::string table =
-        "triangles,tree_build_s,tree_triangles_per_s,kept_bytes_per_triangle,grown_bytes_per_triangle,world_s,steps,steps_per_s,step_us,processor_us,detect_us,"
+        "triangles,tree_build_s,tree_triangles_per_s,kept_bytes_per_triangle,grown_bytes_per_triangle,world_s,steps,steps_per_s,"
+        "step_us,processor_us,detect_us,"
         "evaluate_us,reduce_us,solve_us,newton_per_step,contacts_max,state_hash\n";
     fmt::print("{}", table);
     for (int round = 0; round <= options.rounds; ++round) {

@@ -1,17 +1,19 @@
-// Factorises and solves the Newton matrix of one wire: the engine's block-banded LDL^T and LU against Eigen's sparse SimplicialLDLT and
-// LAPACK's band Cholesky dpbsv. One row of CSV per node count and solver, best of many repeats, with the slope of time against nodes.
+// Factorises and solves the Newton matrix of one wire: the engine's block-banded LDL^T and LU against Eigen's sparse
+// SimplicialLDLT and LAPACK's band Cholesky dpbsv. One row of CSV per node count and solver, best of many repeats, with the slope
+// of time against nodes.
 //
 //     solver_bench [most nodes] > solver.csv
 //
-// The matrix is that of a step of a millisecond of a bent guidewire (0.014 inch nitinol, edges of 3 mm), safe Hessian and inertia. Every solver
-// gets it in its own storage before the clock starts; the clock has factorisation and one solve. Eigen's symbolic analysis is done once.
+// The matrix is that of a step of a millisecond of a bent guidewire (0.014 inch nitinol, edges of 3 mm), safe Hessian and
+// inertia. Every solver gets it in its own storage before the clock starts; the clock has factorisation and one solve. Eigen's
+// symbolic analysis is done once.
 
 #include "rod/elastic.h"
 #include "rod/rest_shape.h"
 #include "solve/band_matrix.h"
 
-#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
+#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <chrono>
@@ -21,8 +23,8 @@
 #include <vector>
 
 #ifdef SEL_WITH_LAPACK
-extern "C" void dpbsv_(const char* uplo, const int* n, const int* kd, const int* nrhs, double* ab, const int* ldab, double* b, const int* ldb,
-                       int* info);
+extern "C" void dpbsv_(const char* uplo, const int* n, const int* kd, const int* nrhs, double* ab, const int* ldab, double* b,
+                       const int* ldb, int* info);
 #endif
 
 namespace {
@@ -36,7 +38,8 @@ BandMatrix newton_matrix(int n)
 {
     WireSpec spec;
     spec.length = 0.003 * (n - 1);
-    spec.shaft = {.radius = 0.000178, .density = 6450, .bend_stiffness = 5.5e-5, .twist_stiffness = 4.2e-5, .stretch_stiffness = 6966};
+    spec.shaft = {
+        .radius = 0.000178, .density = 6450, .bend_stiffness = 5.5e-5, .twist_stiffness = 4.2e-5, .stretch_stiffness = 6966};
     RodArrays arrays(std::vector<int>{n});
     arrays.set_node_count(0, n);
     const RodView rod = arrays.view(0);
@@ -116,7 +119,8 @@ std::vector<Row> time_all(int n)
     const Eigen::Map<const Eigen::VectorXd> b(rhs.data(), size);
     const auto time_sparse = [&](auto& solver, const char* name) {
         solver.analyzePattern(sparse);
-        const double taken = best_time([] {}, [&] { solver.factorize(sparse), Eigen::Map<Eigen::VectorXd>(x.data(), size) = solver.solve(b); });
+        const double taken =
+            best_time([] {}, [&] { solver.factorize(sparse), Eigen::Map<Eigen::VectorXd>(x.data(), size) = solver.solve(b); });
         rows.push_back({name, taken, residual(matrix, x, rhs)});
     };
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> natural;
@@ -131,7 +135,8 @@ std::vector<Row> time_all(int n)
     const auto fill = [&] {
         x = rhs;
         for (int j = 0; j < size; ++j)  // lower half by columns
-            for (int i = j; i <= std::min(size - 1, j + band); ++i) ab[static_cast<std::size_t>(width) * j + i - j] = matrix.at(i, j);
+            for (int i = j; i <= std::min(size - 1, j + band); ++i)
+                ab[static_cast<std::size_t>(width) * j + i - j] = matrix.at(i, j);
     };
     time = best_time(fill, [&] { dpbsv_("L", &size, &band, &one, ab.data(), &width, x.data(), &size, &info); });
     rows.push_back({"LAPACK dpbsv", info == 0 ? time : NAN, residual(matrix, x, rhs)});
@@ -146,5 +151,6 @@ int main(int argc, char** argv)
     const int most = argc > 1 ? std::atoi(argv[1]) : 3200;
     fmt::print("nodes,solver,microseconds,microseconds_per_node,residual\n");
     for (int n = 100; n <= most; n *= 2)
-        for (const Row& row : time_all(n)) fmt::print("{},\"{}\",{:.2f},{:.4f},{:.1e}\n", n, row.solver, 1e6 * row.time, 1e6 * row.time / n, row.residual);
+        for (const Row& row : time_all(n))
+            fmt::print("{},\"{}\",{:.2f},{:.4f},{:.1e}\n", n, row.solver, 1e6 * row.time, 1e6 * row.time / n, row.residual);
 }

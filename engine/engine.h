@@ -30,38 +30,38 @@ struct WireSetup {
 /// What a world is made from. The vessel has been read and repaired already.
 struct WorldSetup {
     Vec3 gravity = {0, 0, -9.81};
-    double dt = 1e-3;                  // nominal step, for the contact laws' floors and the run's choices
+    double dt = 1e-3;  // nominal step, for the contact laws' floors and the run's choices
     bool start_settled = false;
-    std::vector<WireSetup> wires;      // at least one
+    std::vector<WireSetup> wires;  // at least one
     IntegratorSpec integrator;
-    VesselSpec vessel;                 // wall properties; shape None: no wall
-    WallMesh mesh;                     // repaired, normals into the lumen; empty without a vessel
+    VesselSpec vessel;  // wall properties; shape None: no wall
+    WallMesh mesh;      // repaired, normals into the lumen; empty without a vessel
     Centreline centreline;
-    int device_index = -1;             // -1: the default device
+    int device_index = -1;  // -1: the default device
 };
 
 /// One contact of the accepted state, sorted by (wire, edge, triangle).
 struct ContactRow {
     int wire = 0, edge = 0, triangle = 0;  // triangle: index in WorldSetup::mesh
-    Vec3 point = Vec3::Zero();     // on the wall [m]
-    Vec3 normal = Vec3::Zero();    // unit, into the lumen
-    double gap = 0;                // [m], < 0 when overlapping
-    double normal_force = 0;       // [N] >= 0
-    Vec3 friction = Vec3::Zero();  // on the wire [N]
-    double rolling_moment = 0;     // about the wire's tangent [N m]
+    Vec3 point = Vec3::Zero();             // on the wall [m]
+    Vec3 normal = Vec3::Zero();            // unit, into the lumen
+    double gap = 0;                        // [m], < 0 when overlapping
+    double normal_force = 0;               // [N] >= 0
+    Vec3 friction = Vec3::Zero();          // on the wire [N]
+    double rolling_moment = 0;             // about the wire's tangent [N m]
     bool stuck = false;
-    double length = 0;             // metres of wire this contact stands for (0 for a pair of `layer`)
+    double length = 0;  // metres of wire this contact stands for (0 for a pair of `layer`)
 };
 
 /// Flags of a step; each says which setting to change.
 enum StepFlag : unsigned {
     StepOk = 0,
-    StepHalved = 1u << 0,          // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
-    StepNotConverged = 1u << 1,    // no state could be found even for the smallest sub-step; the state before it was kept
-    StepContactOverflow = 1u << 2, // candidate lists grew (handled; a hint that the mesh is very fine)
-    StepWallPenetration = 1u << 3, // a point of the axis is beyond the wall: contact.detection = "swept"
-    StepBestEffort = 1u << 5,      // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
-    StepNonFinite = 1u << 4,       // a value is not finite; the state before the step was kept
+    StepHalved = 1u << 0,        // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
+    StepNotConverged = 1u << 1,  // no state could be found even for the smallest sub-step; the state before it was kept
+    StepContactOverflow = 1u << 2,  // candidate lists grew (handled; a hint that the mesh is very fine)
+    StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
+    StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
+    StepNonFinite = 1u << 4,   // a value is not finite; the state before the step was kept
 };
 
 /// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.
@@ -84,7 +84,7 @@ struct StageTimes {  // [s]
 /// How one wire fared in a step.
 struct WireReport {
     unsigned flags = StepOk;
-    int newton_iterations = 0;     // of the worst sub-step
+    int newton_iterations = 0;  // of the worst sub-step
     int sub_steps = 1;
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
 };
@@ -100,20 +100,20 @@ struct StepReport {
 
 /// Per-wire readings of the accepted state.
 struct WireReadings {
-    double inserted = 0;           // advance since the start [m]
-    double turned = 0;             // [rad]
+    double inserted = 0;  // advance since the start [m]
+    double turned = 0;    // [rad]
     int nodes = 0, contacts = 0;
-    double contact_length = 0;     // metres of wire in contact
+    double contact_length = 0;                                   // metres of wire in contact
     double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
-    double rolling = 0;            // sum of |moment| [N m]
+    double rolling = 0;                                          // sum of |moment| [N m]
     double hand_force = 0, hand_torque = 0;
     Vec3 base_force = Vec3::Zero();
-    double overlap = 0;            // deepest overlap [m] >= 0
-    double outside = 0;            // farthest axis point beyond the wall [m] >= 0
+    double overlap = 0;                                  // deepest overlap [m] >= 0
+    double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
-    double remesh_energy = 0;      // accumulated [J]
-    double force_residual = 0;     // largest left on a free node [N]
-    MomentumBalance momentum;      // of the last sub-step
+    double remesh_energy = 0;                            // accumulated [J]
+    double force_residual = 0;                           // largest left on a free node [N]
+    MomentumBalance momentum;                            // of the last sub-step
 };
 
 /// What was asked of the OpenCL device since the world was made.
@@ -139,7 +139,7 @@ public:
     /// The wire stays as it is from now on: later steps leave it out. Not part of the saved state.
     void retire(int wire);
     [[nodiscard]] bool retired(int wire) const;
-    [[nodiscard]] const std::vector<ContactRow>& contacts() const;   // all wires, fetched from the device on demand
+    [[nodiscard]] const std::vector<ContactRow>& contacts() const;  // all wires, fetched from the device on demand
     /// Contact force on each node of a wire [n] [N].
     [[nodiscard]] std::vector<Vec3> nodal_contact_force(int wire) const;
     /// True when the wire is at rest: static residual met or kinetic energy below tolerance (scene until = "rest").

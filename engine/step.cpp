@@ -12,10 +12,10 @@ StepReport step(World& world, double dt)
     StepReport report;
     clear_timers(state);
 
-    begin_step(state);                                    // what a failed attempt returns to
-    (void)advance(state, dt, everyone(state), report);    // feed -> frames -> detect -> solve; halved where it will not converge
-    adapt_nodes(state, dt);                               // split and merge
-    check_state(state, report);                           // non-finite values, worst gap
+    begin_step(state);                                  // what a failed attempt returns to
+    (void)advance(state, dt, everyone(state), report);  // feed -> frames -> detect -> solve; halved where it will not converge
+    adapt_nodes(state, dt);                             // split and merge
+    check_state(state, report);                         // non-finite values, worst gap
 
     state.steps++;
     collect_timers(state, report);

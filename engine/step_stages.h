@@ -9,7 +9,8 @@
 
 namespace seldinger {
 
-/// One flag per wire. The bytes come from a pool of the thread and go back there: the step loop allocates nothing once it is warm.
+/// One flag per wire. The bytes come from a pool of the thread and go back there: the step loop allocates nothing once it is
+/// warm.
 class WireMask {
 public:
     explicit WireMask(std::size_t wires, std::uint8_t value = 0) : bytes_(borrow()) { bytes_.assign(wires, value); }
@@ -40,9 +41,9 @@ void collect_timers(World::Impl& state, StepReport& report);
 void begin_step(World::Impl& state);
 
 /// Advances the wires of the mask by h. A wire that does not converge is put back and advanced by two half steps instead, down to
-/// h / 512; a wire that misses the tolerance even then takes the best state found (the report says so), and one that finds none stays
-/// at the start of that sub-step. A wire of which more than an edge is fed goes in parts, split and merged in between.
-/// What one wire does has no say in what the others do, and is noted in its own report and in `report`, the worst of all.
+/// h / 512; a wire that misses the tolerance even then takes the best state found (the report says so), and one that finds none
+/// stays at the start of that sub-step. A wire of which more than an edge is fed goes in parts, split and merged in between. What
+/// one wire does has no say in what the others do, and is noted in its own report and in `report`, the worst of all.
 /// @return wires that failed for good
 WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report);
 

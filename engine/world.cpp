@@ -96,7 +96,8 @@ std::string describe_nodes(const WireSetup& setup)
     const WireSpec& spec = setup.wire;
     if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
     if (!nodes_adapt(setup))
-        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)", 1e3 * uniform_edge(spec));
+        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)",
+                           1e3 * uniform_edge(spec));
     return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
                        1e3 * spec.max_edge, 1e6 * spec.edge_error);
 }
@@ -148,7 +149,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     backup.resize(count);
     feed_backup = feeds;
     count_backup.assign(count, 0);
-    for (int w = 0; w < count; ++w) backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
+    for (int w = 0; w < count; ++w)
+        backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
 }
 
@@ -197,7 +199,8 @@ void World::Impl::read_results(int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         if (clamps[c].node == hub && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
-    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) : -result.base_force.dot(rod.tangent(hub - 1));
+    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity)
+                                       : -result.base_force.dot(rod.tangent(hub - 1));
     result.kinetic = solver->kinetic_energy(wire);
     result.elastic = solver->elastic_energy(wire);
     result.gravitational = solver->potential_energy(wire);
@@ -342,7 +345,8 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
     if (s.contact) s.contact->restore(at, end);
-    if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
+    if (at != end)
+        throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
 
 namespace {
@@ -373,13 +377,15 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     list.emplace_back("nodes", describe_nodes(wire));
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
     const IntegratorSpec& integrator = s.setup.integrator;
-    list.emplace_back("scheme", fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
-                                            integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
-                                            : integrator.conserve ? "energy-momentum (asked for)"
-                                                                  : "backward Euler"));
+    list.emplace_back("scheme",
+                      fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
+                                  integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
+                                  : integrator.conserve ? "energy-momentum (asked for)"
+                                                        : "backward Euler"));
     if (integrator.scheme == Scheme::Newton || integrator.scheme == Scheme::Linearised)
         list.emplace_back("spins", describe_spins(s, integrator));
-    list.emplace_back("curvature", wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
+    list.emplace_back("curvature",
+                      wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
     if (!s.contact) {
         list.emplace_back("contact", "none (no vessel)");
         return list;

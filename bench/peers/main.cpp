@@ -2,13 +2,14 @@
 //
 //     mesh_peers [--triangles 30000,300000,3000000] [--queries 2000] [--repeat 5] [--csv FILE] [--only NAME]
 //
-// Queries: capsules of 5 mm and a radius of 0.5 mm that lie at the wall of the project's aortic arch at random places and in random directions
-// along it: all triangles within the radius of the axis; and the nearest point of the mesh for the same middles. Two threads each. Every set is
-// compared with the project's: a triangle that one has and the other has not must lie within 1 nm of the radius (float32, GJK: 1 um).
-// Medians of the repeats; the repeats of all libraries are interleaved, so that a disturbed moment strikes all alike.
+// Queries: capsules of 5 mm and a radius of 0.5 mm that lie at the wall of the project's aortic arch at random places and in
+// random directions along it: all triangles within the radius of the axis; and the nearest point of the mesh for the same
+// middles. Two threads each. Every set is compared with the project's: a triangle that one has and the other has not must lie
+// within 1 nm of the radius (float32, GJK: 1 um). Medians of the repeats; the repeats of all libraries are interleaved, so that a
+// disturbed moment strikes all alike.
 
-#include "peers.h"
 #include "exact.h"
+#include "peers.h"
 
 #include "core/error.h"
 #include "vessel/aortic_arch.h"
@@ -73,7 +74,8 @@ double median(std::vector<double> x)
 }
 
 /// Triangles of the two sets that only one has: within `tolerance` of the radius they are doubtful, else wrong.
-void compare(const Problem& problem, std::size_t k, std::vector<std::uint32_t> mine, std::vector<std::uint32_t> other, double tolerance, Score& score)
+void compare(const Problem& problem, std::size_t k, std::vector<std::uint32_t> mine, std::vector<std::uint32_t> other,
+             double tolerance, Score& score)
 {
     std::sort(mine.begin(), mine.end());
     std::sort(other.begin(), other.end());
@@ -106,7 +108,9 @@ std::string measure(int wanted, const Options& options)
     list.push_back(make_bullet());
     if (wanted <= 1000000) list.push_back(make_fcl());  // 1.6 GB and 15 s at three million
     if (!options.only.empty())
-        list.erase(std::remove_if(list.begin() + 1, list.end(), [&](const auto& p) { return p->name.find(options.only) == std::string::npos; }), list.end());
+        list.erase(std::remove_if(list.begin() + 1, list.end(),
+                                  [&](const auto& p) { return p->name.find(options.only) == std::string::npos; }),
+                   list.end());
 
     std::vector<Score> scores(list.size());
     std::vector<Sets> sets(list.size());
@@ -140,12 +144,14 @@ std::string measure(int wanted, const Options& options)
         const bool rounded = list[p]->name.find("float32") != std::string::npos || list[p]->name.find("FCL") != std::string::npos;
         for (std::size_t k = 0; p > 0 && k < sets[p].size(); ++k) {
             compare(problem, k, sets[0][k], sets[p][k], rounded ? 1e-6 : 1e-9, s);
-            if (list[p]->has_nearest()) s.worst_distance = std::max(s.worst_distance, std::abs(distances[p][k] - distances[0][k]));
+            if (list[p]->has_nearest())
+                s.worst_distance = std::max(s.worst_distance, std::abs(distances[p][k] - distances[0][k]));
         }
         const double n = static_cast<double>(sets[p].size());
         const double set_rate = n / median(s.sets), nearest_rate = list[p]->has_nearest() ? n / median(s.nearest) : 0;
-        rows += fmt::format("{},{},{},{:.4g},{:.1f},{:.5g},{:.5g},{},{},{:.2g}\n", list[p]->name, tree.triangle_count(), sets[p].size(), s.build,
-                            found / static_cast<double>(problem.capsules.size()), set_rate, nearest_rate, s.doubtful, s.wrong, s.worst_distance);
+        rows += fmt::format("{},{},{},{:.4g},{:.1f},{:.5g},{:.5g},{},{},{:.2g}\n", list[p]->name, tree.triangle_count(),
+                            sets[p].size(), s.build, found / static_cast<double>(problem.capsules.size()), set_rate, nearest_rate,
+                            s.doubtful, s.wrong, s.worst_distance);
     }
     fmt::print("{}", rows);
     std::fflush(stdout);
@@ -169,7 +175,8 @@ int run(int argc, char** argv)
                 options.triangles.push_back(std::atoi(value.c_str() + at));
         } else throw seldinger::Error(seldinger::ExitCode::BadScene, word + ": unknown option");
     }
-    std::string table = "library,triangles,queries,build_s,triangles_per_set,sets_per_s,nearest_per_s,doubtful,wrong,nearest_worst_m\n";
+    std::string table =
+        "library,triangles,queries,build_s,triangles_per_set,sets_per_s,nearest_per_s,doubtful,wrong,nearest_worst_m\n";
     fmt::print("{}", table);
     for (const int triangles : options.triangles) table += measure(triangles, options);
     if (!options.csv.empty()) std::ofstream(options.csv) << table;

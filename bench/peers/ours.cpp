@@ -16,7 +16,10 @@ constexpr std::uint32_t first_slots = 256;
 
 class Ours final : public Peer {
 public:
-    explicit Ours(bool float32) : context_(-1, float32), capsule_(context_, "bench/queries.cl", "query_capsule"), nearest_(context_, "bench/queries.cl", "query_nearest")
+    explicit Ours(bool float32)
+        : context_(-1, float32),
+          capsule_(context_, "bench/queries.cl", "query_capsule"),
+          nearest_(context_, "bench/queries.cl", "query_nearest")
     {
         name = float32 ? "seldinger, float32" : "seldinger";
     }
@@ -64,7 +67,8 @@ private:
         std::vector<Real> queries(8 * n);
         for (std::size_t k = 0; k < n; ++k) {
             const Capsule& c = problem.capsules[k];
-            for (std::size_t i = 0; i < 3; ++i) queries[8 * k + i] = static_cast<Real>(c.a[i]), queries[8 * k + 3 + i] = static_cast<Real>(c.b[i]);
+            for (std::size_t i = 0; i < 3; ++i)
+                queries[8 * k + i] = static_cast<Real>(c.a[i]), queries[8 * k + 3 + i] = static_cast<Real>(c.b[i]);
             queries[8 * k + 6] = static_cast<Real>(c.radius);
         }
         std::vector<std::uint32_t> counts(n);

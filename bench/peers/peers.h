@@ -1,6 +1,6 @@
 #pragma once
-// What is asked of every library: the same queries on the same rounded mesh (the float32 vertices that the wall's tree holds, in its centre's
-// frame), the same two threads, answers in the same form.
+// What is asked of every library: the same queries on the same rounded mesh (the float32 vertices that the wall's tree holds, in
+// its centre's frame), the same two threads, answers in the same form.
 
 #include "vessel/tree.h"
 

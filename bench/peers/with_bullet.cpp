@@ -1,4 +1,5 @@
-// Bullet: its quantised tree finds triangles in the capsule's box, the exact test is ours. It has no nearest-point query on a mesh.
+// Bullet: its quantised tree finds triangles in the capsule's box, the exact test is ours. It has no nearest-point query on a
+// mesh.
 #include "exact.h"
 
 #include <btBulletCollisionCommon.h>
@@ -16,7 +17,10 @@ struct Collect final : btTriangleCallback {
     const Capsule& capsule;
     const std::uint32_t first;
     std::vector<std::uint32_t>& out;
-    Collect(const Problem& p, const Capsule& c, std::uint32_t f, std::vector<std::uint32_t>& o) : problem(p), capsule(c), first(f), out(o) {}
+    Collect(const Problem& p, const Capsule& c, std::uint32_t f, std::vector<std::uint32_t>& o)
+        : problem(p), capsule(c), first(f), out(o)
+    {
+    }
     void processTriangle(btVector3*, int, int index) override
     {
         const auto t = first + static_cast<std::uint32_t>(index);

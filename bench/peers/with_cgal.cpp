@@ -1,4 +1,5 @@
-// CGAL's AABB tree over triangles in double: a traversal of our own for capsules (the same box test as the kernels'), its own closest point.
+// CGAL's AABB tree over triangles in double: a traversal of our own for capsules (the same box test as the kernels'), its own
+// closest point.
 #include "exact.h"
 
 #include <CGAL/AABB_traits.h>
@@ -37,7 +38,9 @@ struct Collector {
     {
         const CGAL::Bbox_3 b = node.bbox();
         seldinger::TreeNode box_node{};
-        for (int d = 0; d < 3; ++d) box_node.lo[d] = static_cast<float>(b.min(d)), box_node.hi[d] = static_cast<float>(b.max(d));  // exact: floats they were
+        for (int d = 0; d < 3; ++d)
+            box_node.lo[d] = static_cast<float>(b.min(d)),
+            box_node.hi[d] = static_cast<float>(b.max(d));  // exact: floats they were
         return seldinger::capsule_meets_box(box, box_node);
     }
 };
@@ -52,7 +55,8 @@ public:
         triangles_.reserve(problem.triangles());
         for (std::size_t t = 0; t < problem.triangles(); ++t) {
             const float* v = &problem.tree->vertices[9 * t];
-            triangles_.emplace_back(Kernel::Point_3(v[0], v[1], v[2]), Kernel::Point_3(v[3], v[4], v[5]), Kernel::Point_3(v[6], v[7], v[8]));
+            triangles_.emplace_back(Kernel::Point_3(v[0], v[1], v[2]), Kernel::Point_3(v[3], v[4], v[5]),
+                                    Kernel::Point_3(v[6], v[7], v[8]));
         }
         tree_.insert(triangles_.cbegin(), triangles_.cend());
         tree_.build();

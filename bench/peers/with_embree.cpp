@@ -1,4 +1,5 @@
-// Embree 3: triangles as its own, point queries with the bounding sphere of the capsule; or both sides as user geometry and rtcCollide.
+// Embree 3: triangles as its own, point queries with the bounding sphere of the capsule; or both sides as user geometry and
+// rtcCollide.
 #include "exact.h"
 
 #include <embree3/rtcore.h>
@@ -102,9 +103,11 @@ public:
         } else {
             RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
             const auto& v = problem.tree->vertices;
-            float* to = static_cast<float*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), v.size() / 3));
+            float* to = static_cast<float*>(
+                rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), v.size() / 3));
             std::copy(v.begin(), v.end(), to);
-            auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), problem.triangles()));
+            auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                         3 * sizeof(unsigned), problem.triangles()));
             for (unsigned k = 0; k < 3 * problem.triangles(); ++k) index[k] = k;
             rtcCommitGeometry(mesh);
             rtcAttachGeometry(scene_, mesh);
@@ -132,7 +135,8 @@ public:
                 double half2 = 0;
                 for (int d = 0; d < 3; ++d) half2 += (c.b[d] - c.a[d]) * (c.b[d] - c.a[d]) / 4;
                 Asked asked{&problem, k, &out[k]};
-                ask({(c.a[0] + c.b[0]) / 2, (c.a[1] + c.b[1]) / 2, (c.a[2] + c.b[2]) / 2}, (std::sqrt(half2) + c.radius) * (1 + 1e-5), collect, asked);
+                ask({(c.a[0] + c.b[0]) / 2, (c.a[1] + c.b[1]) / 2, (c.a[2] + c.b[2]) / 2},
+                    (std::sqrt(half2) + c.radius) * (1 + 1e-5), collect, asked);
             }
         });
     }

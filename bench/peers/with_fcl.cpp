@@ -53,7 +53,8 @@ public:
                 request.num_max_contacts = 1u << 20;
                 fcl::CollisionResultd result;
                 fcl::collide(model_.get(), identity, &capsule, at, request, result);
-                for (std::size_t i = 0; i < result.numContacts(); ++i) out[k].push_back(static_cast<std::uint32_t>(result.getContact(i).b1));
+                for (std::size_t i = 0; i < result.numContacts(); ++i)
+                    out[k].push_back(static_cast<std::uint32_t>(result.getContact(i).b1));
             }
         });
     }

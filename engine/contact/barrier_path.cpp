@@ -23,8 +23,8 @@ void BarrierPath::warm_up(device::Lane at, ContactParams none, const SampleBuffe
 {
     clearance_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
                       b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
-    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims, base_.hi_buffer,
-                  base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
+    sweep_.launch(at, 1, none, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
+                  base_.hi_buffer, base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
 }
 
 /// Of the samples in b.list, into result_.
@@ -32,8 +32,8 @@ void BarrierPath::measure_gaps(device::Lane at, ContactParams par, const SampleB
 {
     if (count == 0) return;
     par.item_count = static_cast<uint>(count);
-    clearance_.launch(at, count, par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
-                      b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
+    clearance_.launch(at, count, par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices,
+                      b.wall.rims, b.nodes.hi_buffer, b.nodes.lo_buffer, b.touches_t0, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), count * sizeof(real));
 }
 
@@ -71,8 +71,8 @@ void BarrierPath::sweep(device::Lane at, ContactParams par, const SampleBuffers&
     if (list.empty()) return;
     base_.upload(context_, at);
     par.item_count = static_cast<uint>(list.size());
-    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices, b.wall.rims,
-                  base_.hi_buffer, base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
+    sweep_.launch(at, list.size(), par, b.list, b.models, b.places, b.candidates, b.counts, b.wall.nodes, b.wall.vertices,
+                  b.wall.rims, base_.hi_buffer, base_.lo_buffer, b.nodes.hi_buffer, b.nodes.lo_buffer, result_buffer_);
     context_.read(at, result_buffer_, result_.data(), list.size() * sizeof(real));
     std::size_t k = 0;
     for (std::size_t w = 0; w < samples.wires.size(); ++w) {

@@ -12,7 +12,8 @@ public:
     BarrierPath(device::Context& context, const SampleSet& samples, int node_capacity);
 
     /// Start of a step, candidates and `list` of the start known: sets SamplePlace::shrink, which the caller uploads.
-    void begin(device::Lane at, ContactParams par, const SampleBuffers& buffers, SampleSet& samples, std::span<const std::uint32_t> list);
+    void begin(device::Lane at, ContactParams par, const SampleBuffers& buffers, SampleSet& samples,
+               std::span<const std::uint32_t> list);
     /// Whether no sample of the wire, with the shrink that it has, overlaps where `buffers.nodes` are.
     [[nodiscard]] bool is_clear(device::Lane at, ContactParams par, const SampleBuffers& buffers, const SampleSet& samples,
                                 std::span<const std::uint32_t> list, int wire);
@@ -37,9 +38,9 @@ private:
     device::Kernel clearance_, sweep_;
     DeviceNodes base_;
     device::Buffer result_buffer_;
-    std::vector<real> result_;       // [list]
-    std::vector<real> shrink_t0_;    // [samples] of the accepted state [m]
-    std::vector<double> free_way_;   // [wires]
+    std::vector<real> result_;      // [list]
+    std::vector<real> shrink_t0_;   // [samples] of the accepted state [m]
+    std::vector<double> free_way_;  // [wires]
 };
 
 }  // namespace seldinger

@@ -153,8 +153,8 @@ void CapsuleContact::launch_find(device::Lane at, std::size_t items, const Conta
 void CapsuleContact::launch_distance(device::Lane at, std::size_t items)
 {
     const auto launch = [&](const auto& most) {
-        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, find_list_, places_, nodes_.hi_buffer,
-                         nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, find_list_, places_,
+                         nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
     };
     if (context_.float32()) launch(static_cast<float>(farthest_));
     else launch(farthest_);
@@ -163,9 +163,9 @@ void CapsuleContact::launch_distance(device::Lane at, std::size_t items)
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
     const auto launch = [&](const auto& params) {
-        evaluate_.launch(at, items, params, list, models_, places_, candidates_, count_buffer_, wall_.nodes, wall_.vertices, wall_.rims,
-                         nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer,
-                         nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
+        evaluate_.launch(at, items, params, list, models_, places_, candidates_, count_buffer_, wall_.nodes, wall_.vertices,
+                         wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
+                         nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
                          multipliers_ ? multipliers_->states() : no_multipliers_);
     };
     if (context_.float32()) launch(narrow(par));

@@ -30,11 +30,11 @@ struct ContactSpec {
     double barrier_distance = 0;      // gap from which `barrier` acts [m]; 0: chosen
     double mu_static = 0.12, mu_sliding = 0.10;
     bool rolling = false;
-    double rolling_alpha = 0.2;       // hysteresis loss [-] (D10)
+    double rolling_alpha = 0.2;                                               // hysteresis loss [-] (D10)
     double rolling_sigma_b = 0, rolling_sigma_s = 0, rolling_hardness = 1e6;  // [Pa] (D10)
-    double layer_height = 0;          // h of the published layer [m]; 0: chosen, see contact/layer.h
-    double pair_distance = 0;         // H of the published pair test [m]; 0: chosen
-    int samples_per_edge = 0;         // 0: spacing of one wire radius, less over sharp ridges (contact/samples.h)
+    double layer_height = 0;   // h of the published layer [m]; 0: chosen, see contact/layer.h
+    double pair_distance = 0;  // H of the published pair test [m]; 0: chosen
+    int samples_per_edge = 0;  // 0: spacing of one wire radius, less over sharp ridges (contact/samples.h)
     Precision precision = Precision::Float64;
 };
 

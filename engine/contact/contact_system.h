@@ -2,9 +2,9 @@
 // Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
 // `nodes` is the same with one sample at each control node). Implements what the solver asks for.
 //
-// Per step: begin_step (start of the step is remembered), prepare (samples are put on the edges, candidates renewed where a sample
-// has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the edges' sums;
-// commit makes the trial's anchors the state. The wall's geometry stays on the device.
+// Per step: begin_step (start of the step is remembered), prepare (samples are put on the edges, candidates renewed where a
+// sample has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the
+// edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
 #include "contact/edge_sums.h"
 #include "contact/samples.h"
@@ -28,7 +28,7 @@ struct DeviceWall {
 /// Node positions of all wires as the kernels take them: hi + lo relative to the wall's centre.
 struct DeviceNodes {
     DeviceNodes(device::Context& context, int total_capacity);
-    std::vector<float> hi;         // [nodes][3]
+    std::vector<float> hi;          // [nodes][3]
     std::vector<double> lo, theta;  // [nodes][3], [nodes]
     device::Buffer hi_buffer, lo_buffer, theta_buffer;
     std::vector<std::uint32_t> narrow_lo, narrow_theta;  // what goes up to a float32 context
@@ -61,7 +61,10 @@ public:
     [[nodiscard]] double largest_force(int wire) const final { return sums_.largest_force(wire); }
     [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
     /// Adds contact forces on the nodes of a wire, [n].
-    void add_nodal_forces(int wire, std::span<Vec3> forces) const { sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces); }
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const
+    {
+        sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
+    }
 
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
     /// Choices of this method, "name", "value (reason)", for summary.json.

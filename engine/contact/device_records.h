@@ -1,8 +1,9 @@
 #pragma once
-// Records of kernels/shared as the device has them: in double as they stand; in a float32 context with every real narrowed, which is how
-// the same structs are laid out when `real` is float. The host keeps double throughout.
+// Records of kernels/shared as the device has them: in double as they stand; in a float32 context with every real narrowed, which
+// is how the same structs are laid out when `real` is float. The host keeps double throughout.
 //
-// Positions are hi (float) + lo, so narrowing lo loses 6e-8 of 4 nm; edges and gaps are differences near the segment (portable.h).
+// Positions are hi (float) + lo, so narrowing lo loses 6e-8 of 4 nm; edges and gaps are differences near the segment
+// (portable.h).
 
 #include "device/device.h"
 #include "shared/contact_types.h"
@@ -67,7 +68,8 @@ struct NarrowParams {
 };
 [[nodiscard]] NarrowParams narrow(const ContactParams& par);
 
-/// Writes records, narrowed where the context asks for it. `scratch` must stay as it is until the next read() or finish() on the lane.
+/// Writes records, narrowed where the context asks for it. `scratch` must stay as it is until the next read() or finish() on the
+/// lane.
 template <class Record>
 void write_records(device::Context& context, device::Lane lane, const device::Buffer& to, const std::vector<Record>& from,
                    std::vector<std::uint32_t>& scratch)
@@ -79,8 +81,8 @@ void write_records(device::Context& context, device::Lane lane, const device::Bu
 
 /// Reads `count` records from the first-th on, and waits.
 template <class Record>
-void read_records(device::Context& context, device::Lane lane, const device::Buffer& from, Record* to, std::size_t count, std::size_t first,
-                  std::vector<std::uint32_t>& scratch)
+void read_records(device::Context& context, device::Lane lane, const device::Buffer& from, Record* to, std::size_t count,
+                  std::size_t first, std::vector<std::uint32_t>& scratch)
 {
     const std::size_t size = device_size<Record>(context);
     if (!context.float32()) return context.read(lane, from, to, count * size, first * size);

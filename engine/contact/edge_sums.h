@@ -2,9 +2,9 @@
 // What the device's reduction leaves on the host: force, moment and tangent summed per edge of wire that has contact, and how the
 // solver's banded system takes them. The same for every detection method.
 
+#include "rod/wire_spec.h"
 #include "shared/contact_types.h"
 #include "solve/band_matrix.h"
-#include "rod/wire_spec.h"
 
 #include <cstdint>
 #include <span>
@@ -21,9 +21,9 @@ struct ContactTotals {
 };
 
 struct EdgeSums {
-    std::vector<EdgeForce> edges;           // [active edges] read back from the device
-    std::vector<std::uint32_t> edge_node;   // [active edges] tip-side node in the concatenated arrays
-    std::vector<int> wire_edges;            // [wires + 1] range of each wire in the two above
+    std::vector<EdgeForce> edges;          // [active edges] read back from the device
+    std::vector<std::uint32_t> edge_node;  // [active edges] tip-side node in the concatenated arrays
+    std::vector<int> wire_edges;           // [wires + 1] range of each wire in the two above
 
     [[nodiscard]] bool admissible(int wire) const;
     [[nodiscard]] bool unsymmetric(int wire) const;

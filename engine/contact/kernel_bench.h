@@ -1,10 +1,12 @@
 #pragma once
 // Every contact kernel by itself on a made-up load of realistic size, with the work that it does counted: for `seldinger bench`.
 //
-// The load: wires of 300 samples and 61 nodes that lie in the wall of a tube (radius 10 mm, length 0.3 m, about 30,000 triangles) along
-// helices of their own, one radius apart as samples are, within a few micrometres of touching: so that about half of them touch.
+// The load: wires of 300 samples and 61 nodes that lie in the wall of a tube (radius 10 mm, length 0.3 m, about 30,000 triangles)
+// along helices of their own, one radius apart as samples are, within a few micrometres of touching: so that about half of them
+// touch.
 //
-// Includes nothing of kernels/shared: those headers are compiled in double, in float and with numbers that count (kernel_bench_*.cpp).
+// Includes nothing of kernels/shared: those headers are compiled in double, in float and with numbers that count
+// (kernel_bench_*.cpp).
 
 #include "device/device.h"
 
@@ -35,10 +37,10 @@ struct KernelTiming {
     std::string kernel, lane;
     bool float32 = false;
     std::size_t items = 0;
-    double time = 0;        // of a launch that is waited for, median [s]
-    double pairs = 0;       // of a sample and a cell of the tree (walk.h); reduce, start, multipliers: samples; layer: pairs
-    double flops = 0;       // of the launch
-    double bytes = 0;       // read and written by the launch, however often: traffic between a core and its nearest cache
+    double time = 0;   // of a launch that is waited for, median [s]
+    double pairs = 0;  // of a sample and a cell of the tree (walk.h); reduce, start, multipliers: samples; layer: pairs
+    double flops = 0;  // of the launch
+    double bytes = 0;  // read and written by the launch, however often: traffic between a core and its nearest cache
 };
 
 struct KernelBenchOptions {
@@ -51,12 +53,14 @@ struct KernelBenchOptions {
 [[nodiscard]] std::vector<KernelWork> count_work(const BenchWall& wall, std::size_t samples);
 
 /// All kernels, in the precision of the context.
-[[nodiscard]] std::vector<KernelTiming> time_kernels(device::Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,
-                                                     const KernelBenchOptions& options);
+[[nodiscard]] std::vector<KernelTiming> time_kernels(device::Context& context, const BenchWall& wall,
+                                                     const std::vector<KernelWork>& work, const KernelBenchOptions& options);
 [[nodiscard]] std::vector<KernelTiming> time_kernels_double(device::Context& context, const BenchWall& wall,
-                                                            const std::vector<KernelWork>& work, const KernelBenchOptions& options);
+                                                            const std::vector<KernelWork>& work,
+                                                            const KernelBenchOptions& options);
 [[nodiscard]] std::vector<KernelTiming> time_kernels_float32(device::Context& context, const BenchWall& wall,
-                                                             const std::vector<KernelWork>& work, const KernelBenchOptions& options);
+                                                             const std::vector<KernelWork>& work,
+                                                             const KernelBenchOptions& options);
 
 }  // namespace seldinger::kernel_bench
 

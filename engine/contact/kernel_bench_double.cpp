@@ -28,8 +28,8 @@ BenchWall make_bench_wall(device::Context& context)
     return wall;
 }
 
-std::vector<KernelTiming> time_kernels_double(device::Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,
-                                              const KernelBenchOptions& options)
+std::vector<KernelTiming> time_kernels_double(device::Context& context, const BenchWall& wall,
+                                              const std::vector<KernelWork>& work, const KernelBenchOptions& options)
 {
     return time_all(context, wall, work, options);
 }
@@ -37,7 +37,8 @@ std::vector<KernelTiming> time_kernels_double(device::Context& context, const Be
 std::vector<KernelTiming> time_kernels(device::Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,
                                        const KernelBenchOptions& options)
 {
-    return context.float32() ? time_kernels_float32(context, wall, work, options) : time_kernels_double(context, wall, work, options);
+    return context.float32() ? time_kernels_float32(context, wall, work, options)
+                             : time_kernels_double(context, wall, work, options);
 }
 
 }  // namespace seldinger::kernel_bench

@@ -6,8 +6,8 @@
 #define seldinger seldinger_float32
 #include "contact/kernel_bench_time.h"
 
-std::vector<KernelTiming> sel_bench::time_kernels_float32(Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,
-                                                          const KernelBenchOptions& options)
+std::vector<KernelTiming> sel_bench::time_kernels_float32(Context& context, const BenchWall& wall,
+                                                          const std::vector<KernelWork>& work, const KernelBenchOptions& options)
 {
     return time_all(context, wall, work, options);
 }

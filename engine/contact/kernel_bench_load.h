@@ -42,7 +42,8 @@ struct Load {
     {
         nodes.resize(wall.nodes.size() / sizeof(TreeNode));
         std::memcpy(nodes.data(), wall.nodes.data(), wall.nodes.size());
-        const uint wires = static_cast<uint>((samples + samples_per_edge * edges_per_wire - 1) / (samples_per_edge * edges_per_wire));
+        const uint wires =
+            static_cast<uint>((samples + samples_per_edge * edges_per_wire - 1) / (samples_per_edge * edges_per_wire));
         for (uint w = 0; w < wires; ++w) add_wire(wall, w, samples);
         first.push_back(static_cast<uint>(models.size()));
         par.slots = slots;

@@ -25,15 +25,36 @@ class Bench {
 public:
     Bench(Context& context, const BenchWall& wall, std::size_t samples, Lane lane, const KernelBenchOptions& options,
           const std::vector<KernelWork>& work, std::vector<KernelTiming>& out)
-        : context_(context), load_(wall, samples), lane_(lane), options_(options), work_(work), out_(out), n_(load_.models.size()),
-          tree_(upload(context, load_.nodes)), vertices_(upload(context, wall.vertices)), rims_(upload(context, wall.rims)),
-          hi_(upload(context, load_.hi)), lo_(upload(context, load_.lo)), theta_(upload(context, load_.theta)),
-          hi_t0_(upload(context, load_.hi_t0)), lo_t0_(upload(context, load_.lo_t0)), theta_t0_(upload(context, load_.theta_t0)),
-          models_(upload(context, load_.models)), places_(upload(context, load_.places)), list_(upload(context, load_.list)),
-          first_(upload(context, load_.first)), touches_t0_(upload(context, load_.touches_t0)), touches_(upload(context, load_.touches_t0)),
-          hard_(upload(context, load_.hard)), hard_next_(upload(context, load_.hard)), candidates_(context, n_ * slots * sizeof(uint)),
-          counts_(context, n_ * sizeof(uint)), forces_(context, n_ * sizeof(SampleForce)), barys_(context, n_ * sizeof(real)),
-          ratios_(context, n_ * sizeof(real)), found_(context, n_ * sizeof(uint))
+        : context_(context),
+          load_(wall, samples),
+          lane_(lane),
+          options_(options),
+          work_(work),
+          out_(out),
+          n_(load_.models.size()),
+          tree_(upload(context, load_.nodes)),
+          vertices_(upload(context, wall.vertices)),
+          rims_(upload(context, wall.rims)),
+          hi_(upload(context, load_.hi)),
+          lo_(upload(context, load_.lo)),
+          theta_(upload(context, load_.theta)),
+          hi_t0_(upload(context, load_.hi_t0)),
+          lo_t0_(upload(context, load_.lo_t0)),
+          theta_t0_(upload(context, load_.theta_t0)),
+          models_(upload(context, load_.models)),
+          places_(upload(context, load_.places)),
+          list_(upload(context, load_.list)),
+          first_(upload(context, load_.first)),
+          touches_t0_(upload(context, load_.touches_t0)),
+          touches_(upload(context, load_.touches_t0)),
+          hard_(upload(context, load_.hard)),
+          hard_next_(upload(context, load_.hard)),
+          candidates_(context, n_ * slots * sizeof(uint)),
+          counts_(context, n_ * sizeof(uint)),
+          forces_(context, n_ * sizeof(SampleForce)),
+          barys_(context, n_ * sizeof(real)),
+          ratios_(context, n_ * sizeof(real)),
+          found_(context, n_ * sizeof(uint))
     {
         context_.enter(lane);
     }
@@ -45,20 +66,20 @@ public:
         const std::size_t record = sizeof(SampleModel) + sizeof(SamplePlace), touches = 4 * sizeof(TouchState);
         const double pairs = per_item("contact_evaluate").pairs, lists = pairs * 2 * sizeof(uint);
         run("capsule.cl", "contact_find", n_, record + 2 * sizeof(uint) + lists / 2, [&](Kernel& k) {
-            k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_, found_);
+            k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_,
+                     found_);
         });
         run("capsule.cl", "contact_distance", n_, sizeof(SamplePlace) + sizeof(uint) + sizeof(real), [&](Kernel& k) {
             k.launch(lane_, n_, static_cast<uint>(n_), real(1), list_, places_, hi_, lo_, tree_, vertices_, ratios_);
         });
         run("capsule.cl", "contact_evaluate", n_, record + touches + sizeof(SampleForce) + sizeof(real) + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_,
-                     theta_t0_, touches_t0_, touches_, forces_, barys_, hard_);
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, theta_,
+                     hi_t0_, lo_t0_, theta_t0_, touches_t0_, touches_, forces_, barys_, hard_);
         });
         const std::size_t edges = load_.layer_edges.size();
         const Buffer sums(context_, edges * sizeof(EdgeForce));
-        run("capsule.cl", "contact_reduce", edges, samples_per_edge * (sizeof(SampleForce) + sizeof(real)) + sizeof(EdgeForce), [&](Kernel& k) {
-            k.launch(lane_, edges, static_cast<uint>(edges), first_, forces_, barys_, sums);
-        });
+        run("capsule.cl", "contact_reduce", edges, samples_per_edge * (sizeof(SampleForce) + sizeof(real)) + sizeof(EdgeForce),
+            [&](Kernel& k) { k.launch(lane_, edges, static_cast<uint>(edges), first_, forces_, barys_, sums); });
         par.normal_law = SEL_NORMAL_AUGMENTED;
         run("hard.cl", "contact_start", n_, record + touches / 2 + 2 * sizeof(HardState),
             [&](Kernel& k) { k.launch(lane_, n_, par, models_, places_, touches_t0_, hard_next_); });
@@ -67,10 +88,12 @@ public:
         });
         par.normal_law = SEL_NORMAL_BARRIER;
         run("hard.cl", "contact_clearance", n_, record + touches / 2 + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, touches_t0_, ratios_);
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_,
+                     touches_t0_, ratios_);
         });
         run("hard.cl", "contact_sweep", n_, record + lists, [&](Kernel& k) {
-            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_t0_, lo_t0_, hi_, lo_, ratios_);
+            k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_t0_, lo_t0_, hi_,
+                     lo_, ratios_);
         });
     }
 
@@ -96,8 +119,8 @@ public:
         const Buffer pair_list = upload(context_, pairs);
         context_.enter(lane_);
         par.item_count = static_cast<uint>(pairs.size());
-        run("layer.cl", "layer_evaluate", pairs.size(), sizeof(LayerPair) + sizeof(LayerEdge) + 2 * sizeof(TouchState) + sizeof(SampleForce),
-            [&](Kernel& k) {
+        run("layer.cl", "layer_evaluate", pairs.size(),
+            sizeof(LayerPair) + sizeof(LayerEdge) + 2 * sizeof(TouchState) + sizeof(SampleForce), [&](Kernel& k) {
                 k.launch(lane_, pairs.size(), par, pair_list, edge_list, vertices_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_,
                          touches_t0_, touches_, forces_, barys_);
             });
@@ -137,8 +160,8 @@ private:
     const std::vector<KernelWork>& work_;
     std::vector<KernelTiming>& out_;
     std::size_t n_;
-    Buffer tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_, models_, places_, list_, first_, touches_t0_, touches_, hard_,
-        hard_next_, candidates_, counts_, forces_, barys_, ratios_, found_;
+    Buffer tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_, models_, places_, list_, first_, touches_t0_,
+        touches_, hard_, hard_next_, candidates_, counts_, forces_, barys_, ratios_, found_;
 };
 
 std::vector<KernelTiming> time_all(Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,

@@ -11,7 +11,8 @@ struct Tally {
 };
 Tally tally;
 
-/// A double that counts what is done with it. A float is converted where it is loaded from one of the float32 arrays, and next to nowhere else.
+/// A double that counts what is done with it. A float is converted where it is loaded from one of the float32 arrays, and next to
+/// nowhere else.
 struct Counted {
     double value;
     Counted() = default;
@@ -76,8 +77,8 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
         for (const uint k : s.list) {
             const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
             counts[k] = std::min(slots, find_cells(at.offset, at.origin, s.models[k].radius + s.models[k].reach + real(slack),
-                                                   SEL_CELL_SIZE * s.models[k].radius, s.nodes.data(), wall.vertices.data(), slots,
-                                                   &cells[k * slots]));
+                                                   SEL_CELL_SIZE * s.models[k].radius, s.nodes.data(), wall.vertices.data(),
+                                                   slots, &cells[k * slots]));
             cell_pairs += counts[k];
         }
         return cell_pairs;
@@ -95,9 +96,10 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     std::vector<TouchState> touches = s.touches_t0;
     count(work, "contact_evaluate", n, [&] {
         for (const uint k : s.list)
-            forces[k] = evaluate_sample(k, s.par, s.models[k], s.places[k], &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(),
-                                        wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
-                                        s.theta_t0.data(), s.touches_t0.data(), touches.data(), s.hard.data());
+            forces[k] =
+                evaluate_sample(k, s.par, s.models[k], s.places[k], &cells[k * slots], counts[k], s.nodes.data(),
+                                wall.vertices.data(), wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
+                                s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), touches.data(), s.hard.data());
         return cell_pairs;
     });
     std::vector<real> barys(n);
@@ -123,15 +125,17 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     par.normal_law = SEL_NORMAL_BARRIER;
     count(work, "contact_clearance", n, [&] {
         for (const uint k : s.list)
-            (void)sample_gap(axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data()), s.models[k], par, s.touches_t0[2 * k],
-                             s.touches_t0[2 * k + 1], 9, &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
+            (void)sample_gap(axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data()), s.models[k], par,
+                             s.touches_t0[2 * k], s.touches_t0[2 * k + 1], 9, &cells[k * slots], counts[k], s.nodes.data(),
+                             wall.vertices.data(), wall.rims.data());
         return cell_pairs;
     });
     count(work, "contact_sweep", n, [&] {
         for (const uint k : s.list) {
             const SamplePlace& p = s.places[k];
-            (void)sweep_sample(axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data()), axis_point(p.edge, p.bary, s.hi.data(), s.lo.data()),
-                               s.models[k].radius, &cells[k * slots], counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
+            (void)sweep_sample(axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data()),
+                               axis_point(p.edge, p.bary, s.hi.data(), s.lo.data()), s.models[k].radius, &cells[k * slots],
+                               counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
         }
         return cell_pairs;
     });
@@ -151,8 +155,9 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
             for (uint k = 0; k < pair_counts[e]; ++k) {
                 real bary;
                 const LayerPair pair{static_cast<uint>(e), found[e * slots + k], 0, 0};
-                (void)evaluate_pair(0, s.par, pair, s.layer_edges[e], wall.vertices.data(), s.hi.data(), s.lo.data(), s.theta.data(),
-                                    s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), touches.data(), &bary);
+                (void)evaluate_pair(0, s.par, pair, s.layer_edges[e], wall.vertices.data(), s.hi.data(), s.lo.data(),
+                                    s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
+                                    touches.data(), &bary);
             }
         return layer_pairs;
     });

@@ -21,7 +21,10 @@ constexpr device::Lane light = device::Lane::Light;
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-double pair_distance(const ContactSpec& contact, double radius) { return contact.pair_distance > 0 ? contact.pair_distance : radius / 2; }
+double pair_distance(const ContactSpec& contact, double radius)
+{
+    return contact.pair_distance > 0 ? contact.pair_distance : radius / 2;
+}
 
 double layer_height(const ContactSpec& contact, double radius)
 {
@@ -32,7 +35,8 @@ double layer_height(const ContactSpec& contact, double radius)
 
 double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
 
-LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius)
+LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
+                           double lumen_radius)
     : ContactMethod(context, rods),
       setup_(setup),
       wall_(context, tree, setup.mesh),
@@ -118,8 +122,8 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.write(light, edge_list_, edges_.data(), edges_.size() * sizeof(LayerEdge));
         for (bool again = true; again;) {
             params_.item_count = static_cast<uint>(edges_.size());
-            find_.launch(light, edges_.size(), params_, edge_list_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices,
-                         candidates_, count_buffer_, touching_buffer_);
+            find_.launch(light, edges_.size(), params_, edge_list_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
+                         wall_.vertices, candidates_, count_buffer_, touching_buffer_);
             context_.read(light, count_buffer_, counts_.data(), counts_.size() * sizeof(std::uint32_t));
             const std::uint32_t most = *std::max_element(counts_.begin(), counts_.end());
             again = most > params_.slots;
@@ -159,7 +163,8 @@ void LayerContact::list_pairs()
             const auto last = std::lower_bound(last_keys_.begin(), last_keys_.end(), key);
             const bool known = last != last_keys_.end() && *last == key;
             keys_.push_back(key);
-            pairs_.push_back({static_cast<uint>(e), found[k], known ? static_cast<uint>(last - last_keys_.begin()) : SEL_NO_EDGE, 0});
+            pairs_.push_back(
+                {static_cast<uint>(e), found[k], known ? static_cast<uint>(last - last_keys_.begin()) : SEL_NO_EDGE, 0});
         }
     }
     first_.push_back(static_cast<std::uint32_t>(pairs_.size()));
@@ -188,9 +193,9 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         params_.item_count = static_cast<uint>(pairs_.size());
         params_.inv_dt = h > 0 ? 1 / h : 0;
         if (touches_t0_.bytes() == 0) touches_t0_ = device::Buffer(context_, sizeof(TouchState));
-        evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_.vertices, nodes_.hi_buffer, nodes_.lo_buffer,
-                         nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_,
-                         forces_, barys_);
+        evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_.vertices, nodes_.hi_buffer,
+                         nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer, nodes_t0_.theta_buffer,
+                         touches_t0_, touches_, forces_, barys_);
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
         context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
@@ -275,8 +280,8 @@ std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
     const SampleModel m = line_sample(section, contact, setup_.vessel, typical_radius_, pair_length);
     return {{"layer", fmt::format("L' by {} halvings, w = r (1/4 + 7/4 r/R), h {:.3g} mm, H {:.3g} mm", SEL_LAYER_HALVINGS,
                                   1e3 * layer_height(contact, section.radius), 1e3 * pair_distance(contact, section.radius))},
-            {"pair stiffness", fmt::format("{:.4g} N/m^{:.3g} (line stiffness x 1 mm), exponent {}", m.stiffness * m.weight, m.exponent,
-                                           m.exponent)}};
+            {"pair stiffness", fmt::format("{:.4g} N/m^{:.3g} (line stiffness x 1 mm), exponent {}", m.stiffness * m.weight,
+                                           m.exponent, m.exponent)}};
 }
 
 void LayerContact::save(std::vector<std::uint8_t>& bytes)
@@ -313,7 +318,8 @@ void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     std::uint64_t count = 0;
     take_bytes(bytes, end, &count, 1);
     if (count * sizeof(TouchState) > static_cast<std::size_t>(end - bytes))
-        throw Error(ExitCode::BadFile, "the saved state is shorter than this scene's; it was written by another scene or version");
+        throw Error(ExitCode::BadFile,
+                    "the saved state is shorter than this scene's; it was written by another scene or version");
     last_keys_.resize(count);
     std::vector<TouchState> touches(count);
     take_bytes(bytes, end, last_keys_.data(), count);

@@ -1,6 +1,6 @@
 #pragma once
-// The published layer method (kernels/shared/layer.h): pairs are found once per step, at its start, and evaluated per Newton iteration.
-// A pair's friction anchor is carried on by (edge, triangle), since the method has no material samples.
+// The published layer method (kernels/shared/layer.h): pairs are found once per step, at its start, and evaluated per Newton
+// iteration. A pair's friction anchor is carried on by (edge, triangle), since the method has no material samples.
 
 #include "contact/contact_system.h"
 #include "shared/layer.h"
@@ -40,18 +40,19 @@ private:
     const WorldSetup& setup_;
     DeviceWall wall_;
     double typical_radius_;
-    std::vector<std::uint32_t> stamps_;       // [wires] of the step being solved; commit raises it
+    std::vector<std::uint32_t> stamps_;  // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;
-    std::vector<LayerEdge> edges_;            // of this step
-    std::vector<std::uint32_t> edge_wire_;    // [edges]
+    std::vector<LayerEdge> edges_;          // of this step
+    std::vector<std::uint32_t> edge_wire_;  // [edges]
     std::vector<std::uint32_t> counts_, candidates_host_, first_;
-    std::vector<double> touching_;            // [edges] L' [m]
+    std::vector<double> touching_;             // [edges] L' [m]
     std::vector<std::uint32_t> paired_edges_;  // [active edges] index among edges_
     std::vector<LayerPair> pairs_;
-    std::vector<Key> keys_, last_keys_;       // [pairs], of this and of the last accepted step, both ordered
+    std::vector<Key> keys_, last_keys_;  // [pairs], of this and of the last accepted step, both ordered
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
-    device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_, edge_sums_, touches_t0_, touches_;
+    device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_,
+        edge_sums_, touches_t0_, touches_;
 };
 
 }  // namespace seldinger

@@ -29,15 +29,19 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Worl
     const double lumen_radius = typical_lumen_radius(setup);
     const ContactSpec& contact = setup.wires[0].contact;
     if (is_hard(contact.normal) && contact.detection == Detection::Layer)
-        throw Error(ExitCode::BadScene, "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
+        throw Error(ExitCode::BadScene,
+                    "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
     if (context.float32() && (is_hard(contact.normal) || contact.detection == Detection::Layer))
-        throw Error(ExitCode::BadScene, "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "
-                                        "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
+        throw Error(ExitCode::BadScene,
+                    "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "
+                    "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
     switch (contact.detection) {
         case Detection::Swept:
         case Detection::Capsule:
-        case Detection::Nodes: return std::make_unique<CapsuleContact>(context, setup, rods, tree, lumen_radius);
-        case Detection::Layer: return std::make_unique<LayerContact>(context, setup, rods, tree, lumen_radius);
+        case Detection::Nodes:
+            return std::make_unique<CapsuleContact>(context, setup, rods, tree, lumen_radius);
+        case Detection::Layer:
+            return std::make_unique<LayerContact>(context, setup, rods, tree, lumen_radius);
     }
     throw Error(ExitCode::BadScene, "contact.detection: unknown method");
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The outer loop of augmented, constraint and impulse (D8): Newton solves with fixed multipliers, then these are updated, until none
-// changes by more than the length allowed. The laws and the update are in kernels/shared/hard_law.h and hard_step.h.
+// The outer loop of augmented, constraint and impulse (D8): Newton solves with fixed multipliers, then these are updated, until
+// none changes by more than the length allowed. The laws and the update are in kernels/shared/hard_law.h and hard_step.h.
 
 #include "contact/sample_buffers.h"
 

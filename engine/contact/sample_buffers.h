@@ -1,6 +1,6 @@
 #pragma once
-// What the kernels beside contact_evaluate read of the samples. Put together for each call: lists grow, and touches are swapped when a
-// step is accepted.
+// What the kernels beside contact_evaluate read of the samples. Put together for each call: lists grow, and touches are swapped
+// when a step is accepted.
 
 #include "contact/contact_system.h"
 

@@ -6,10 +6,11 @@
 // default spacing is one wire radius: with every sample farther than r/2 from the wall (the hardening law never lets the axis
 // nearer) the straight axis between two samples cannot meet the wall at all.
 //
-// A sample is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod: while one of
-// them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The integral over the
-// wire has no such axial part, by symmetry, but a quadrature has, once its points are too few on the wire's length that the ridge
-// presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is finer, down to r/4.
+// A sample is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod: while
+// one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The integral
+// over the wire has no such axial part, by symmetry, but a quadrature has, once its points are too few on the wire's length that
+// the ridge presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is finer, down to
+// r/4.
 
 #include "contact/contact_spec.h"
 #include "rod/rod_arrays.h"
@@ -23,13 +24,14 @@
 namespace seldinger {
 
 struct WireSamples {
-    int begin = 0;            // of this wire in the concatenated sample arrays
-    int capacity = 0;         // samples of the whole wire
-    int live = 0;             // samples inside now: 0 .. live-1
-    std::uint32_t stamp = 2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
-    double spacing = 0;       // [m]
-    double placed_to = -1;    // material coordinate of the last node but one when they were placed last [m]
-    std::vector<double> s;    // [capacity] material coordinate [m]
+    int begin = 0;     // of this wire in the concatenated sample arrays
+    int capacity = 0;  // samples of the whole wire
+    int live = 0;      // samples inside now: 0 .. live-1
+    std::uint32_t stamp =
+        2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
+    double spacing = 0;     // [m]
+    double placed_to = -1;  // material coordinate of the last node but one when they were placed last [m]
+    std::vector<double> s;  // [capacity] material coordinate [m]
 };
 
 struct SampleSet {
@@ -41,8 +43,8 @@ struct SampleSet {
 
 /// @param specs  per wire; contact coefficients per section come from the wire's sections
 /// @param lumen_radius  typical lumen radius of the vessel, for the effective radius of (D6b) [m]
-[[nodiscard]] SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const VesselSpec& wall,
-                                     const WallMesh& mesh, double lumen_radius);
+[[nodiscard]] SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts,
+                                     const VesselSpec& wall, const WallMesh& mesh, double lumen_radius);
 
 /// Puts the samples of a wire on its edges by material coordinate and sets `live`. @param begin  index of the wire's first node
 /// in the concatenated arrays. Places at the start of the step are kept in edge_t0, bary_t0 when `start` is set, and those of

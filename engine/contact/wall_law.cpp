@@ -36,8 +36,8 @@ void set_rolling(SampleModel& m, const WireSection& section, const ContactSpec& 
     }
 }
 
-// Constants that follow from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor of
-// v- (D7): at smaller approach speeds the damping of a resting contact would exceed critical.
+// Constants that follow from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor
+// of v- (D7): at smaller approach speeds the damping of a resting contact would exceed critical.
 void set_scales(SampleModel& m, double own_load)
 {
     const double depth = depth_under(own_load, m.stiffness, m.exponent);
@@ -47,8 +47,8 @@ void set_scales(SampleModel& m, double own_load)
 
 constexpr double impulse_speed = 1e-4;  // that may be left in the normal direction [m/s], against feeds of centimetres a second
 
-// hard_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its distance what
-// the wall carries that deep. @param mass  that the sample's law acts on per unit of its weight [kg/m], or [kg] at the tip
+// hard_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its distance
+// what the wall carries that deep. @param mass  that the sample's law acts on per unit of its weight [kg/m], or [kg] at the tip
 void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
 {
     const double r = m.radius;
@@ -59,14 +59,19 @@ void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
     m.hard_most = elastic_normal(0.95 * m.depth_limit, m, &ignored);
     switch (contact.normal) {
         case NormalLaw::HuntCrossley:
-        case NormalLaw::LankaraniNikravesh: break;
+        case NormalLaw::LankaraniNikravesh:
+            break;
         case NormalLaw::Augmented:
-        case NormalLaw::Constraint: m.hard_length = contact.overlap; break;
-        case NormalLaw::Impulse: m.hard_length = impulse_speed; break;
+        case NormalLaw::Constraint:
+            m.hard_length = contact.overlap;
+            break;
+        case NormalLaw::Impulse:
+            m.hard_length = impulse_speed;
+            break;
         case NormalLaw::Barrier: {
             m.hard_length = contact.barrier_distance;
-            m.hard_stiffness = elastic_normal(m.depth_limit / 2, m, &ignored) /
-                               barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);
+            m.hard_stiffness =
+                elastic_normal(m.depth_limit / 2, m, &ignored) / barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);
         }
     }
 }
@@ -77,11 +82,16 @@ uint kernel_law(NormalLaw law)
 {
     switch (law) {
         case NormalLaw::HuntCrossley:
-        case NormalLaw::LankaraniNikravesh: return SEL_NORMAL_DAMPED;
-        case NormalLaw::Augmented: return SEL_NORMAL_AUGMENTED;
-        case NormalLaw::Constraint: return SEL_NORMAL_CONSTRAINT;
-        case NormalLaw::Impulse: return SEL_NORMAL_IMPULSE;
-        case NormalLaw::Barrier: return SEL_NORMAL_BARRIER;
+        case NormalLaw::LankaraniNikravesh:
+            return SEL_NORMAL_DAMPED;
+        case NormalLaw::Augmented:
+            return SEL_NORMAL_AUGMENTED;
+        case NormalLaw::Constraint:
+            return SEL_NORMAL_CONSTRAINT;
+        case NormalLaw::Impulse:
+            return SEL_NORMAL_IMPULSE;
+        case NormalLaw::Barrier:
+            return SEL_NORMAL_BARRIER;
     }
     return SEL_NORMAL_DAMPED;
 }
@@ -152,7 +162,7 @@ SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, c
     m.stiffness = contact.stiffness_from_wall ? pi * foundation_modulus(wall) * section.radius
                                               : tip_stiffness(m.stiffness, m.exponent, section.radius, lumen_radius);
     m.exponent += 0.5;
-    m.roll_arm = 0;  // a ball's end rolls on the line contact behind it
+    m.roll_arm = 0;                                            // a ball's end rolls on the line contact behind it
     set_scales(m, own_weight(section) * 10 * section.radius);  // ten radii of wire rest on the tip
     set_hard_law(m, contact, own_weight(section) / weight_gravity * section.radius);
     return m;

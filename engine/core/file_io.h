@@ -31,7 +31,11 @@ public:
     AppendFile(const AppendFile&) = delete;
     AppendFile& operator=(const AppendFile&) = delete;
     AppendFile(AppendFile&& other) noexcept { swap(other); }
-    AppendFile& operator=(AppendFile&& other) noexcept { swap(other); return *this; }
+    AppendFile& operator=(AppendFile&& other) noexcept
+    {
+        swap(other);
+        return *this;
+    }
 
     /// @throws Error BadFile; a part of a row that a full disk let through is cut off again
     void append(std::string_view row);

@@ -20,22 +20,38 @@ namespace {
 const char* error_name(cl_int status)
 {
     switch (status) {
-        case CL_DEVICE_NOT_FOUND: return "CL_DEVICE_NOT_FOUND";
-        case CL_DEVICE_NOT_AVAILABLE: return "CL_DEVICE_NOT_AVAILABLE";
-        case CL_COMPILER_NOT_AVAILABLE: return "CL_COMPILER_NOT_AVAILABLE";
-        case CL_MEM_OBJECT_ALLOCATION_FAILURE: return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
-        case CL_OUT_OF_RESOURCES: return "CL_OUT_OF_RESOURCES";
-        case CL_OUT_OF_HOST_MEMORY: return "CL_OUT_OF_HOST_MEMORY";
-        case CL_BUILD_PROGRAM_FAILURE: return "CL_BUILD_PROGRAM_FAILURE";
-        case CL_INVALID_VALUE: return "CL_INVALID_VALUE";
-        case CL_INVALID_DEVICE: return "CL_INVALID_DEVICE";
-        case CL_INVALID_BUFFER_SIZE: return "CL_INVALID_BUFFER_SIZE";
-        case CL_INVALID_ARG_SIZE: return "CL_INVALID_ARG_SIZE";
-        case CL_INVALID_ARG_INDEX: return "CL_INVALID_ARG_INDEX";
-        case CL_INVALID_KERNEL_ARGS: return "CL_INVALID_KERNEL_ARGS";
-        case CL_INVALID_WORK_GROUP_SIZE: return "CL_INVALID_WORK_GROUP_SIZE";
-        case CL_INVALID_KERNEL_NAME: return "CL_INVALID_KERNEL_NAME";
-        default: return "OpenCL error";
+        case CL_DEVICE_NOT_FOUND:
+            return "CL_DEVICE_NOT_FOUND";
+        case CL_DEVICE_NOT_AVAILABLE:
+            return "CL_DEVICE_NOT_AVAILABLE";
+        case CL_COMPILER_NOT_AVAILABLE:
+            return "CL_COMPILER_NOT_AVAILABLE";
+        case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+            return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
+        case CL_OUT_OF_RESOURCES:
+            return "CL_OUT_OF_RESOURCES";
+        case CL_OUT_OF_HOST_MEMORY:
+            return "CL_OUT_OF_HOST_MEMORY";
+        case CL_BUILD_PROGRAM_FAILURE:
+            return "CL_BUILD_PROGRAM_FAILURE";
+        case CL_INVALID_VALUE:
+            return "CL_INVALID_VALUE";
+        case CL_INVALID_DEVICE:
+            return "CL_INVALID_DEVICE";
+        case CL_INVALID_BUFFER_SIZE:
+            return "CL_INVALID_BUFFER_SIZE";
+        case CL_INVALID_ARG_SIZE:
+            return "CL_INVALID_ARG_SIZE";
+        case CL_INVALID_ARG_INDEX:
+            return "CL_INVALID_ARG_INDEX";
+        case CL_INVALID_KERNEL_ARGS:
+            return "CL_INVALID_KERNEL_ARGS";
+        case CL_INVALID_WORK_GROUP_SIZE:
+            return "CL_INVALID_WORK_GROUP_SIZE";
+        case CL_INVALID_KERNEL_NAME:
+            return "CL_INVALID_KERNEL_NAME";
+        default:
+            return "OpenCL error";
     }
 }
 
@@ -63,7 +79,8 @@ private:
     int saved_;
 };
 
-/// Kernel::workgroup, or what SEL_WORKGROUP in the environment says (1 to 1024): nothing may depend on it, and bench/pocl_variants.sh looks.
+/// Kernel::workgroup, or what SEL_WORKGROUP in the environment says (1 to 1024): nothing may depend on it, and
+/// bench/pocl_variants.sh looks.
 std::size_t chosen_workgroup()
 {
     static const std::size_t chosen = [] {
@@ -80,8 +97,8 @@ void check(cl_int status, const char* call)
 {
     if (status == CL_SUCCESS) return;
     const std::string name(call, std::strcspn(call, "("));
-    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists what is usable",
-                                                name, error_name(status), status));
+    throw Error(ExitCode::NoDevice, fmt::format("OpenCL: {} failed with {} ({}); `seldinger devices` lists what is usable", name,
+                                                error_name(status), status));
 }
 
 Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : bytes)
@@ -100,7 +117,9 @@ Buffer::~Buffer()
     if (memory_) clReleaseMemObject(memory_);
 }
 
-Buffer::Buffer(Buffer&& other) noexcept : memory_(std::exchange(other.memory_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+Buffer::Buffer(Buffer&& other) noexcept : memory_(std::exchange(other.memory_, nullptr)), bytes_(std::exchange(other.bytes_, 0))
+{
+}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept
 {
@@ -198,7 +217,8 @@ cl_program Context::program(const std::string& file)
     cl_int status = CL_SUCCESS;
     cl_program built = clCreateProgramWithSource(context_, 1, &text, &length, &status);
     check(status, "clCreateProgramWithSource");
-    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", chosen_workgroup(), float32_ ? " -DSEL_FLOAT32" : "");
+    const std::string options =
+        fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", chosen_workgroup(), float32_ ? " -DSEL_FLOAT32" : "");
     {
         const QuietStderr quiet;
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
@@ -213,8 +233,8 @@ cl_program Context::program(const std::string& file)
         const std::size_t at = log.find("error");
         std::string first = log.substr(at == std::string::npos ? 0 : at);
         first = first.substr(0, first.find('\n'));
-        throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({})", file, name_, first,
-                                                    error_name(status)));
+        throw Error(ExitCode::NoDevice,
+                    fmt::format("kernels/{} does not build on device \"{}\": {} ({})", file, name_, first, error_name(status)));
     }
     counters_.programs_built++;
     programs_.emplace_back(file, built);

@@ -47,7 +47,8 @@ void check_device_index(int index)
 {
     const int count = static_cast<int>(all_devices().size());
     if (index < count) return;
-    throw Error(ExitCode::NoDevice, fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
+    throw Error(ExitCode::NoDevice,
+                fmt::format("--device {}: there are only devices 0 to {}; `seldinger devices` lists them", index, count - 1));
 }
 
 int default_device(const std::vector<cl_device_id>& devices)

@@ -59,7 +59,8 @@ double median_time(const std::function<void()>& call, int repeats, double least,
         for (long k = 0; k < calls; ++k) call();
         const double time = std::chrono::duration<double>(Clock::now() - start).count();
         if (time < least && calls < 1000000) {
-            calls = std::max(2 * calls, static_cast<long>(static_cast<double>(calls) * std::min(100.0, 1.2 * least / std::max(time, 1e-9))));
+            calls = std::max(2 * calls,
+                             static_cast<long>(static_cast<double>(calls) * std::min(100.0, 1.2 * least / std::max(time, 1e-9))));
             times.clear();
             continue;
         }

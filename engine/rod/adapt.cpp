@@ -20,7 +20,7 @@ constexpr double merge_share = 0.65;    // merged edge against the longest allow
 // The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
 // thirds leave 1 mN where whole ones left 4 mN of 240 mN, and cost three to five nodes.
 constexpr double base_share = 1.0 / 3;
-constexpr int most_seeds = 3;           // edges split in one call, not counting neighbours that have to follow
+constexpr int most_seeds = 3;  // edges split in one call, not counting neighbours that have to follow
 
 /// Nodes of a wire that must stay, as flags.
 void flag_kept(const RodView& rod, std::span<const double> distances, std::vector<std::uint8_t>& kept)
@@ -76,16 +76,16 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
         moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
     for (int i = 1; i < hub; ++i)
-        shear_jump_[i] = ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] -
-                          (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
+        shear_jump_[i] =
+            ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] - (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
     if (hub == 1) return;
     curvature_[0] = curvature_[1];
     shear_jump_[0] = shear_jump_[1];          // what is at an end itself, a load or a reaction, is no error;
     shear_jump_[hub] = shear_jump_[hub - 1];  // weight and wall go on as beside it
 }
 
-/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, jumps of shear inside moved to its
-/// ends.
+/// Longest edge [m] that errors allow in the place of the material between nodes `from` and `to`, jumps of shear inside moved to
+/// its ends.
 double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];

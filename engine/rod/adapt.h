@@ -8,10 +8,11 @@
 //     e(h) = h (kappa h)^2/24  +  l a (kappa h)^3  +  l D h^2/(12 B)                                     [m]
 //
 // first: arc against chord, what a wire that lies along a wall gains in length; second: the discrete curvature
-// (phi + a phi^3)/h of (D2) against phi/h, a = 0 for the angle and 1/12 for 2 tan(phi/2) (rod/curvature.h); third: the moment taken as linear over an edge (M'' h^3/12 of angle, M'' h = D in a node's cell). A second
-// order method with a density of error c(s) h^2 needs the fewest nodes for a given sum of errors when c h^3 is the same for every
-// edge, so each is allowed WireSpec::edge_error. An estimate by M and its differences, not by curvature, does not see a jump of
-// stiffness: there the curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
+// (phi + a phi^3)/h of (D2) against phi/h, a = 0 for the angle and 1/12 for 2 tan(phi/2) (rod/curvature.h); third: the moment
+// taken as linear over an edge (M'' h^3/12 of angle, M'' h = D in a node's cell). A second order method with a density of error
+// c(s) h^2 needs the fewest nodes for a given sum of errors when c h^3 is the same for every edge, so each is allowed
+// WireSpec::edge_error. An estimate by M and its differences, not by curvature, does not see a jump of stiffness: there the
+// curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
 //
 // No memory: what is split or merged follows from the present shape alone. A split needs e > 1 edge_error, a merge
 // needs e of the merged edge < (0.65)^3 = 0.27 edge_error; since e changes by 4 to 8 with a factor of 2 in h, a wire that stands
@@ -33,11 +34,11 @@ struct NodeChange {
 
 /// What a wire's nodes are judged by besides its shape.
 struct NodeDemands {
-    std::span<const double> kept;  // material distances [m]; the nearest node to each stays
+    std::span<const double> kept;     // material distances [m]; the nearest node to each stays
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
-    bool may_refine = true;           // else only what the ratio of neighbours asks for
-    bool fed = false;              // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
+    bool may_refine = true;  // else only what the ratio of neighbours asks for
+    bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
 };
 
 /// Scratch of one wire; allocated once.
@@ -68,11 +69,11 @@ private:
     void plan_merge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
     [[nodiscard]] double boundary_fraction(const WireSpec& spec, double begin, double end) const;
 
-    std::vector<double> boundaries_;             // [m] where sections begin and end
-    std::vector<double> longest_;                // [n-1]
+    std::vector<double> boundaries_;              // [m] where sections begin and end
+    std::vector<double> longest_;                 // [n-1]
     std::vector<double> curvature_, shear_jump_;  // [n] [1/m], [N]
-    std::vector<Vec3> moment_;                   // [n] [N m]
-    std::vector<std::uint8_t> marked_;           // [n-1] to be split; [n] kept
+    std::vector<Vec3> moment_;                    // [n] [N m]
+    std::vector<std::uint8_t> marked_;            // [n-1] to be split; [n] kept
     std::vector<NodeChange> changes_;
 };
 

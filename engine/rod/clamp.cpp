@@ -9,9 +9,8 @@ double clamp_reference(const RodClamp& clamp, int side, const Vec3& tangent, con
     // the director before it was turned, so that full turns of the clamp stay out of the angle that is unwrapped
     const Vec3 unturned = turned(clamp.director, clamp.tangent, -clamp.turns);
     const double chi = one_plus_cos(clamp.tangent, tangent);
-    const double angle = side == 0
-                             ? signed_angle(parallel_transport(d1, tangent, clamp.tangent, chi), unturned, clamp.tangent)
-                             : signed_angle(parallel_transport(unturned, clamp.tangent, tangent, chi), d1, tangent);
+    const double angle = side == 0 ? signed_angle(parallel_transport(d1, tangent, clamp.tangent, chi), unturned, clamp.tangent)
+                                   : signed_angle(parallel_transport(unturned, clamp.tangent, tangent, chi), d1, tangent);
     return unwrap(angle, last);
 }
 
@@ -82,8 +81,8 @@ void add_clamp(const RodView& rod, const RodClamp& clamp, const ClampSide& side,
 {
     if (clamp.direction) add_bend(side.pair, rod.bend_stiffness[clamp.node] / side.half, side.rest, mode, out);
     if (clamp.spin && side.spins)
-        add_twist(side.pair, rod.twist_stiffness[clamp.node] / side.half,
-                  side.twist - side.share * rod.rest_twist[clamp.node], mode, out);
+        add_twist(side.pair, rod.twist_stiffness[clamp.node] / side.half, side.twist - side.share * rod.rest_twist[clamp.node],
+                  mode, out);
 }
 
 }  // namespace seldinger

@@ -11,10 +11,10 @@ namespace seldinger {
 struct ClampSide {
     int edge = -1;
     Pair pair;
-    double half = 0;      // a [m]
-    double share = 0;     // of the node's rest curvature and twist that lies on this side
-    double twist = 0;     // tau between clamp and edge, 0 without spin [rad]
-    bool spins = true;    // RodFrames::spins; else no rest and no twist
+    double half = 0;    // a [m]
+    double share = 0;   // of the node's rest curvature and twist that lies on this side
+    double twist = 0;   // tau between clamp and edge, 0 without spin [rad]
+    bool spins = true;  // RodFrames::spins; else no rest and no twist
     RestBend rest;
 };
 
@@ -41,7 +41,9 @@ inline int clamp_edge(const RodView& rod, int node, int side)
 void add_clamp(const RodView& rod, const RodClamp& clamp, const ClampSide& side, HessianMode mode, PairTerms& out);
 
 /// What clamps at a node take the place of.
-struct ClampedNode { bool bend = false, twist = false; };
+struct ClampedNode {
+    bool bend = false, twist = false;
+};
 inline ClampedNode clamped_at(std::span<const RodClamp> clamps, int node)
 {
     ClampedNode result;

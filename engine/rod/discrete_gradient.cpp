@@ -76,7 +76,7 @@ Side clamp_side_of(const RodClamp& clamp)
 
 /// What one stencil holds: stiffnesses and rest values, and in whose frame natural curvature is measured.
 struct Stencil {
-    double bend = 0, twist_stiffness = 0;            // B/l, C/l [N m]; 0: not here
+    double bend = 0, twist_stiffness = 0;  // B/l, C/l [N m]; 0: not here
     double rest_kappa1 = 0, rest_kappa2 = 0, rest_twist = 0;
     Span twist{0, 0};
     enum class Frame { Midway, First, Second } frame = Frame::Midway;
@@ -89,10 +89,7 @@ struct Forces {
     double a = 0, b = 0;
 };
 
-Span chi_of(const Side& e, const Side& f)
-{
-    return {one_plus_cos(e.t.from, f.t.from), one_plus_cos(e.t.to, f.t.to)};
-}
+Span chi_of(const Side& e, const Side& f) { return {one_plus_cos(e.t.from, f.t.from), one_plus_cos(e.t.to, f.t.to)}; }
 
 /// B/l W(chi), chi = 1 + e.f u v, u = 1/|e|, v = 1/|f|: Delta of the product term by term.
 void add_bending(const Side& e, const Side& f, const Stencil& s, Forces& out)
@@ -120,8 +117,8 @@ Vec3 twist_moment(const Side& e, const Side& f, const Span& twist)
     return (c * of_s - s * of_c) / (sum * sinc(twist.change()));
 }
 
-/// Moment on e, opposite on f, whose work is the change of kappa.rest_kappa = Q P: Q = 2 g/chi, P = sum of w_a (t.m_a), t one side's
-/// tangent, m_a the other's directors, w the rest curvature in their frame.
+/// Moment on e, opposite on f, whose work is the change of kappa.rest_kappa = Q P: Q = 2 g/chi, P = sum of w_a (t.m_a), t one
+/// side's tangent, m_a the other's directors, w the rest curvature in their frame.
 Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_twist)
 {
     const Span chi = chi_of(e, f);
@@ -136,7 +133,7 @@ Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_
     const Vec3 of_a2 = second ? e.t.mean().cross(f.m2.mean()) : e.m2.mean().cross(f.t.mean());
 
     Span w1{s.rest_kappa1, s.rest_kappa1}, w2{s.rest_kappa2, s.rest_kappa2};
-    double turn = 0;  // mean(a).Delta w/Delta twist
+    double turn = 0;                          // mean(a).Delta w/Delta twist
     if (s.frame == Stencil::Frame::Midway) {  // half the twist further on than e's frame
         const double c0 = std::cos(0.5 * s.twist.from), s0 = std::sin(0.5 * s.twist.from);
         const double c1 = std::cos(0.5 * s.twist.to), s1 = std::sin(0.5 * s.twist.to);
@@ -144,11 +141,12 @@ Vec3 rest_moment(const Side& e, const Side& f, const Stencil& s, const Vec3& by_
         w2 = {s0 * s.rest_kappa1 + c0 * s.rest_kappa2, s1 * s.rest_kappa1 + c1 * s.rest_kappa2};
         const double half = 0.5 * sinc(0.25 * s.twist.change());
         const double cm = std::cos(0.5 * s.twist.mean()), sm = std::sin(0.5 * s.twist.mean());
-        turn = half * (a1.mean() * (-sm * s.rest_kappa1 - cm * s.rest_kappa2) + a2.mean() * (cm * s.rest_kappa1 - sm * s.rest_kappa2));
+        turn = half *
+               (a1.mean() * (-sm * s.rest_kappa1 - cm * s.rest_kappa2) + a2.mean() * (cm * s.rest_kappa1 - sm * s.rest_kappa2));
     }
     const double p = 0.5 * (w1.from * a1.from + w2.from * a2.from + w1.to * a1.to + w2.to * a2.to);
-    const Vec3 moment = (slope * p) * e.t.mean().cross(f.t.mean()) +
-                        big_q.mean() * (w1.mean() * of_a1 + w2.mean() * of_a2 + turn * by_twist);
+    const Vec3 moment =
+        (slope * p) * e.t.mean().cross(f.t.mean()) + big_q.mean() * (w1.mean() * of_a1 + w2.mean() * of_a2 + turn * by_twist);
     return second ? Vec3(-moment) : moment;
 }
 

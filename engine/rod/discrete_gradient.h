@@ -6,24 +6,26 @@
 // and G -> dE/dq as q1 -> q0, to second order at the middle of the step. With v1 + v0 = 2 (q1 - q0)/h and M (v1 - v0)/h = -G the
 // energy is then conserved to rounding and the solver's tolerance, whatever the step [Gonzalez96], [Simo92].
 //
-// E is a sum of functions of scalars that are bilinear in vectors: lengths |e|^2, products of edges e.f, and of tangents and directors
-// t.d. For such a product  Delta(a.b) = mean(a).Delta b + mean(b).Delta a,  and for a function of it a quotient of differences that is
-// written so that nothing is lost when the differences vanish. Edges enter by themselves; a director's change over the step is
-// Delta d = Omega x mean(d), exactly, with one vector Omega for the three vectors of a frame: [mean(t) x Delta t + 2 tan(Delta theta/2)
-// mean(t)]/|mean(t)|^2. So a product of directors loads its two edges with opposite moments +-mean(d_e) x mean(d_f).
+// E is a sum of functions of scalars that are bilinear in vectors: lengths |e|^2, products of edges e.f, and of tangents and
+// directors t.d. For such a product  Delta(a.b) = mean(a).Delta b + mean(b).Delta a,  and for a function of it a quotient of
+// differences that is written so that nothing is lost when the differences vanish. Edges enter by themselves; a director's change
+// over the step is Delta d = Omega x mean(d), exactly, with one vector Omega for the three vectors of a frame: [mean(t) x Delta t
+// + 2 tan(Delta theta/2) mean(t)]/|mean(t)|^2. So a product of directors loads its two edges with opposite moments +-mean(d_e) x
+// mean(d_f).
 //
 // Linear momentum: G is made of pairs of opposite forces. Angular momentum: every product exerts no net moment about the mean
-// positions; a moment's action along an edge is its spin's, so that the sum of x x m v and of spins is kept but for the turning of the
-// spins' axes, whose gyroscopic moments (D4) leaves out, and for products of directors (natural curvature, twist) by their moment
-// times an edge's relative change of length over the step, 1e-6 and less. A wire that is straight by nature and not twisted keeps it
-// exactly.
+// positions; a moment's action along an edge is its spin's, so that the sum of x x m v and of spins is kept but for the turning
+// of the spins' axes, whose gyroscopic moments (D4) leaves out, and for products of directors (natural curvature, twist) by their
+// moment times an edge's relative change of length over the step, 1e-6 and less. A wire that is straight by nature and not
+// twisted keeps it exactly.
 
 #include "rod/elastic.h"
 
 namespace seldinger {
 
 /// Adds G [4n] between the accepted state of `rod` and a trial. O(n), no allocation.
-/// @param before   frames of the accepted state, after: of the trial; both with the clamps of the end of the step, so that a clamp that
+/// @param before   frames of the accepted state, after: of the trial; both with the clamps of the end of the step, so that a
+/// clamp that
 ///                 moved has done its work at the start of it
 /// @param turned   [n-1] theta of the trial less that of the accepted state [rad]
 void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& before, const RodFrames& after,

@@ -29,7 +29,7 @@ struct EdgeCoupling {  // C_j; xt: e_j with theta_{j+1}, tx: theta_j with e_{j+1
 Pair node_pair(const RodView& rod, const RodFrames& frames, int i)
 {
     return {frames.tangent[i - 1], frames.tangent[i], 1 / frames.edge_length[i - 1], 1 / frames.edge_length[i],
-            frames.kb[i], frames.chi[i], curvature_q(rod.curvature)};
+            frames.kb[i],          frames.chi[i],     curvature_q(rod.curvature)};
 }
 
 /// Natural curvature of inner node i with the frame that kappa is measured in.
@@ -67,7 +67,8 @@ void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFra
     const Pair pair = node_pair(rod, frames, i);
     const double inv_cell = 1 / rod.voronoi_length(i);
     if (!clamped.bend) add_bend(pair, rod.bend_stiffness[i] * inv_cell, node_rest(rod, frames, i), mode, out);
-    if (!clamped.twist && frames.spins) add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
+    if (!clamped.twist && frames.spins)
+        add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
 }
 
 void add_vector(double* to, const Vec3& v)
@@ -79,8 +80,8 @@ void add_vector(double* to, const Vec3& v)
 
 /// Rows of the band that belong to node i, and their mirror images below the diagonal. `before`, `after`: A_{i-1}, A_i;
 /// `c_before`, `c_after`: C_{i-1}, C_i; zero beyond the ends.
-void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const EdgeBlock& after,
-                const EdgeCoupling& c_before, const EdgeCoupling& c_after)
+void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const EdgeBlock& after, const EdgeCoupling& c_before,
+                const EdgeCoupling& c_after)
 {
     constexpr int centre = BandMatrix::half_bandwidth;
     const Mat3 own = before.xx + after.xx - c_before.xx - c_before.xx.transpose();
@@ -127,10 +128,10 @@ void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const E
 /// The walk from tip to hub: what it holds while it stands at node i.
 struct Walk {
     std::span<double> gradient;
-    BandMatrix* hessian;               // null: gradient only
+    BandMatrix* hessian;  // null: gradient only
     int n;
-    EdgeBlock before = {}, current = {}, next = {};   // A_{i-2}, A_{i-1}, A_i
-    EdgeCoupling c_before = {}, c_current = {};       // C_{i-2}, C_{i-1}
+    EdgeBlock before = {}, current = {}, next = {};                                     // A_{i-2}, A_{i-1}, A_i
+    EdgeCoupling c_before = {}, c_current = {};                                         // C_{i-2}, C_{i-1}
     Vec3 force_before = Vec3::Zero(), force = Vec3::Zero(), force_next = Vec3::Zero();  // dE/de of the same edges
 
     /// The stencil at node i: e is edge i-1, f edge i.
@@ -251,8 +252,9 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 // The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
 // taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
 //
-// N is the force in the middle of the base edge. Of a length dl that comes in at the inlet x_hub, dl/2 becomes mass of either node of
-// the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before to hub.
+// N is the force in the middle of the base edge. Of a length dl that comes in at the inlet x_hub, dl/2 becomes mass of either
+// node of the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before
+// to hub.
 double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
     SEL_ASSERT(frames.spins);
@@ -268,8 +270,8 @@ double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const Ro
         const ClampedNode clamped = clamped_at(clamps, j);
         const double length = rod.voronoi_length(j), b = rod.bend_stiffness[j];
         if (!clamped.bend)
-            force += cell(b, frames.kappa1[j], rod.rest_kappa1[j], length)
-                     + cell(b, frames.kappa2[j], rod.rest_kappa2[j], length);
+            force +=
+                cell(b, frames.kappa1[j], rod.rest_kappa1[j], length) + cell(b, frames.kappa2[j], rod.rest_kappa2[j], length);
         if (!clamped.twist) force += cell(rod.twist_stiffness[j], frames.twist[j], rod.rest_twist[j], length);
     }
     for (int k = 0; k < static_cast<int>(clamps.size()); ++k) {
@@ -279,8 +281,8 @@ double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const Ro
         const int node = clamps[k].node;
         if (clamps[k].direction) {
             const Eigen::Vector2d kappa = kappa_in(s.pair, s.rest.n1);
-            force += cell(rod.bend_stiffness[node], kappa[0], s.rest.kappa1, s.half)
-                     + cell(rod.bend_stiffness[node], kappa[1], s.rest.kappa2, s.half);
+            force += cell(rod.bend_stiffness[node], kappa[0], s.rest.kappa1, s.half) +
+                     cell(rod.bend_stiffness[node], kappa[1], s.rest.kappa2, s.half);
         }
         if (clamps[k].spin) force += cell(rod.twist_stiffness[node], s.twist, s.share * rod.rest_twist[node], s.half);
     }

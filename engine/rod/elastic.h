@@ -23,7 +23,7 @@ struct RodTrial {
 /// `spin` of its twist.
 struct RodClamp {
     int node = 0;
-    bool direction = true;          // else only spin is held
+    bool direction = true;  // else only spin is held
     bool spin = false;
     Vec3 tangent = Vec3::UnitX();   // unit, oriented tip -> hub like the edges' tangents
     Vec3 director = Vec3::UnitZ();  // first MATERIAL director of the clamp, unit, normal to tangent
@@ -43,9 +43,9 @@ struct RodFrames {
     // [n], 0 at tip and hub; kappa in the frame midway between the edges' material frames (rod/pair.h), twist unbounded [rad]
     std::vector<double> chi, ref_twist, kappa1, kappa2, twist;  // chi = 1 + cos(turning angle)
     // clamps, side 0: edge on the tip side, side 1: on the hub side
-    std::vector<int> clamp_node;                // [clamps]
-    std::vector<double> clamp_ref_twist;        // [2 * clamps] between clamp director and the edge's d1, kept continuous
-    std::vector<double> clamp_twist;            // [2 * clamps] that and the edge's theta; 0 without spin
+    std::vector<int> clamp_node;          // [clamps]
+    std::vector<double> clamp_ref_twist;  // [2 * clamps] between clamp director and the edge's d1, kept continuous
+    std::vector<double> clamp_twist;      // [2 * clamps] that and the edge's theta; 0 without spin
     int clamp_count = 0;
 };
 
@@ -72,8 +72,8 @@ enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite pe
 ///
 /// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
 /// `Safe`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
-void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
-                 std::span<double> gradient, BandMatrix* hessian, HessianMode mode);
+void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
+                 BandMatrix* hessian, HessianMode mode);
 
 /// Makes the trial configuration the accepted one: positions, theta, tangents, directors, reference twist.
 void accept_frames(const RodView& rod, const RodTrial& trial, const RodFrames& frames);
@@ -87,7 +87,8 @@ void initialise_frames(const RodView& rod, const Vec3& normal);
 void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_placed);
 
 /// Work of the hand per length fed at fixed positions: d(elastic energy)/d(rest length of the base edge) = axial force +
-/// bending/twist configurational terms, and the weight along the wire of the half edge at the inlet, whose mass the hub carries [N];
+/// bending/twist configurational terms, and the weight along the wire of the half edge at the inlet, whose mass the hub carries
+/// [N];
 /// + when the hand pushes (design section 1; [Bosi14]). Clamps at the hub included.
 [[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
                                 const Vec3& gravity);

@@ -11,9 +11,20 @@
 namespace seldinger {
 
 RodFrames::RodFrames(int capacity, int clamp_capacity)
-    : tangent(capacity), d1(capacity), m1(capacity), m2(capacity), kb(capacity), edge_length(capacity), chi(capacity),
-      ref_twist(capacity), kappa1(capacity), kappa2(capacity), twist(capacity), clamp_node(clamp_capacity),
-      clamp_ref_twist(2 * clamp_capacity), clamp_twist(2 * clamp_capacity)
+    : tangent(capacity),
+      d1(capacity),
+      m1(capacity),
+      m2(capacity),
+      kb(capacity),
+      edge_length(capacity),
+      chi(capacity),
+      ref_twist(capacity),
+      kappa1(capacity),
+      kappa2(capacity),
+      twist(capacity),
+      clamp_node(clamp_capacity),
+      clamp_ref_twist(2 * clamp_capacity),
+      clamp_twist(2 * clamp_capacity)
 {
 }
 

@@ -51,8 +51,8 @@ struct Pair {
     Vec3 te, tf;
     double inv_e = 0, inv_f = 0;  // 1/|e|, 1/|f| [1/m]
     Vec3 kb;
-    double chi = 2;               // 1 + te.tf
-    double q = 2.0 / 3.0;         // of the measure of curvature (rod/curvature.h)
+    double chi = 2;        // 1 + te.tf
+    double q = 2.0 / 3.0;  // of the measure of curvature (rod/curvature.h)
 };
 
 /// Gradient and Hessian of a stencil's energy over e, f (vectors) and a = theta_e, b = theta_f.
@@ -173,11 +173,11 @@ inline void add_rest_bend(const Pair& p, double stiffness, const RestBend& rest,
 {
     const Vec3 tt = (p.te + p.tf) / p.chi, n2 = p.te.cross(rest.n1);
     const Vec3 w = rest.kappa1 * n2 - rest.kappa2 * rest.n1;
-    const FrameDot dot(p, w, tt);                // kappa.rest_kappa
-    const FrameDot rot(p, p.te.cross(w), tt);    // its derivative with respect to the frame's angle
+    const FrameDot dot(p, w, tt);              // kappa.rest_kappa
+    const FrameDot rot(p, p.te.cross(w), tt);  // its derivative with respect to the frame's angle
     const double mu = rest.mu, ca = 0.5 - mu, cb = 0.5 + mu, k = dot.value;
     const double g = curvature_factor(p.q, p.chi), g1 = 0.25 * p.q / g, g2 = -g1 * g1 / g;  // g and its derivatives by chi
-    const Vec3 twist_e = 0.5 * p.inv_e * p.kb, twist_f = 0.5 * p.inv_f * p.kb;  // grad of the twist
+    const Vec3 twist_e = 0.5 * p.inv_e * p.kb, twist_f = 0.5 * p.inv_f * p.kb;              // grad of the twist
     const Vec3 chi_e = p.inv_e * (p.tf - (p.chi - 1) * p.te), chi_f = p.inv_f * (p.te - (p.chi - 1) * p.tf);
     const Vec3 grad_e = dot.grad_e + (mu * rot.value) * twist_e, grad_f = dot.grad_f + (mu * rot.value) * twist_f;
     out.ge -= stiffness * (g * grad_e + (k * g1) * chi_e);

@@ -4,8 +4,8 @@
 #include "rod/elastic.h"
 #include "rod/transport.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -39,29 +39,30 @@ struct Polyline {
 
 Polyline centreline_path(const Centreline& centreline, double from)
 {
-    if (centreline.empty())
-        throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
+    if (centreline.empty()) throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
     std::vector<Vec3> points;
     for (int i : centreline.main_path()) points.push_back(centreline.points[i]);
     Polyline whole(std::move(points));
     if (from >= whole.length())
-        throw Error(ExitCode::BadScene, fmt::format("wire.place.from_m: {} m is beyond the vessel's centreline of {:.4g} m", from, whole.length()));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("wire.place.from_m: {} m is beyond the vessel's centreline of {:.4g} m", from, whole.length()));
     std::vector<Vec3> rest = {whole(from)};
     for (std::size_t i = 0; i < whole.points.size(); ++i)
         if (whole.at[i] > from) rest.push_back(whole.points[i]);
     return Polyline(std::move(rest));
 }
 
-// Where the given points turn back by more than 170 degrees, chords of an edge's length jump from one leg to the other, and the wire
-// would lie somewhere else than was asked for.
+// Where the given points turn back by more than 170 degrees, chords of an edge's length jump from one leg to the other, and the
+// wire would lie somewhere else than was asked for.
 void refuse_sharp_corners(const std::vector<Vec3>& points)
 {
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
         const Vec3 before = (points[i] - points[i - 1]).normalized(), after = (points[i + 1] - points[i]).normalized();
         if (before.dot(after) < -std::cos(10 * pi / 180))
-            throw Error(ExitCode::BadScene, fmt::format("wire.place.points: the wire folds back on itself at point {}; expected corners of less than "
-                                                        "170 degrees, round it off",
-                                                        i));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("wire.place.points: the wire folds back on itself at point {}; expected corners of less than "
+                                    "170 degrees, round it off",
+                                    i));
     }
 }
 
@@ -80,11 +81,17 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
     switch (place.shape) {
         case PlaceShape::Arc: {
             const double r = place.bend_radius;
-            return {[=, base = place.base](double u) -> Vec3 { return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n; }, forever};
+            return {[=, base = place.base](double u) -> Vec3 {
+                        return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n;
+                    },
+                    forever};
         }
         case PlaceShape::Ring: {
             const double r = wire_length / (2 * pi);
-            return {[=, base = place.base](double u) -> Vec3 { return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n; }, forever};
+            return {[=, base = place.base](double u) -> Vec3 {
+                        return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n;
+                    },
+                    forever};
         }
         case PlaceShape::Points: {
             refuse_sharp_corners(place.points);
@@ -95,7 +102,8 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
             const Polyline line = centreline_path(centreline, place.from);
             return {line, line.length()};
         }
-        default: return {[=, base = place.base](double u) -> Vec3 { return base + u * d; }, forever};
+        default:
+            return {[=, base = place.base](double u) -> Vec3 { return base + u * d; }, forever};
     }
 }
 
@@ -117,17 +125,15 @@ void refuse_folds(const RodView& rod)
 {
     for (int i = 1; i < rod.n - 1; ++i)
         if (one_plus_cos(rod.tangent(i - 1), rod.tangent(i)) <= fold_limit)
-            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire folds back on itself {:.4g} m from its tip; expected a shape "
-                                                        "that turns by less than 180 degrees at a point, round the corner off",
-                                                        rod.material_s[i]));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("wire.place: the wire folds back on itself {:.4g} m from its tip; expected a shape "
+                                    "that turns by less than 180 degrees at a point, round the corner off",
+                                    rod.material_s[i]));
 }
 
 }  // namespace
 
-double uniform_edge(const WireSpec& spec)
-{
-    return spec.length / (uniform_node_count(spec) - 1);
-}
+double uniform_edge(const WireSpec& spec) { return spec.length / (uniform_node_count(spec) - 1); }
 
 int uniform_node_count(const WireSpec& spec)
 {
@@ -157,9 +163,10 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centrelin
         rod.spin_rate[i] = place.spin_rate;
         if (i > 0) u = ring ? (n - i) * h : next_at_chord(curve, u, rod.pos(i), h);
         if (u > curve.length * (1 + 1e-9))
-            throw Error(ExitCode::BadScene, fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers to edges of "
-                                                        "{:.3g} m, which cut corners; give a longer shape or more nodes",
-                                                        spec.length, curve.length, h));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("wire.place: the wire of {} m is longer than the {:.4g} m that its shape offers to edges of "
+                                    "{:.3g} m, which cut corners; give a longer shape or more nodes",
+                                    spec.length, curve.length, h));
     }
     initialise_frames(rod, place.normal);
     refuse_folds(rod);

@@ -86,9 +86,8 @@ void rest_from_neighbours(const RodView& rod, int end, int next, int after)
 double edge_stretch_stiffness(const WireSpec& spec, double begin, double end)
 {
     double compliance = 0;
-    for_each_piece(spec, begin, end, [&](const WireSection& section, double length) {
-        compliance += length / section.stretch_stiffness;
-    });
+    for_each_piece(spec, begin, end,
+                   [&](const WireSection& section, double length) { compliance += length / section.stretch_stiffness; });
     return (end - begin) / compliance;
 }
 

@@ -11,14 +11,38 @@ namespace {
 
 // The order fixes the layout of checkpoints and of the state hash: append, never reorder.
 constexpr std::array members = {
-    &RodView::material_s, &RodView::rest_length, &RodView::stretch_stiffness, &RodView::bend_stiffness,
-    &RodView::twist_stiffness, &RodView::rest_kappa1, &RodView::rest_kappa2, &RodView::rest_twist,
-    &RodView::mass, &RodView::spin_inertia, &RodView::radius,
-    &RodView::x, &RodView::y, &RodView::z, &RodView::theta,
-    &RodView::vx, &RodView::vy, &RodView::vz, &RodView::spin_rate,
-    &RodView::ax, &RodView::ay, &RodView::az, &RodView::spin_acc,
-    &RodView::tx, &RodView::ty, &RodView::tz, &RodView::d1x, &RodView::d1y, &RodView::d1z,
-    &RodView::ref_twist, &RodView::clamp_twist_a, &RodView::clamp_twist_b,
+    &RodView::material_s,
+    &RodView::rest_length,
+    &RodView::stretch_stiffness,
+    &RodView::bend_stiffness,
+    &RodView::twist_stiffness,
+    &RodView::rest_kappa1,
+    &RodView::rest_kappa2,
+    &RodView::rest_twist,
+    &RodView::mass,
+    &RodView::spin_inertia,
+    &RodView::radius,
+    &RodView::x,
+    &RodView::y,
+    &RodView::z,
+    &RodView::theta,
+    &RodView::vx,
+    &RodView::vy,
+    &RodView::vz,
+    &RodView::spin_rate,
+    &RodView::ax,
+    &RodView::ay,
+    &RodView::az,
+    &RodView::spin_acc,
+    &RodView::tx,
+    &RodView::ty,
+    &RodView::tz,
+    &RodView::d1x,
+    &RodView::d1y,
+    &RodView::d1z,
+    &RodView::ref_twist,
+    &RodView::clamp_twist_a,
+    &RodView::clamp_twist_b,
 };
 
 }  // namespace
@@ -74,8 +98,7 @@ RodView RodArrays::view(int wire)
     RodView rod;
     rod.n = count_[wire];
     rod.curvature = curvature_[wire];
-    for (int k = 0; k < array_count; ++k)
-        rod.*members[k] = std::span<double>(storage_[k]).subspan(begin_[wire], rod.n);
+    for (int k = 0; k < array_count; ++k) rod.*members[k] = std::span<double>(storage_[k]).subspan(begin_[wire], rod.n);
     return rod;
 }
 

@@ -128,7 +128,7 @@ double refresh_joint(const RodView& rod, const Joint& joint, double last)
 
 /// What an edge says before it is split.
 struct OldEdge {
-    double length, force;                // [m], [N]
+    double length, force;  // [m], [N]
     Vec3 tangent, d1, momentum;
     double theta, spin, spin_acc, spin_momentum;
     double twist_rate[2];                // at the tip-side and the hub-side joint [rad/m]
@@ -136,8 +136,14 @@ struct OldEdge {
     double rest_rate[3][2];              // rest kappa1, kappa2, twist per length of its two nodes [1/m]
 
     OldEdge(const RodView& rod, int j, const Joint& at_a, const Joint& at_b)
-        : length(rod.rest_length[j]), force(axial_force(rod, j)), tangent(rod.tangent(j)), d1(rod.ref_d1(j)),
-          momentum(seldinger::momentum(rod, j, j + 1)), theta(rod.theta[j]), spin(rod.spin_rate[j]), spin_acc(rod.spin_acc[j]),
+        : length(rod.rest_length[j]),
+          force(axial_force(rod, j)),
+          tangent(rod.tangent(j)),
+          d1(rod.ref_d1(j)),
+          momentum(seldinger::momentum(rod, j, j + 1)),
+          theta(rod.theta[j]),
+          spin(rod.spin_rate[j]),
+          spin_acc(rod.spin_acc[j]),
           spin_momentum(rod.spin_inertia[j] * rod.spin_rate[j])
     {
         const Joint* joints[2] = {&at_a, &at_b};

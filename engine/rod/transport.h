@@ -24,10 +24,7 @@ inline Vec3 parallel_transport(const Vec3& v, const Vec3& from, const Vec3& to, 
 }
 
 /// Angle from unit u to unit v, both normal to the unit `axis`, counted about it, in (-pi, pi].
-inline double signed_angle(const Vec3& u, const Vec3& v, const Vec3& axis)
-{
-    return std::atan2(u.cross(v).dot(axis), u.dot(v));
-}
+inline double signed_angle(const Vec3& u, const Vec3& v, const Vec3& axis) { return std::atan2(u.cross(v).dot(axis), u.dot(v)); }
 
 /// The value equal to `angle` up to whole turns that lies nearest to `last`.
 inline double unwrap(double angle, double last)

@@ -13,15 +13,15 @@ using Vec3 = Eigen::Vector3d;
 
 /// Properties of a stretch of wire. Units SI.
 struct WireSection {
-    double radius = 0;             // outer radius r [m], > 0
-    double density = 0;            // rho [kg/m^3], > 0
-    double bend_stiffness = 0;     // B = EI [N m^2], > 0
-    double twist_stiffness = 0;    // C = GJ [N m^2], > 0
-    double stretch_stiffness = 0;  // EA [N], > 0
-    double youngs = 0;             // E [Pa]; 0: not given, the wire is rigid in (D10)
-    double poisson = 0.3;          // [-]
-    double mu_static = 0.12;       // [-]
-    double mu_sliding = 0.10;      // [-]
+    double radius = 0;                                         // outer radius r [m], > 0
+    double density = 0;                                        // rho [kg/m^3], > 0
+    double bend_stiffness = 0;                                 // B = EI [N m^2], > 0
+    double twist_stiffness = 0;                                // C = GJ [N m^2], > 0
+    double stretch_stiffness = 0;                              // EA [N], > 0
+    double youngs = 0;                                         // E [Pa]; 0: not given, the wire is rigid in (D10)
+    double poisson = 0.3;                                      // [-]
+    double mu_static = 0.12;                                   // [-]
+    double mu_sliding = 0.10;                                  // [-]
     Eigen::Vector2d rest_curvature = Eigen::Vector2d::Zero();  // about the two directors [1/m]
 
     [[nodiscard]] bool operator==(const WireSection&) const = default;
@@ -37,30 +37,30 @@ enum class PlaceShape { Straight, Arc, Ring, Points, Centreline };
 /// Where a wire that is not fed starts (scene file, [wire] place).
 struct WirePlacement {
     PlaceShape shape = PlaceShape::Straight;
-    Vec3 base = Vec3::Zero();          // [m]
-    Vec3 direction = Vec3::UnitX();    // from base towards the tip
-    Vec3 normal = Vec3::UnitZ();       // first material director; the side that an arc bends to
-    double bend_radius = 0;            // Arc [m]
-    double twist = 0;                  // Ring: inserted before closing [rad]
-    double from = 0;                   // Centreline: base this far from the vessel's start [m]
-    std::vector<Vec3> points;          // Points: from base to tip [m]
-    bool rest_is_placed = false;       // stress-free shape is the placed one
-    Vec3 velocity = Vec3::Zero();      // initial [m/s]
-    double spin_rate = 0;              // initial [rad/s]
+    Vec3 base = Vec3::Zero();        // [m]
+    Vec3 direction = Vec3::UnitX();  // from base towards the tip
+    Vec3 normal = Vec3::UnitZ();     // first material director; the side that an arc bends to
+    double bend_radius = 0;          // Arc [m]
+    double twist = 0;                // Ring: inserted before closing [rad]
+    double from = 0;                 // Centreline: base this far from the vessel's start [m]
+    std::vector<Vec3> points;        // Points: from base to tip [m]
+    bool rest_is_placed = false;     // stress-free shape is the placed one
+    Vec3 velocity = Vec3::Zero();    // initial [m/s]
+    double spin_rate = 0;            // initial [rad/s]
 };
 
 /// Integrated curvature of a node whose edges turn by phi (rod/curvature.h): phi itself, or 2 tan(phi/2) as published.
 enum class CurvatureMeasure { Angle, Tangent };
 
 struct WireSpec {
-    double length = 0;                 // whole wire [m]
-    int nodes = 0;                     // number over the whole length; 0 = adaptive
+    double length = 0;                          // whole wire [m]
+    int nodes = 0;                              // number over the whole length; 0 = adaptive
     double min_edge = 0.001, max_edge = 0.010;  // adaptive only [m]
     CurvatureMeasure curvature = CurvatureMeasure::Angle;
-    double edge_error = 2e-6;          // adaptive only: by how much one edge may put the tip wrong (rod/adapt.h) [m]
-    WireSection shaft;                 // where no section says otherwise
-    std::vector<WireSectionRange> sections;     // later ones win
-    WirePlacement place;               // ignored for a fed wire
+    double edge_error = 2e-6;                // adaptive only: by how much one edge may put the tip wrong (rod/adapt.h) [m]
+    WireSection shaft;                       // where no section says otherwise
+    std::vector<WireSectionRange> sections;  // later ones win
+    WirePlacement place;                     // ignored for a fed wire
 
     /// Section at material coordinate s [m]; s is clamped to [0, length].
     [[nodiscard]] const WireSection& at(double s) const;

@@ -36,8 +36,9 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     take_list(at, end, c.version);
     // what follows is laid out as this version's structures are
     if (c.version != version())
-        throw Error(ExitCode::BadFile, fmt::format("was written by version {}, this is {}; resume with that one, or run again with --overwrite",
-                                                   c.version, version()));
+        throw Error(ExitCode::BadFile,
+                    fmt::format("was written by version {}, this is {}; resume with that one, or run again with --overwrite",
+                                c.version, version()));
     take_list(at, end, c.device);
     take_bytes(at, end, &c.vessel_hash, 1);
     take_bytes(at, end, &c.status, 1);

@@ -1,6 +1,6 @@
 #pragma once
-// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h) with
-// magic "SELCKPT1".
+// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h)
+// with magic "SELCKPT1".
 
 #include "scene/summary.h"
 
@@ -19,12 +19,12 @@ struct FrameMark {
 
 struct Checkpoint {
     std::string version, device;
-    std::uint64_t vessel_hash = 0;            // of the repaired wall: a changed mesh file cannot be resumed on
+    std::uint64_t vessel_hash = 0;  // of the repaired wall: a changed mesh file cannot be resumed on
     RunStatus status = RunStatus::Running;
     RunTally tally;
-    std::uint64_t trace_bytes = 0;            // length of trace.csv
+    std::uint64_t trace_bytes = 0;  // length of trace.csv
     std::vector<FrameMark> wire_frames, contact_frames;
-    std::vector<std::uint8_t> state;          // World::save_state()
+    std::vector<std::uint8_t> state;  // World::save_state()
 };
 
 /// Complete or not at all, and there after a power cut. @throws Error BadFile

@@ -2,8 +2,8 @@
 
 #include "rod/curvature.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 namespace seldinger {
 namespace {

@@ -5,14 +5,14 @@
 #include "core/file_io.h"
 #include "scene/vtk_legacy.h"
 
-#include <assimp/Importer.hpp>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <fmt/format.h>
 #include <string_view>
 
 namespace seldinger {
@@ -49,7 +49,10 @@ void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> po
                 empty = (b - a).cross(p - a).dot(normal) < 0 || (c - b).cross(p - b).dot(normal) < 0 ||
                         (a - c).cross(p - c).dot(normal) < 0;
             }
-            if (empty) { ear = i; break; }
+            if (empty) {
+                ear = i;
+                break;
+            }
         }
         mesh.triangles.push_back({polygon[(ear + n - 1) % n], polygon[ear], polygon[(ear + 1) % n]});
         polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(ear));
@@ -65,7 +68,8 @@ WallMesh from_polydata(const PolyData& data)
     std::int64_t begin = 0;
     auto next_cell = [&](const PolyCells& cells, std::int64_t end) {
         corners.clear();
-        for (; begin < end; ++begin) corners.push_back(static_cast<std::int32_t>(cells.connectivity[static_cast<std::size_t>(begin)]));
+        for (; begin < end; ++begin)
+            corners.push_back(static_cast<std::int32_t>(cells.connectivity[static_cast<std::size_t>(begin)]));
     };
     for (const std::int64_t end : data.polys.offsets) {
         next_cell(data.polys, end);
@@ -140,7 +144,8 @@ WallMesh read_with_assimp(const std::filesystem::path& path, const std::string& 
             for (unsigned c = 0; c < part.mFaces[f].mNumIndices; ++c) {
                 const unsigned index = part.mFaces[f].mIndices[c];
                 if (index >= part.mNumVertices)
-                    bad_file(path, fmt::format("face {} names vertex {}, only {} exist: truncated or damaged", faces, index, part.mNumVertices));
+                    bad_file(path, fmt::format("face {} names vertex {}, only {} exist: truncated or damaged", faces, index,
+                                               part.mNumVertices));
                 corners.push_back(first + static_cast<std::int32_t>(index));
             }
             triangulate(mesh.vertices, corners, mesh);  // leaves points and lines out
@@ -167,7 +172,8 @@ WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, 
 {
     const double scale = metres_per_unit(units);
     const std::string extension = lower_extension(path);
-    if (std::error_code ignored; std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) == 0)
+    if (std::error_code ignored;
+        std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) == 0)
         bad_file(path, "the file is empty");
     WallMesh mesh;
     if (extension == ".vtp") mesh = from_polydata(read_poly_data(path));

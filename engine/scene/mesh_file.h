@@ -21,8 +21,8 @@ namespace seldinger {
 /// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile
 void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const std::string& units);
 
-/// Polylines of a .vtp with the point array MaximumInscribedSphereRadius, as VMTK writes them, as one tree: points of several lines
-/// that coincide become one. Roots are first points of lines that join no earlier line. @throws Error BadFile
+/// Polylines of a .vtp with the point array MaximumInscribedSphereRadius, as VMTK writes them, as one tree: points of several
+/// lines that coincide become one. Roots are first points of lines that join no earlier line. @throws Error BadFile
 [[nodiscard]] Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units);
 
 /// One polyline per branch, from its branching point to the next one or its end; radius as MaximumInscribedSphereRadius.

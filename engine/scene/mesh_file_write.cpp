@@ -5,19 +5,20 @@
 #include "scene/mesh_file.h"
 #include "vessel/triangle_geometry.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
 #include <map>
 #include <string_view>
 
 namespace seldinger {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary STL, PLY and VTP are written little-endian as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "binary STL, PLY and VTP are written little-endian as they lie in memory");
 
 template <class T>
 void append(std::string& bytes, const T& value)
@@ -52,10 +53,11 @@ std::string obj_text(const WallMesh& mesh, double scale)
 
 std::string ply_bytes(const WallMesh& mesh, double scale)
 {
-    std::string bytes = fmt::format("ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen\n"
-                                    "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
-                                    "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                                    mesh.vertices.size(), mesh.triangles.size());
+    std::string bytes = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen\n"
+        "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.vertices.size(), mesh.triangles.size());
     for (const Vec3& v : mesh.vertices)
         for (int d = 0; d < 3; ++d) append(bytes, v[d] * scale);
     for (const auto& t : mesh.triangles) {
@@ -74,8 +76,7 @@ std::string base64_encode(std::string_view bytes)
         std::uint32_t group = 0;
         for (std::size_t k = 0; k < 3; ++k)
             group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k <= bytes.size() - i ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
+        for (std::size_t k = 0; k < 4; ++k) text += k <= bytes.size() - i ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
     }
     return text;
 }
@@ -87,22 +88,24 @@ std::string data_array(const char* type, const char* name, int components, const
     std::string bytes;
     append(bytes, static_cast<std::uint64_t>(values.size() * sizeof(T)));
     bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">{}</DataArray>\n", type, name,
-                       components, base64_encode(bytes));
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">{}</DataArray>\n", type,
+                       name, components, base64_encode(bytes));
 }
 
-std::string vtp_text(const std::vector<Vec3>& points, double scale, const char* kind, const std::vector<std::int64_t>& connectivity,
-                     const std::vector<std::int64_t>& offsets, const std::string& point_data)
+std::string vtp_text(const std::vector<Vec3>& points, double scale, const char* kind,
+                     const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& offsets,
+                     const std::string& point_data)
 {
     std::vector<double> coordinates;
     for (const Vec3& p : points)
         for (int d = 0; d < 3; ++d) coordinates.push_back(p[d] * scale);
-    return fmt::format("<?xml version=\"1.0\"?>\n"
-                       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
-                       "<Piece NumberOfPoints=\"{}\" NumberOf{}=\"{}\">\n<PointData>\n{}</PointData>\n<Points>\n{}</Points>\n"
-                       "<{}>\n{}{}</{}>\n</Piece>\n</PolyData>\n</VTKFile>\n",
-                       points.size(), kind, offsets.size(), point_data, data_array("Float64", "Points", 3, coordinates), kind,
-                       data_array("Int64", "connectivity", 1, connectivity), data_array("Int64", "offsets", 1, offsets), kind);
+    return fmt::format(
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
+        "<Piece NumberOfPoints=\"{}\" NumberOf{}=\"{}\">\n<PointData>\n{}</PointData>\n<Points>\n{}</Points>\n"
+        "<{}>\n{}{}</{}>\n</Piece>\n</PolyData>\n</VTKFile>\n",
+        points.size(), kind, offsets.size(), point_data, data_array("Float64", "Points", 3, coordinates), kind,
+        data_array("Int64", "connectivity", 1, connectivity), data_array("Int64", "offsets", 1, offsets), kind);
 }
 
 }  // namespace
@@ -114,7 +117,9 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
     if (extension == ".stl") return write_file(path, stl_bytes(mesh, scale));
     if (extension == ".obj") return write_file(path, obj_text(mesh, scale));
     if (extension == ".ply") return write_file(path, ply_bytes(mesh, scale));
-    if (extension != ".vtp") throw Error(ExitCode::BadFile, fmt::format("{}: cannot write \"{}\"; .stl, .obj, .ply or .vtp expected", path.string(), extension));
+    if (extension != ".vtp")
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: cannot write \"{}\"; .stl, .obj, .ply or .vtp expected", path.string(), extension));
     std::vector<std::int64_t> connectivity, offsets;
     for (const auto& t : mesh.triangles) {
         connectivity.insert(connectivity.end(), t.begin(), t.end());
@@ -178,7 +183,7 @@ void write_centreline_vtp(const std::filesystem::path& path, const Centreline& c
     std::vector<double> radius;
     for (const double r : centreline.radius) radius.push_back(r * scale);
     write_file(path, vtp_text(centreline.points, scale, "Lines", connectivity, offsets,
-                                     data_array("Float64", "MaximumInscribedSphereRadius", 1, radius)));
+                              data_array("Float64", "MaximumInscribedSphereRadius", 1, radius)));
 }
 
 }  // namespace seldinger

@@ -3,10 +3,10 @@
 #include "core/error.h"
 #include "scene/frames.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <utility>
 
 namespace seldinger {
@@ -15,12 +15,13 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",   "wire.csv",  "contacts.csv",
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv",
                                      "wire.pvd",       "contacts.pvd", "vessel.vtp", "scene.toml", "picture.png"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "frame_"};
 
 constexpr std::string_view trace_header =
-    "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_nm,"
+    "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_"
+    "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
     "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m\n";
 
@@ -41,7 +42,8 @@ private:
 bool is_own(const std::string& name)
 {
     const auto digits_after = [&](std::string_view prefix) {
-        return name.starts_with(prefix) && name.size() > prefix.size() && name[prefix.size()] >= '0' && name[prefix.size()] <= '9';
+        return name.starts_with(prefix) && name.size() > prefix.size() && name[prefix.size()] >= '0' &&
+               name[prefix.size()] <= '9';
     };
     if (std::any_of(std::begin(own_series), std::end(own_series), digits_after)) return true;
     return std::any_of(std::begin(own_files), std::end(own_files),
@@ -60,14 +62,15 @@ void remove_old_run(const fs::path& dir)
         if (is_own(entry.path().filename().string())) old.push_back(entry.path());
     for (const fs::path& path : old)
         if (!fs::remove(path, error) && error)
-            throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(),
-                                                       error.message()));
+            throw Error(ExitCode::BadFile,
+                        fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(), error.message()));
 }
 
 bool holds_a_run(const fs::path& dir)
 {
     std::error_code ignored;
-    return std::any_of(std::begin(own_files), std::end(own_files), [&](const char* name) { return fs::exists(dir / name, ignored); });
+    return std::any_of(std::begin(own_files), std::end(own_files),
+                       [&](const char* name) { return fs::exists(dir / name, ignored); });
 }
 
 void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
@@ -76,14 +79,19 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
     std::error_code ignored;
     const fs::path resolved = dir / "scene.toml";
     if (fs::equivalent(resolved, scene.source, ignored) && !fs::exists(dir / "checkpoint.bin", ignored))
-        throw Error(ExitCode::BadScene, fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o",
-                                                    dir.string()));
+        throw Error(
+            ExitCode::BadScene,
+            fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o", dir.string()));
     if (use == FolderUse::Refuse)
-        throw Error(ExitCode::BadScene, fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
-                                                    "or another folder with -o", dir.string()));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                                "or another folder with -o",
+                                dir.string()));
     if (use == FolderUse::Resume && fs::exists(dir / "checkpoint.bin", ignored) && read_file(resolved) != write_scene(scene, dir))
-        throw Error(ExitCode::BadScene, fmt::format("{}: differs from the scene that is to be resumed; give the same scene and --set, "
-                                                    "or --overwrite", resolved.string()));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: differs from the scene that is to be resumed; give the same scene and --set, "
+                                "or --overwrite",
+                                resolved.string()));
 }
 
 Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& world, fs::path dir)
@@ -108,14 +116,20 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
 }
 
 Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world, fs::path dir, const Checkpoint& saved)
-    : scene_(scene), vessel_(vessel), dir_(std::move(dir)), vessel_hash_(hash_of(world.setup().mesh)), tally_(saved.tally),
-      wire_frames_(saved.wire_frames), contact_frames_(saved.contact_frames)
+    : scene_(scene),
+      vessel_(vessel),
+      dir_(std::move(dir)),
+      vessel_hash_(hash_of(world.setup().mesh)),
+      tally_(saved.tally),
+      wire_frames_(saved.wire_frames),
+      contact_frames_(saved.contact_frames)
 {
     if (vessel_hash_ != saved.vessel_hash)
         throw Error(ExitCode::BadFile, fmt::format("{}: has changed since the run began; run again with --overwrite",
                                                    scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
     if (world.device_name() != saved.device)
-        warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(), saved.device));
+        warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(),
+                         saved.device));
     world.restore_state(saved.state);
     trace_ = AppendFile(dir_ / "trace.csv", saved.trace_bytes);
     readings_ = world.readings(0);
@@ -165,16 +179,17 @@ void Recorder::write_row(const World& world)
 {
     const WireReadings& r = readings_;
     const double step_ms = tally_.row_steps > 0 ? 1e3 * tally_.row_time / static_cast<double>(tally_.row_steps) : 0;
-    std::string row = fmt::format("{},{},{},{},{},{}", tally_.steps, csv(world.time()), csv(r.inserted), csv(r.turned), r.nodes, r.contacts);
+    std::string row =
+        fmt::format("{},{},{},{},{},{}", tally_.steps, csv(world.time()), csv(r.inserted), csv(r.turned), r.nodes, r.contacts);
     for (const double v : {r.normal, r.friction, r.sliding, r.sticking, r.rolling, r.hand_force, r.hand_torque, r.overlap})
         row += "," + csv(v);
     row += fmt::format(",{},{:.4g}", tally_.row_newton, step_ms);
-    for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic, r.elastic,
-                           r.gravitational})
+    for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic,
+                           r.elastic, r.gravitational})
         row += "," + csv(v);
     const Vec3 tip = world.rod(0).pos(0);
-    trace_.append(row + fmt::format(",{},{},{},{},{}\n", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
-                                    csv(tip.z())));
+    trace_.append(row + fmt::format(",{},{},{},{},{}\n", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()),
+                                    csv(tip.y()), csv(tip.z())));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }
@@ -195,7 +210,8 @@ void Recorder::write_contact_frame(const World& world)
 // Written with each checkpoint and at the end, not with each frame: the list of a long series would cost more than the series.
 void Recorder::write_collections()
 {
-    const std::pair<const char*, const std::vector<FrameMark>*> series[] = {{"wire", &wire_frames_}, {"contacts", &contact_frames_}};
+    const std::pair<const char*, const std::vector<FrameMark>*> series[] = {{"wire", &wire_frames_},
+                                                                            {"contacts", &contact_frames_}};
     for (const auto& [stem, frames] : series) {
         if (frames->empty()) continue;
         std::vector<PvdEntry> entries;
@@ -223,8 +239,8 @@ void Recorder::write_contact_table(const World& world)
     std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m\n";
     for (const ContactRow& c : world.contacts()) {
         table += fmt::format("{},{}", c.edge, c.triangle);
-        for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap, c.normal_force,
-                               c.friction.norm()})
+        for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
+                               c.normal_force, c.friction.norm()})
             table += "," + csv(v);
         table += fmt::format(",{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length));
     }
@@ -237,8 +253,8 @@ void Recorder::checkpoint(const World& world, RunStatus status, double wall)
     tally_.wall = wall;
     write_collections();
     trace_.sync();
-    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), vessel_hash_, status, tally_, trace_.size(), wire_frames_,
-                                               contact_frames_, world.save_state()});
+    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), vessel_hash_, status, tally_, trace_.size(),
+                                               wire_frames_, contact_frames_, world.save_state()});
 }
 
 std::string Recorder::finish(const World& world, RunStatus status, double wall)

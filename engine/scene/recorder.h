@@ -32,7 +32,8 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, const World& world, std::filesystem::path dir);
 
     /// Goes on where `checkpoint` left off: restores the world and cuts what was written later. @throws Error BadFile
-    Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir, const Checkpoint& checkpoint);
+    Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
+             const Checkpoint& checkpoint);
 
     /// After settle(): takes its readings in, and writes row 0.
     void settled(const World& world, const StepReport& report);
@@ -64,7 +65,7 @@ private:
     std::uint64_t vessel_hash_ = 0;
     AppendFile trace_;
     RunTally tally_;
-    WireReadings readings_;          // of the last accepted step
+    WireReadings readings_;  // of the last accepted step
     std::vector<FrameMark> wire_frames_, contact_frames_;
     std::vector<std::string> warnings_;
 };

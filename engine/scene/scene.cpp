@@ -6,10 +6,7 @@
 
 namespace seldinger {
 
-long Scene::steps() const
-{
-    return std::lround(duration / dt);
-}
+long Scene::steps() const { return std::lround(duration / dt); }
 
 double prescribed_until(const Scene& scene)
 {

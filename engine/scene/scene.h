@@ -18,26 +18,26 @@ struct LoadedVessel;  // scene/vessel_load.h
 enum class Until { Time, Rest };
 
 struct Scene {
-    std::filesystem::path source;    // file that it was read from, for messages
+    std::filesystem::path source;  // file that it was read from, for messages
     std::string name;
-    std::string planned;             // what `seldinger plan` chose this model for (summary.json, `model`); else empty
-    Vec3 gravity = {0, 0, -9.81};    // [m/s^2]
-    double duration = 0;             // [s]; 0 only for scheme = "static" without duration_s
-    double dt = 1e-3;                // [s]
+    std::string planned;           // what `seldinger plan` chose this model for (summary.json, `model`); else empty
+    Vec3 gravity = {0, 0, -9.81};  // [m/s^2]
+    double duration = 0;           // [s]; 0 only for scheme = "static" without duration_s
+    double dt = 1e-3;              // [s]
     Until until = Until::Time;
-    int record_every = 10;           // steps between rows of trace.csv
-    std::int64_t seed = 0;           // of whatever draws at random (batch)
+    int record_every = 10;  // steps between rows of trace.csv
+    std::int64_t seed = 0;  // of whatever draws at random (batch)
     bool start_settled = false;
     WireSpec wire;
     IntegratorSpec integrator;
-    VesselSpec vessel;               // paths absolute
+    VesselSpec vessel;  // paths absolute
     ContactSpec contact;
     FeedSpec feed;
     std::vector<HoldSpec> holds;
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
-    int wire_every = 1;              // steps between frames of the wire; 0: none
-    int contacts_every = 1;          // steps between frames of the contacts; 0: none
+    int wire_every = 1;                                      // steps between frames of the wire; 0: none
+    int contacts_every = 1;                                  // steps between frames of the contacts; 0: none
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 
     /// round(duration / dt); sub-steps are not counted.

@@ -18,23 +18,32 @@ struct Choice {
 
 inline constexpr Choice<Until> until_words[] = {{"time", Until::Time}, {"rest", Until::Rest}};
 inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", true}};
-inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle}, {"tangent", CurvatureMeasure::Tangent}};
+inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle},
+                                                               {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
 inline constexpr Choice<Scheme> scheme_words[] = {
     {"newton", Scheme::Newton}, {"linearised", Scheme::Linearised}, {"static", Scheme::Static}, {"explicit", Scheme::Explicit}};
 inline constexpr Choice<Spins> spins_words[] = {{"auto", Spins::Auto}, {"kept", Spins::Kept}};
-inline constexpr Choice<PlaceShape> place_words[] = {{"straight", PlaceShape::Straight}, {"arc", PlaceShape::Arc},
-    {"ring", PlaceShape::Ring}, {"points", PlaceShape::Points}, {"centreline", PlaceShape::Centreline}};
-inline constexpr Choice<VesselShape> vessel_words[] = {{"tube", VesselShape::Tube}, {"arc", VesselShape::Arc},
-    {"plane", VesselShape::Plane}, {"aortic-arch", VesselShape::Arch}};
-inline constexpr Choice<Detection> detection_words[] = {{"swept", Detection::Swept}, {"capsule", Detection::Capsule},
-    {"layer", Detection::Layer}, {"nodes", Detection::Nodes}};
+inline constexpr Choice<PlaceShape> place_words[] = {{"straight", PlaceShape::Straight},
+                                                     {"arc", PlaceShape::Arc},
+                                                     {"ring", PlaceShape::Ring},
+                                                     {"points", PlaceShape::Points},
+                                                     {"centreline", PlaceShape::Centreline}};
+inline constexpr Choice<VesselShape> vessel_words[] = {
+    {"tube", VesselShape::Tube}, {"arc", VesselShape::Arc}, {"plane", VesselShape::Plane}, {"aortic-arch", VesselShape::Arch}};
+inline constexpr Choice<Detection> detection_words[] = {
+    {"swept", Detection::Swept}, {"capsule", Detection::Capsule}, {"layer", Detection::Layer}, {"nodes", Detection::Nodes}};
 inline constexpr Choice<NormalLaw> normal_words[] = {{"hunt-crossley", NormalLaw::HuntCrossley},
-    {"lankarani-nikravesh", NormalLaw::LankaraniNikravesh}, {"augmented", NormalLaw::Augmented},
-    {"constraint", NormalLaw::Constraint}, {"impulse", NormalLaw::Impulse}, {"barrier", NormalLaw::Barrier}};
-inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", FrictionLaw::StickSlip}, {"smooth", FrictionLaw::Smooth},
-    {"sign", FrictionLaw::Sign}, {"none", FrictionLaw::None}};
+                                                     {"lankarani-nikravesh", NormalLaw::LankaraniNikravesh},
+                                                     {"augmented", NormalLaw::Augmented},
+                                                     {"constraint", NormalLaw::Constraint},
+                                                     {"impulse", NormalLaw::Impulse},
+                                                     {"barrier", NormalLaw::Barrier}};
+inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", FrictionLaw::StickSlip},
+                                                         {"smooth", FrictionLaw::Smooth},
+                                                         {"sign", FrictionLaw::Sign},
+                                                         {"none", FrictionLaw::None}};
 inline constexpr Choice<Precision> precision_words[] = {{"float64", Precision::Float64}, {"float32", Precision::Float32}};
 inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
 

@@ -16,8 +16,8 @@ constexpr long most_steps = 1'000'000'000;
 
 void read_integrator(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "integrator", {"scheme", "beta", "gamma", "conserve", "spins", "tolerance", "damping_mass_1_s",
-                                              "damping_stiffness_s"});
+    const TableReader t(table, "integrator",
+                        {"scheme", "beta", "gamma", "conserve", "spins", "tolerance", "damping_mass_1_s", "damping_stiffness_s"});
     IntegratorSpec& spec = scene.integrator;
     t.choice("scheme", spec.scheme, scheme_words);
     // absent: backward Euler; one of the two alone: the other is the trapezoid's
@@ -37,7 +37,8 @@ void read_integrator(const toml::table& table, Scene& scene)
 
 void read_scene_table(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "scene", {"name", "gravity", "duration_s", "dt_s", "until", "record_every", "seed", "start", "planned"});
+    const TableReader t(table, "scene",
+                        {"name", "gravity", "duration_s", "dt_s", "until", "record_every", "seed", "start", "planned"});
     const bool timed = scene.integrator.scheme != Scheme::Static;
     scene.name = scene.source.stem().string();
     t.text("name", scene.name);
@@ -76,10 +77,25 @@ void read_contact_stiffness(const TableReader& t, ContactSpec& spec)
         t.fail("exponent", "stiffness = \"from-wall\" fixes it at 1.5; take it out or give stiffness a number");
 }
 
-const std::initializer_list<std::string_view> contact_keys = {
-    "detection", "normal", "friction", "stiffness", "exponent", "restitution", "mu_static", "mu_sliding", "rolling",
-    "rolling_alpha", "rolling_sigma_b_pa", "rolling_sigma_s_pa", "rolling_hardness_pa", "layer_height_m",
-    "pair_distance_m", "samples_per_edge", "overlap_m", "barrier_distance_m", "precision"};
+const std::initializer_list<std::string_view> contact_keys = {"detection",
+                                                              "normal",
+                                                              "friction",
+                                                              "stiffness",
+                                                              "exponent",
+                                                              "restitution",
+                                                              "mu_static",
+                                                              "mu_sliding",
+                                                              "rolling",
+                                                              "rolling_alpha",
+                                                              "rolling_sigma_b_pa",
+                                                              "rolling_sigma_s_pa",
+                                                              "rolling_hardness_pa",
+                                                              "layer_height_m",
+                                                              "pair_distance_m",
+                                                              "samples_per_edge",
+                                                              "overlap_m",
+                                                              "barrier_distance_m",
+                                                              "precision"};
 
 /// What the laws of kernels/shared/hard_law.h cannot be joined with.
 void check_hard_law(const TableReader& t, const Scene& scene)
@@ -90,17 +106,21 @@ void check_hard_law(const TableReader& t, const Scene& scene)
     const Scheme scheme = scene.integrator.scheme;
     if (spec.detection == Detection::Layer)
         t.fail("normal", fmt::format("\"{}\" lives on material samples, which detection = \"layer\" has not; use \"swept\" or "
-                                     "\"capsule\", or normal = \"hunt-crossley\"", law));
+                                     "\"capsule\", or normal = \"hunt-crossley\"",
+                                     law));
     if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)
-        t.fail("normal", fmt::format("\"{}\" is solved by Newton's method to its end; use integrator.scheme = \"newton\" or \"static\", or "
-                                     "normal = \"hunt-crossley\"", law));
+        t.fail("normal",
+               fmt::format("\"{}\" is solved by Newton's method to its end; use integrator.scheme = \"newton\" or \"static\", or "
+                           "normal = \"hunt-crossley\"",
+                           law));
 }
 
 void check_precision(const TableReader& t, const ContactSpec& spec)
 {
     if (spec.precision == Precision::Float32 && (is_hard(spec.normal) || spec.detection == Detection::Layer))
-        t.fail("precision", "\"float32\" is there for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
-                            "\"lankarani-nikravesh\"; take it out");
+        t.fail("precision",
+               "\"float32\" is there for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
+               "\"lankarani-nikravesh\"; take it out");
 }
 
 /// Lengths that are measured against the wire, so after it has been read.
@@ -110,7 +130,8 @@ void check_contact_lengths(const TableReader& t, const Scene& scene)
     for (const WireSectionRange& range : scene.wire.sections) radius = std::min(radius, range.section.radius);
     const auto check = [&](std::string_view key, double value, double part, const char* words) {
         if (value > part * radius)
-            t.fail(key, fmt::format("{} m is more than {} of the wire's radius, {:.4g} m; make it smaller", value, words, radius));
+            t.fail(key,
+                   fmt::format("{} m is more than {} of the wire's radius, {:.4g} m; make it smaller", value, words, radius));
     };
     check("overlap_m", scene.contact.overlap, 0.25, "a quarter");
     check("barrier_distance_m", scene.contact.barrier_distance, contact_reach, "a tenth");
@@ -220,7 +241,8 @@ void read_hold(const toml::table& table, const std::string& path, Scene& scene)
     }
     if (!hold.spin) t.refuse("turn", "needs spin = true");
     if (scene.integrator.scheme == Scheme::Static && !hold.velocity.isZero())
-        t.fail("velocity_m_s", "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
+        t.fail("velocity_m_s",
+               "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
     scene.holds.push_back(std::move(hold));
 }
 

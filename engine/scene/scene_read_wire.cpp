@@ -153,10 +153,10 @@ void refuse_placement(const TableReader& t)
 
 void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
 {
-    const TableReader t(
-        table, "wire",
-        {"length_m", "radius_m", "density", "nodes", "min_edge_m", "max_edge_m", "edge_error_m", "youngs_pa", "poisson", "bend_nm2", "twist_nm2",
-         "stretch_n", "mu_static", "mu_sliding", "curvature", "place", "rest", "velocity_m_s", "spin_rad_s", "section"});
+    const TableReader t(table, "wire",
+                        {"length_m",  "radius_m", "density",  "nodes",        "min_edge_m", "max_edge_m", "edge_error_m",
+                         "youngs_pa", "poisson",  "bend_nm2", "twist_nm2",    "stretch_n",  "mu_static",  "mu_sliding",
+                         "curvature", "place",    "rest",     "velocity_m_s", "spin_rad_s", "section"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))

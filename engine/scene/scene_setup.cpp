@@ -9,9 +9,9 @@
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <optional>
 #include <utility>
 
@@ -58,9 +58,10 @@ void check_size(const Scene& scene, const LoadedVessel& vessel)
     if (scene.vessel.shape != VesselShape::Mesh)
         fail(scene, "vessel.radius_m", sizes + "; expected the same order of size, check both (metres)");
     const std::string_view unit = fitting_unit(lumen, scene.vessel.units, wire);
-    fail(scene, "vessel.units", fmt::format("\"{}\" looks wrong: {}; {}", scene.vessel.units, sizes,
-                                            unit == scene.vessel.units ? "check wire.radius_m too (metres)"
-                                                                       : fmt::format("units = \"{}\" would fit", unit)));
+    fail(scene, "vessel.units",
+         fmt::format(
+             "\"{}\" looks wrong: {}; {}", scene.vessel.units, sizes,
+             unit == scene.vessel.units ? "check wire.radius_m too (metres)" : fmt::format("units = \"{}\" would fit", unit)));
 }
 
 void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
@@ -86,12 +87,12 @@ public:
         const LumenPlace place = locate(feed.point);
         if (place.inside()) return;
         const Vec3& p = feed.point;
-        const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim", place.opening,
-                                                                   1e3 * (place.nearest - p).norm())
+        const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
+                                                                   place.opening, 1e3 * (place.nearest - p).norm())
                                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
         fail(scene, feed.inlet_auto ? "feed.inlet" : "feed.point",
-             fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)", p.x(),
-                         p.y(), p.z(), where));
+             fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)",
+                         p.x(), p.y(), p.z(), where));
     }
 
     /// A wire whose axis starts beyond the wall: contact would hold it there, or throw it out.
@@ -113,9 +114,10 @@ public:
         if (worst < 0) return;
         const Vec3 p = rod.pos(worst);
         fail(scene, "wire.place",
-             fmt::format("node {}, {:.4g} mm from the tip, at [{:.6g}, {:.6g}, {:.6g}] is {:.4g} mm beyond the wall; expected every node "
-                         "inside the lumen; move place.base or bend the shape",
-                         worst, 1e3 * rod.material_s[worst], p.x(), p.y(), p.z(), 1e3 * deepest));
+             fmt::format(
+                 "node {}, {:.4g} mm from the tip, at [{:.6g}, {:.6g}, {:.6g}] is {:.4g} mm beyond the wall; expected every node "
+                 "inside the lumen; move place.base or bend the shape",
+                 worst, 1e3 * rod.material_s[worst], p.x(), p.y(), p.z(), 1e3 * deepest));
     }
 
 private:

@@ -1,8 +1,8 @@
 #include "scene/summary.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace seldinger {
@@ -44,14 +44,18 @@ Json stages_of(const RunTally& tally)
 {
     const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(tally.steps, 1));
     const StageTimes& s = tally.stages;
-    return {{"detect", s.detect * to_ms}, {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms}, {"solve", s.solve * to_ms},
-            {"wall", s.wall * to_ms},     {"adapt", s.adapt * to_ms},       {"record", tally.record * to_ms}};
+    return {{"detect", s.detect * to_ms},    {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms},
+            {"solve", s.solve * to_ms},      {"wall", s.wall * to_ms},         {"adapt", s.adapt * to_ms},
+            {"record", tally.record * to_ms}};
 }
 
 Json vessel_of(const RepairReport& report)
 {
-    return {{"triangles_read", report.triangles_read}, {"triangles", report.triangles}, {"vertices", report.vertices},
-            {"openings", report.loops.size()}, {"notes", report.notes}};
+    return {{"triangles_read", report.triangles_read},
+            {"triangles", report.triangles},
+            {"vertices", report.vertices},
+            {"openings", report.loops.size()},
+            {"notes", report.notes}};
 }
 
 void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, const WireReadings& r)
@@ -75,11 +79,14 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
 {
     std::vector<std::string> list = notes.warnings;
     const auto share = [&](std::int64_t count) { return fmt::format("{} of {} steps", count, tally.steps); };
-    if (tally.halved_steps > 0) list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
+    if (tally.halved_steps > 0)
+        list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
     if (tally.outside_steps > 0)
-        list.push_back(share(tally.outside_steps) + fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most",
-                                                                1e3 * tally.outside_max));
-    if (tally.non_finite > 0) list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
+        list.push_back(
+            share(tally.outside_steps) +
+            fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most", 1e3 * tally.outside_max));
+    if (tally.non_finite > 0)
+        list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
     return list;
 }
@@ -101,11 +108,16 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
 const char* status_word(RunStatus status)
 {
     switch (status) {
-        case RunStatus::Running: return "running";
-        case RunStatus::Done: return "done";
-        case RunStatus::TimeLimit: return "time-limit";
-        case RunStatus::Interrupted: return "interrupted";
-        case RunStatus::Stopped: return "stopped";
+        case RunStatus::Running:
+            return "running";
+        case RunStatus::Done:
+            return "done";
+        case RunStatus::TimeLimit:
+            return "time-limit";
+        case RunStatus::Interrupted:
+            return "interrupted";
+        case RunStatus::Stopped:
+            return "stopped";
     }
     return "unknown";
 }
@@ -146,14 +158,15 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
     const Json s = Json::parse(json);
     const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
     std::string text = fmt::format("{}: {}\n", s.at("name").get<std::string>(), s.at("status").get<std::string>());
-    text += fmt::format("  {} steps, {:.4g} s simulated in {:.3g} s ({:.3g} x real time, {:.0f} steps/s)\n", s.at("steps").get<long>(),
-                        number("simulated_s"), number("wall_s"), number("realtime_factor"), number("steps_per_s"));
-    text += fmt::format("  inserted {:.4g} cm, {} nodes, at most {} contacts\n", 1e2 * number("inserted_m"), s.at("nodes").get<int>(),
-                        s.at("contacts_max").get<long>());
+    text += fmt::format("  {} steps, {:.4g} s simulated in {:.3g} s ({:.3g} x real time, {:.0f} steps/s)\n",
+                        s.at("steps").get<long>(), number("simulated_s"), number("wall_s"), number("realtime_factor"),
+                        number("steps_per_s"));
+    text += fmt::format("  inserted {:.4g} cm, {} nodes, at most {} contacts\n", 1e2 * number("inserted_m"),
+                        s.at("nodes").get<int>(), s.at("contacts_max").get<long>());
     text += fmt::format("  hand force {:.4g} N, torque {:.4g} N m; friction at most {:.4g} N\n", number("hand_force_n"),
                         number("hand_torque_nm"), number("friction_max_n"));
-    text += fmt::format("  overlap at most {:.3g} um, outside {:.3g} um; Newton at most {} iterations\n", 1e6 * number("overlap_max_m"),
-                        1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
+    text += fmt::format("  overlap at most {:.3g} um, outside {:.3g} um; Newton at most {} iterations\n",
+                        1e6 * number("overlap_max_m"), 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
     text += fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
     std::string files;

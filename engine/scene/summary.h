@@ -18,21 +18,21 @@ enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Sto
 
 /// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
 struct RunTally {
-    std::int64_t steps = 0;            // taken
+    std::int64_t steps = 0;  // taken
     std::int64_t contacts_max = 0, newton_max = 0;
-    std::int64_t halved_steps = 0;     // StepHalved
-    std::int64_t outside_steps = 0;    // StepWallPenetration
-    std::int64_t overflow_steps = 0;   // StepContactOverflow
-    std::int64_t non_finite = 0;       // numbers that could not be written
+    std::int64_t halved_steps = 0;    // StepHalved
+    std::int64_t outside_steps = 0;   // StepWallPenetration
+    std::int64_t overflow_steps = 0;  // StepContactOverflow
+    std::int64_t non_finite = 0;      // numbers that could not be written
     std::int64_t resumes = 0;
-    std::int64_t rest_steps = 0;       // steps in a row that World::at_rest() held
+    std::int64_t rest_steps = 0;                                // steps in a row that World::at_rest() held
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
-    double wall = 0;                   // the loop with writing, earlier parts of a resumed run included [s]
-    StageTimes stages;                 // sums [s]
-    double record = 0;                 // writing, summed [s]
+    double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
+    StageTimes stages;  // sums [s]
+    double record = 0;  // writing, summed [s]
     // since the last row of trace.csv
     std::int64_t row_newton = 0, row_flags = 0, row_steps = 0;
-    double row_time = 0;               // [s]
+    double row_time = 0;  // [s]
 
     /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
@@ -44,8 +44,8 @@ struct SummaryNotes {
     const Scene* scene = nullptr;
     const RepairReport* vessel = nullptr;
     RunStatus status = RunStatus::Running;
-    WireReadings readings;               // of the last accepted step
-    std::vector<std::string> warnings;   // one sentence each
+    WireReadings readings;              // of the last accepted step
+    std::vector<std::string> warnings;  // one sentence each
 };
 
 /// The JSON object, indented, with a line end. A number that is not finite is null, and `warnings` says so.

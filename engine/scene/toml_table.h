@@ -19,10 +19,7 @@ struct Range {
     double low, high;
     bool low_open, high_open;
     const char* says;
-    [[nodiscard]] bool contains(double v) const
-    {
-        return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high);
-    }
+    [[nodiscard]] bool contains(double v) const { return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high); }
 };
 inline constexpr double range_end = 1.7976931348623157e308;
 inline constexpr Range any_number{-range_end, range_end, false, false, "a number"};

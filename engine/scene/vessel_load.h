@@ -8,7 +8,7 @@
 namespace seldinger {
 
 struct LoadedVessel {
-    WallMesh mesh;          // metres, repaired, normals into the lumen
+    WallMesh mesh;  // metres, repaired, normals into the lumen
     RepairReport report;
     Centreline centreline;  // exact for generated shapes
 };

@@ -4,11 +4,11 @@
 #include "core/error.h"
 #include "core/file_io.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
-#include <fmt/format.h>
 
 namespace seldinger {
 namespace {
@@ -32,10 +32,13 @@ public:
             else if (key == "vertices") read_cells(data.verts, "VERTICES");
             else if (key == "metadata") skip_metadata();
             else if (key == "cell_data" || key == "point_data" || key == "field") break;
-            else fail(fmt::format("\"{}\" where a section of polydata is expected; the file may be truncated or damaged", key.substr(0, 32)));
+            else
+                fail(fmt::format("\"{}\" where a section of polydata is expected; the file may be truncated or damaged",
+                                 key.substr(0, 32)));
         }
         if (data.points.empty()) fail("no POINTS section");
-        for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts}) check_cells(*cells, data.points.size());
+        for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts})
+            check_cells(*cells, data.points.size());
         return data;
     }
 
@@ -91,7 +94,8 @@ private:
     void skip_metadata()
     {
         line();
-        while (at_ < file_.size() && !line().empty()) {}
+        while (at_ < file_.size() && !line().empty()) {
+        }
     }
 
     template <class Source, class Target>
@@ -118,7 +122,8 @@ private:
             if (type == "float") return binary_values<float, Target>(n, section);
             if (type == "double") return binary_values<double, Target>(n, section);
             if (type == "int" || type == "vtktypeint32") return binary_values<std::int32_t, Target>(n, section);
-            if (type == "vtktypeint64" || type == "long" || type == "vtkidtype") return binary_values<std::int64_t, Target>(n, section);
+            if (type == "vtktypeint64" || type == "long" || type == "vtkidtype")
+                return binary_values<std::int64_t, Target>(n, section);
             fail(fmt::format("{} has type \"{}\"; float, double, int and vtktypeint64 are read", section, type));
         }
         std::vector<Target> result(n);
@@ -139,7 +144,8 @@ private:
                 fail(fmt::format("a cell names point {}, only 0 to {} exist", index, point_count - 1));
         std::int64_t before = 0;
         for (const std::int64_t offset : cells.offsets) {
-            if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size())) fail("offsets run backwards or past the end");
+            if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size()))
+                fail("offsets run backwards or past the end");
             before = offset;
         }
     }

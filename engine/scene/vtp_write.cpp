@@ -2,8 +2,8 @@
 
 #include "core/check.h"
 
-#include <bit>
 #include <fmt/format.h>
+#include <bit>
 #include <numeric>
 
 namespace seldinger {
@@ -21,8 +21,8 @@ public:
         const std::uint64_t size = values.size() * sizeof(T);
         blocks_.append(reinterpret_cast<const char*>(&size), sizeof size);
         blocks_.append(reinterpret_cast<const char*>(values.data()), size);
-        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
-                           components, offset);
+        return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+                           type, name, components, offset);
     }
     [[nodiscard]] const std::string& blocks() const { return blocks_; }
 
@@ -75,18 +75,17 @@ void VtpWriter::add_point_data(std::string_view name, int components, std::span<
     point_data_.push_back({std::string(name), components, {values.begin(), values.end()}});
 }
 
-void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values)
-{
-    add_point_data(name, 3, flat(values));
-}
+void VtpWriter::add_point_vectors(std::string_view name, std::span<const Vec3> values) { add_point_data(name, 3, flat(values)); }
 
 std::string VtpWriter::bytes() const
 {
     Appended appended;
-    std::string xml = "<?xml version=\"1.0\"?>\n"
-                      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
-    xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-                       points_.size() / 3, verts_.offsets.size(), lines_.offsets.size(), polys_.offsets.size());
+    std::string xml =
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
+    xml += fmt::format(
+        "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+        points_.size() / 3, verts_.offsets.size(), lines_.offsets.size(), polys_.offsets.size());
     xml += "<PointData>\n";
     for (const Array& array : point_data_) xml += appended.array("Float64", array.name, array.components, array.values);
     xml += "</PointData>\n<Points>\n" + appended.array("Float64", "Points", 3, points_) + "</Points>\n";
@@ -102,7 +101,8 @@ std::string VtpWriter::bytes() const
 
 std::string pvd_text(std::span<const PvdEntry> entries)
 {
-    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
     for (const PvdEntry& entry : entries)
         text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", entry.time, entry.file);
     return text + "</Collection>\n</VTKFile>\n";

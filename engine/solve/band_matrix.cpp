@@ -77,8 +77,7 @@ void BandMatrix::load_upper()
 {
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b)
-        for (int p = 0; p < 4; ++p)
-            std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));
+        for (int p = 0; p < 4; ++p) std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));
     for (int b = nodes; b < nodes + 2; ++b) std::memset(&factor_[b], 0, sizeof(NodeFactor));
 }
 

@@ -17,13 +17,13 @@ class BandMatrix {
 public:
     static constexpr int half_bandwidth = 10;
     static constexpr int row_width = 2 * half_bandwidth + 1;
-    static constexpr int stride = 24;  // doubles per row, a multiple of the SIMD width; those past row_width stay zero
+    static constexpr int stride = 24;    // doubles per row, a multiple of the SIMD width; those past row_width stay zero
     static constexpr int node_size = 4;  // unknowns of a node, the block of the factorisation
 
     explicit BandMatrix(int max_size = 0);
     void reset(int size);  // size = 4 n unknowns, <= max_size; zero entries
-    /// Whether every node's fourth unknown takes part in factors and solutions (default). If not it is 0 in any solution, and what the
-    /// matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
+    /// Whether every node's fourth unknown takes part in factors and solutions (default). If not it is 0 in any solution, and
+    /// what the matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
     void set_fourth(bool takes_part) { fourth_ = takes_part; }
     [[nodiscard]] int size() const { return size_; }
 
@@ -74,12 +74,16 @@ private:
         double inverse_diagonal[4];  // 1 / |a_kk| of the matrix itself
     };
 
-    // `active`: unknowns of a node that take part. Blocks stay four wide: with three, the fourth lane carries numbers that reach no
-    // other lane, since its pivots' inverses are 0.
-    template <int active> int factor_ldlt_of();
-    template <int active> void solve_ldlt_of(std::span<double> rhs_to_x);
-    template <int active> bool factor_lu_of();
-    template <int active> void solve_lu_of(std::span<double> rhs_to_x);
+    // `active`: unknowns of a node that take part. Blocks stay four wide: with three, the fourth lane carries numbers that reach
+    // no other lane, since its pivots' inverses are 0.
+    template <int active>
+    int factor_ldlt_of();
+    template <int active>
+    void solve_ldlt_of(std::span<double> rhs_to_x);
+    template <int active>
+    bool factor_lu_of();
+    template <int active>
+    void solve_lu_of(std::span<double> rhs_to_x);
     void load_upper();
     void load_lower();
     [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero

@@ -12,10 +12,7 @@ namespace seldinger {
 
 namespace {
 
-Vec3 turned_director(const FeedState& state)
-{
-    return Eigen::AngleAxisd(state.turn, state.direction) * state.director;
-}
+Vec3 turned_director(const FeedState& state) { return Eigen::AngleAxisd(state.turn, state.direction) * state.director; }
 
 // The piece of wire in the guide: two nodes, half an edge long, its tip `advance` beyond the inlet.
 void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double speed, double spin)
@@ -143,7 +140,8 @@ double energy_now(const RodView& rod, std::span<const RodClamp> clamps, RodFrame
     return update_frames(rod, now, clamps, frames) ? elastic_energy(rod, clamps, frames) : 0.0;
 }
 
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits, HubScratch& scratch)
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
+                    HubScratch& scratch)
 {
     RodView rod = rods.view(index);
     const int base = rod.n - 2;  // the base edge

@@ -16,13 +16,13 @@
 namespace seldinger {
 
 struct FeedState {
-    double advance = 0, turn = 0;   // at the accepted time [m], [rad]
-    double debt = 0;                // rest length inside beyond what was fed [m]
-    double edge = 0;                // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
-    double speed = 0;               // of the material at the inlet during the last step; not state [m/s]
+    double advance = 0, turn = 0;  // at the accepted time [m], [rad]
+    double debt = 0;               // rest length inside beyond what was fed [m]
+    double edge = 0;               // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
+    double speed = 0;              // of the material at the inlet during the last step; not state [m/s]
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
-    std::uint8_t on = 0;            // the wire is fed
-    std::uint8_t inside = 0;        // it has left the rigid guide and is being solved
+    std::uint8_t on = 0;      // the wire is fed
+    std::uint8_t inside = 0;  // it has left the rigid guide and is being solved
 };
 
 /// Puts a fed wire into its guide at advance 0.
@@ -61,6 +61,7 @@ struct HubScratch {
 };
 
 /// Splits or merges the base edge where it left its limits.
-HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits, HubScratch& scratch);
+HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int index, const BaseEdge& limits,
+                    HubScratch& scratch);
 
 }  // namespace seldinger

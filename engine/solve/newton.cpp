@@ -15,14 +15,13 @@ constexpr int most_rounds = 40;  // of multipliers: misses shrink to a quarter a
 
 }  // namespace
 
-Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
-    : rods_(rods), spec_(spec), gravity_(gravity)
+Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity) : rods_(rods), spec_(spec), gravity_(gravity)
 {
     if (spec.newmark && !(spec.beta > 0))
-        throw Error(ExitCode::BadScene, "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
-                                        "method set scheme = \"explicit\"");
-    for (int w = 0; w < rods.wire_count(); ++w)
-        work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
+        throw Error(ExitCode::BadScene,
+                    "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
+                    "method set scheme = \"explicit\"");
+    for (int w = 0; w < rods.wire_count(); ++w) work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
     for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
     first_.resize(rods.wire_count());
@@ -48,7 +47,9 @@ void Solver::write_trial(int wire)
 void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
     const int wires = rods_.wire_count();
-    const auto any = [](const std::vector<std::uint8_t>& flags) { return std::find(flags.begin(), flags.end(), 1) != flags.end(); };
+    const auto any = [](const std::vector<std::uint8_t>& flags) {
+        return std::find(flags.begin(), flags.end(), 1) != flags.end();
+    };
     for (;;) {
         for_each_item(wires, wire_grain, [&](int w) {
             NewtonWire& newton = work_[w]->newton;

@@ -24,7 +24,8 @@ public:
     /// Evaluates contact of every wire w with active[w] != 0 at the trial state; h is the step [s]. Static: h = 0 (no damping,
     /// friction anchored at the accepted positions). After the call admissible(w) and add() speak of this trial state.
     virtual void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) = 0;
-    /// False when the trial overlaps the wall beyond what the law allows (force would be infinite), or moved farther than was searched.
+    /// False when the trial overlaps the wall beyond what the law allows (force would be infinite), or moved farther than was
+    /// searched.
     [[nodiscard]] virtual bool admissible(int wire) const = 0;
     /// Adds -force to `gradient` [4n] and -d(force)/dq to `jacobian` if not null. `symmetric`: leave out the unsymmetric
     /// (sliding friction) part of the tangent.
@@ -38,8 +39,8 @@ public:
     /// How much of the straight way from the last state taken to the trial is free of the wall, 1: all. A law that never overlaps
     /// refuses a trial whose way is not.
     [[nodiscard]] virtual double free_way(int) const { return 1; }
-    /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not settled
-    /// there (D8), renews them and sets again[w]: these wires are to be solved on from there. @return whether any
+    /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
+    /// settled there (D8), renews them and sets again[w]: these wires are to be solved on from there. @return whether any
     virtual bool refine(std::span<const std::uint8_t> /*solved*/, std::span<std::uint8_t> /*again*/) { return false; }
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int wire) const = 0;
@@ -47,11 +48,20 @@ public:
 
 /// What holds and loads a wire during one step, resolved to nodes and times (solve/constraints.h builds it).
 struct WireConstraints {
-    std::vector<std::pair<int, double>> prescribed;   // unknown index in [0, 4n), its value at the end of the step
-    std::vector<RodClamp> clamps;                     // at the end of the step
-    struct PointLoad { int edge; double bary; Vec3 force, moment; };  // position = (1-bary) x_edge + bary x_{edge+1}
+    std::vector<std::pair<int, double>> prescribed;  // unknown index in [0, 4n), its value at the end of the step
+    std::vector<RodClamp> clamps;                    // at the end of the step
+    struct PointLoad {
+        int edge;
+        double bary;
+        Vec3 force, moment;
+    };  // position = (1-bary) x_edge + bary x_{edge+1}
     std::vector<PointLoad> loads;
-    struct Spring { int edge; double bary; Vec3 anchor; double stiffness; };
+    struct Spring {
+        int edge;
+        double bary;
+        Vec3 anchor;
+        double stiffness;
+    };
     std::vector<Spring> springs;
     Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
 };
@@ -59,12 +69,12 @@ struct WireConstraints {
 struct SolveReport {
     bool converged = true;
     bool non_finite = false;
-    bool best_effort = false;   // the tolerance was not met: this is the last trial that was taken (see set_best_effort)
-    int iterations = 0;         // Newton iterations
-    int evaluations = 0;        // residual evaluations, line search included
-    double residual = 0;        // largest force residual left on a free unknown [N]; moments over the mean edge length
-    double tolerance = 0;       // that it was compared with [N]: IntegratorSpec::tolerance * force_scale + rounding noise
-    double force_scale = 0;     // largest of weight, loads, stretched springs, B/L^2 (wire_problem.cpp, set_scales) [N]
+    bool best_effort = false;  // the tolerance was not met: this is the last trial that was taken (see set_best_effort)
+    int iterations = 0;        // Newton iterations
+    int evaluations = 0;       // residual evaluations, line search included
+    double residual = 0;       // largest force residual left on a free unknown [N]; moments over the mean edge length
+    double tolerance = 0;      // that it was compared with [N]: IntegratorSpec::tolerance * force_scale + rounding noise
+    double force_scale = 0;    // largest of weight, loads, stretched springs, B/L^2 (wire_problem.cpp, set_scales) [N]
 };
 
 enum class Motion { Static, Implicit, Explicit };  // which equations: see wire_problem.h
@@ -81,11 +91,11 @@ public:
     /// One step of length h [s] for wires with active[w] != 0. Constraints are those at the end of the step. On success the
     /// wire's positions, velocities, spins and frames are the new ones; on failure (converged == false) they are untouched.
     /// @param contact  may be null
-    void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
-              std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+    void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+              std::span<SolveReport> reports);
 
-    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which they
-    /// were wanted, twice as many as the last time are solved with them before it is tried again.
+    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which
+    /// they were wanted, twice as many as the last time are solved with them before it is tried again.
     struct SpinRecord {
         std::int64_t steps = 0, without = 0;
         std::int32_t wait = 0, last_wait = 0;
@@ -97,8 +107,8 @@ public:
 
     /// Stable static equilibrium: Newton with an adaptive shift, falling back to damped pseudo-time continuation; an unstable
     /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
-    void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact,
-                     std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+    void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+                     std::span<SolveReport> reports);
 
     /// Accelerations at the start of a run, M a = F(x, v): what Newmark needs before its first step. Backward Euler does not.
     void initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
@@ -106,14 +116,14 @@ public:
 
     // results of the last step or equilibrium, per wire
     [[nodiscard]] const RodFrames& frames(int wire) const;
-    [[nodiscard]] const TrialState& trial() const;                  // = the accepted state after success
+    [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i [N or N m]: the force that the hold exerts on the wire.
     [[nodiscard]] double reaction(int wire, int unknown) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;
     [[nodiscard]] double kinetic_energy(int wire) const;
-    [[nodiscard]] double potential_energy(int wire) const;          // gravity; loads not included
+    [[nodiscard]] double potential_energy(int wire) const;  // gravity; loads not included
 
 private:
     struct Work;
@@ -137,10 +147,10 @@ private:
     std::vector<std::unique_ptr<Work>> work_;
     TrialState trial_;
     bool best_effort_ = false;
-    std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
+    std::vector<std::uint8_t> solved_, again_;      // [wires] between two rounds of multipliers
     std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact
-    std::vector<std::uint8_t> with_spins_;  // [wires] solved a second time in this step, with spin angles
-    std::vector<SolveReport> first_;        // [wires] what the first solve took
+    std::vector<std::uint8_t> with_spins_;          // [wires] solved a second time in this step, with spin angles
+    std::vector<SolveReport> first_;                // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_;
 };
 

@@ -69,8 +69,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
         mass += problem.rod.mass[i];
     }
     const double unit = 3 * bend / (length * length * length * n);
-    for (int i = 0; i < size; ++i)
-        shift_weight_[i] = i % 4 == 3 ? unit * problem.length_scale * problem.length_scale : unit;
+    for (int i = 0; i < size; ++i) shift_weight_[i] = i % 4 == 3 ? unit * problem.length_scale * problem.length_scale : unit;
     smallest_shift_ = 1e-3;
     shift_ = options.gradient_flow ? 100 : 0;
 }
@@ -132,8 +131,8 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         return;
     }
     if (options_.linearised && phase_ == Phase::Search) {
-        // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for instead.
-        // Published detection has no such limit, and takes what it gets.
+        // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for
+        // instead. Published detection has no such limit, and takes what it gets.
         if (alpha_ == 1 || std::isinf(move_limit_)) phase_ = Phase::Done;
         else give_up();
         return;
@@ -222,11 +221,12 @@ double NewtonWire::smallest_radius() const
     return *std::min_element(problem.rod.radius.begin(), problem.rod.radius.begin() + problem.rod.n - 1);
 }
 
-/// When no point of the wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base, and
-/// yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the wall are
-/// nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or
-/// contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is
-/// there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
+/// When no point of the wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base,
+/// and yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the
+/// wall are nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No
+/// elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the
+/// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
+/// good a base as any.
 NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact, int wire)
 {
     if (!contact || options_.shifted || alpha_ == first_alpha_) return Jump::None;
@@ -311,8 +311,8 @@ void NewtonWire::new_direction(const ContactTerm* contact, int wire)
 
 void NewtonWire::factorise(const ContactTerm* contact, int wire)
 {
-    // after a step that had to be shortened, the symmetric tangent, which goes downhill; but not where symmetric means wrong: half of
-    // EA on the edges' mean directions and half on those of their ends
+    // after a step that had to be shortened, the symmetric tangent, which goes downhill; but not where symmetric means wrong:
+    // half of EA on the edges' mean directions and half on those of their ends
     const bool loaded = problem.unsymmetric() || (contact && contact->unsymmetric(wire));
     const bool sliding = loaded && (!shortened_ || problem.conserving());
     safe_steps_ = shortened_ ? 0 : safe_steps_;
@@ -360,8 +360,8 @@ void NewtonWire::add_shift(double amount)
         if (!problem.prescribed[i]) problem.matrix.add(i, i, amount * shift_weight_[i]);
 }
 
-/// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles. Under dead moments,
-/// which have no potential, as little as leaves its pivots positive.
+/// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles. Under dead
+/// moments, which have no potential, as little as leaves its pivots positive.
 void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
 {
     unsymmetric_ = problem.unsymmetric();
@@ -384,9 +384,9 @@ bool NewtonWire::stable(const ContactTerm* contact, int wire)
     return factorise_with(HessianMode::Exact, contact, wire) == 0;
 }
 
-/// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the solution may
-/// be a saddle: a straight column pushed far beyond its buckling load, which no rounding error bends because nothing leads out of its
-/// line. Asked once in a solve.
+/// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the
+/// solution may be a saddle: a straight column pushed far beyond its buckling load, which no rounding error bends because nothing
+/// leads out of its line. Asked once in a solve.
 bool NewtonWire::may_be_saddle() const
 {
     return !options_.shifted && !options_.linearised && safe_steps_ > 0 && kicks_ == 0 && problem.motion == Motion::Implicit &&

@@ -17,12 +17,12 @@ enum class Spins { Auto, Kept };
 
 struct IntegratorSpec {
     Scheme scheme = Scheme::Newton;
-    bool newmark = false;        // false: backward Euler
+    bool newmark = false;  // false: backward Euler
     double beta = 0.25, gamma = 0.5;
-    bool conserve = false;       // energy-momentum steps (rod/discrete_gradient.h); not with newmark
+    bool conserve = false;  // energy-momentum steps (rod/discrete_gradient.h); not with newmark
     Spins spins = Spins::Auto;
-    double tolerance = 1e-6;     // force residual relative to the scene's own force scale [-] (see solve/newton.h)
-    double damping_mass = 0;     // [1/s]
+    double tolerance = 1e-6;       // force residual relative to the scene's own force scale [-] (see solve/newton.h)
+    double damping_mass = 0;       // [1/s]
     double damping_stiffness = 0;  // [s]
 };
 
@@ -35,9 +35,9 @@ struct WirePoint {
 struct HoldSpec {
     WirePoint at;
     bool position = false, direction = false, spin = false;  // what is held
-    std::vector<std::array<double, 4>> move;  // [t, dx, dy, dz], piecewise linear, relative to the start
-    std::vector<std::array<double, 2>> turn;  // [t, rad]
-    Vec3 velocity = Vec3::Zero();             // added to `move` [m/s]
+    std::vector<std::array<double, 4>> move;                 // [t, dx, dy, dz], piecewise linear, relative to the start
+    std::vector<std::array<double, 2>> turn;                 // [t, rad]
+    Vec3 velocity = Vec3::Zero();                            // added to `move` [m/s]
 };
 
 struct LoadSpec {
@@ -50,17 +50,19 @@ struct LoadSpec {
 struct LinkSpec {
     WirePoint at;
     Vec3 anchor = Vec3::Zero();
-    double stiffness = 0;        // [N/m]
+    double stiffness = 0;  // [N/m]
     std::vector<std::array<double, 4>> move;
 };
 
-struct FeedKey { double t = 0, advance = 0, turn = 0; };  // [s, m, rad]
+struct FeedKey {
+    double t = 0, advance = 0, turn = 0;
+};  // [s, m, rad]
 
 struct FeedSpec {
     bool on = false;
-    bool inlet_auto = false;     // pick an inlet of the vessel; else point and direction
+    bool inlet_auto = false;  // pick an inlet of the vessel; else point and direction
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
-    std::vector<FeedKey> keys;   // piecewise linear, times strictly increasing; held constant outside
+    std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
 
     /// Advance [m] and turn [rad] at time t.
     [[nodiscard]] FeedKey at(double t) const;

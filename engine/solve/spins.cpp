@@ -1,11 +1,11 @@
 // When spin angles need not be solved for.
 //
 // In a wire that is straight by nature and isotropic nothing is fixed to the material frames but twist and spin inertia. Where no
-// torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold by themselves, and three quarters of the unknowns
-// are left: exactly in any plane motion, where parallel transport turns no frame; to the torsional inertia J theta'' (1e-4 of the
-// bending forces and less) in space, where the frames follow the wire. It is not taken on trust: after each step solved without them
-// the spins' equations are evaluated, friction's torque included, and a step in which they do not hold to the solver's tolerance is
-// solved again with them.
+// torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold by themselves, and three quarters of the
+// unknowns are left: exactly in any plane motion, where parallel transport turns no frame; to the torsional inertia J theta''
+// (1e-4 of the bending forces and less) in space, where the frames follow the wire. It is not taken on trust: after each step
+// solved without them the spins' equations are evaluated, friction's torque included, and a step in which they do not hold to the
+// solver's tolerance is solved again with them.
 
 #include "rod/clamp.h"
 #include "solve/wire_problem.h"
@@ -15,8 +15,9 @@
 
 namespace seldinger {
 
-/// Whether nothing twists the wire at the start of the step, to the tolerance of moments, nor is meant to. Contact is evaluated with
-/// the angles as they are, so in contact they must not move by more than what a solve leaves open, a millionth of the radius.
+/// Whether nothing twists the wire at the start of the step, to the tolerance of moments, nor is meant to. Contact is evaluated
+/// with the angles as they are, so in contact they must not move by more than what a solve leaves open, a millionth of the
+/// radius.
 bool WireProblem::may_leave(SpinAngles spins) const
 {
     constexpr double still = 1e-6;  // [rad] in one step
@@ -70,7 +71,7 @@ bool WireProblem::spins_hold(const ContactTerm* contact, int wire)
 /// Angles that leave no twist, from a clamp of the spin on or else with the spins' momentum kept, which no torque changes.
 void WireProblem::untwist()
 {
-    int from = -1;      // edge whose angle is known
+    int from = -1;  // edge whose angle is known
     double angle = 0;
     for (int k = 0; k < static_cast<int>(clamps.size()) && from < 0; ++k)
         for (int side = 0; side < 2 && clamps[k].spin && from < 0; ++side) {

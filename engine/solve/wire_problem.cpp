@@ -25,7 +25,10 @@ void add_to_node(std::span<double> q, int i, const Vec3& value)
 }  // namespace
 
 WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
-    : frames(capacity), matrix(4 * capacity), start_frames_(spec.conserve ? capacity : 0), contact_tangent_(4 * capacity),
+    : frames(capacity),
+      matrix(4 * capacity),
+      start_frames_(spec.conserve ? capacity : 0),
+      contact_tangent_(4 * capacity),
       damping_(spec.damping_stiffness > 0 ? 4 * capacity : 0)
 {
     for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
@@ -38,8 +41,8 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
     kept_reference_.resize(reference_count * capacity);
 }
 
-void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec,
-                        const Vec3& gravity, Motion kind, double step, SpinAngles spins)
+void WireProblem::begin(const RodView& view, const WireConstraints& constraints, const IntegratorSpec& spec, const Vec3& gravity,
+                        Motion kind, double step, SpinAngles spins)
 {
     rod = view;
     constraints_ = &constraints;
@@ -133,8 +136,8 @@ void WireProblem::set_external(const Vec3& gravity)
 }
 
 // What the residual is measured against: the largest of total weight, loads (moments over the wire's length), stretched
-// springs, and B/L^2, the force that bends the wire to its own length, up to 10 N: a short stiff piece in the guide (0.01 N m^2, 1 cm:
-// 100 N) would else have residuals that show in the hand's force. The floor is what rounding of positions far from the
+// springs, and B/L^2, the force that bends the wire to its own length, up to 10 N: a short stiff piece in the guide (0.01 N m^2,
+// 1 cm: 100 N) would else have residuals that show in the hand's force. The floor is what rounding of positions far from the
 // origin does to the stretching and inertia forces.
 void WireProblem::set_scales(const IntegratorSpec& spec, const Vec3& gravity)
 {
@@ -187,8 +190,8 @@ RodTrial WireProblem::trial_view() const
     return {{s, n}, {s + n, n}, {s + 2 * n, n}, {s + 3 * n, n}};
 }
 
-// A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that turns
-// by more in one step than this is refused, as is a fold.
+// A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that
+// turns by more in one step than this is refused, as is a fold.
 constexpr double most_turned = 2.0;  // [rad]
 
 bool WireProblem::update()
@@ -197,7 +200,8 @@ bool WireProblem::update()
     if (!conserving_) return true;
     for (int j = 0; j < rod.n - 1; ++j) {
         turned_[j] = trial[4 * j + 3] - start[4 * j + 3];
-        if (!(std::abs(turned_[j]) < most_turned && std::abs(frames.twist[j] - start_frames_.twist[j]) < most_turned)) return false;
+        if (!(std::abs(turned_[j]) < most_turned && std::abs(frames.twist[j] - start_frames_.twist[j]) < most_turned))
+            return false;
     }
     return true;
 }
@@ -261,8 +265,7 @@ void WireProblem::evaluate_host_residual()
 {
     const int size = 4 * rod.n;
     const std::span<double> r(residual.data(), size);
-    for (int i = 0; i < size; ++i)
-        r[i] = inertia[i] * (acceleration(i) + damping_mass_ * mean_velocity(i)) - external_[i];
+    for (int i = 0; i < size; ++i) r[i] = inertia[i] * (acceleration(i) + damping_mass_ * mean_velocity(i)) - external_[i];
     if (damping_stiffness_ > 0) {
         for (int i = 0; i < size; ++i) damped_velocity_[i] = damping_stiffness_ * mean_velocity(i);
         damping_.multiply(damped_velocity_, scratch_);
@@ -285,7 +288,8 @@ bool WireProblem::finish_residual()
 Vec3 WireProblem::spring_pull(const WireConstraints::Spring& spring) const
 {
     Vec3 at = (1 - spring.bary) * node_of(trial, spring.edge) + spring.bary * node_of(trial, spring.edge + 1);
-    if (conserving_) at = 0.5 * (at + (1 - spring.bary) * node_of(start, spring.edge) + spring.bary * node_of(start, spring.edge + 1));
+    if (conserving_)
+        at = 0.5 * (at + (1 - spring.bary) * node_of(start, spring.edge) + spring.bary * node_of(start, spring.edge + 1));
     return spring.stiffness * (spring.anchor - at);
 }
 
@@ -373,8 +377,8 @@ void WireProblem::add_moments_to(BandMatrix& target, bool symmetric) const
 }
 
 // The stretching Hessian is EA/l t t^T + N/|e| (I - t t^T), N = EA (|e|/l - 1), and max(N, 0) when safe. Puts the
-// predicted tension in place of N. Conserving, the force is N b with N = EA (m/l - 1), m the mean length and b the mean direction:
-// half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
+// predicted tension in place of N. Conserving, the force is N b with N = EA (m/l - 1), m the mean length and b the mean
+// direction: half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
 void WireProblem::replace_tension(HessianMode mode, bool symmetric)
 {
     const double least = mode == HessianMode::Safe ? 0.0 : -std::numeric_limits<double>::infinity();
@@ -391,8 +395,9 @@ void WireProblem::replace_tension(HessianMode mode, bool symmetric)
         const double there = std::max(strained, least) / frames.edge_length[j];
         Mat3 mean = tension_direction(j) * t.transpose();
         if (symmetric) mean = 0.5 * (mean + mean.transpose().eval());
-        add_edge_block(matrix, j, 0.5 * ((axial - sideways) * mean - (axial - there) * t * t.transpose() +
-                                         (sideways - there) * Mat3::Identity()));
+        add_edge_block(
+            matrix, j,
+            0.5 * ((axial - sideways) * mean - (axial - there) * t * t.transpose() + (sideways - there) * Mat3::Identity()));
     }
 }
 

@@ -7,10 +7,10 @@
 // Newmark (D4) and statics (rates 0, bases 0). K_0 is the safe elastic Hessian at the start of the step. On a prescribed
 // unknown R is the force that the hold exerts on the wire.
 //
-// An energy-momentum step (IntegratorSpec::conserve) takes the means over the step: a+ is (v+ - v_0)/h with v+ + v_0 = 2 (q - q_0)/h,
-// dE/dq the discrete gradient between q_0 and q (rod/discrete_gradient.h), the velocity that damping sees (q - q_0)/h. Springs are
-// taken at the mean position, contact at the end of the step. Its tangent is half the Hessian at q; only stretching, whose stiffness
-// makes that too coarse where edges turn within a step, is differentiated exactly, and that is not symmetric.
+// An energy-momentum step (IntegratorSpec::conserve) takes the means over the step: a+ is (v+ - v_0)/h with v+ + v_0 = 2 (q -
+// q_0)/h, dE/dq the discrete gradient between q_0 and q (rod/discrete_gradient.h), the velocity that damping sees (q - q_0)/h.
+// Springs are taken at the mean position, contact at the end of the step. Its tangent is half the Hessian at q; only stretching,
+// whose stiffness makes that too coarse where edges turn within a step, is differentiated exactly, and that is not symmetric.
 
 #include "solve/newton.h"
 
@@ -36,8 +36,8 @@ public:
     /// Takes spin angles in again, as they were at the start of the step.
     void take_spins_in();
     /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
-    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first follow
-    /// the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
+    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first
+    /// follow the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
 
     /// Frames at `trial`. @return false if anything is not finite
@@ -78,7 +78,7 @@ public:
     /// Static solves that turn far: frames at `trial` become the reference for the next trials (wire_problem.cpp).
     [[nodiscard]] bool far_from_reference() const;
     void move_reference();
-    void keep_reference();     // as it is now, for restore_reference after a failure
+    void keep_reference();  // as it is now, for restore_reference after a failure
     void restore_reference();
 
     /// Makes `trial` the accepted state in the wire's arrays (velocities zero when static).
@@ -102,15 +102,15 @@ public:
     BandMatrix matrix;
 
     // [4 capacity], node by node
-    std::vector<double> start, trial;            // q_0, q
-    std::vector<double> residual;                // R at trial
-    std::vector<double> inertia;                 // mass [kg] or spin inertia [kg m^2]
+    std::vector<double> start, trial;  // q_0, q
+    std::vector<double> residual;      // R at trial
+    std::vector<double> inertia;       // mass [kg] or spin inertia [kg m^2]
     std::vector<double> prescribed_value;
-    std::vector<std::uint8_t> prescribed;        // 1: fixed at prescribed_value (and the unused last theta)
+    std::vector<std::uint8_t> prescribed;  // 1: fixed at prescribed_value (and the unused last theta)
 
     Motion motion = Motion::Implicit;
-    double h = 0;              // [s]
-    double length_scale = 0;   // mean rest length of an edge [m]: turns angles into lengths and moments into forces
+    double h = 0;                           // [s]
+    double length_scale = 0;                // mean rest length of an edge [m]: turns angles into lengths and moments into forces
     double force_scale = 0, tolerance = 0;  // [N], see set_scales
 
 private:
@@ -141,19 +141,19 @@ private:
 
     const WireConstraints* constraints_ = nullptr;
     bool conserving_ = false, start_usable_ = true;
-    double end_share_ = 1;                       // of the end of the step in what the elastic force is taken from: 1/2 conserving
-    RodFrames start_frames_;                     // conserving: of q_0
+    double end_share_ = 1;    // of the end of the step in what the elastic force is taken from: 1/2 conserving
+    RodFrames start_frames_;  // conserving: of q_0
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
-    mutable std::vector<double> split_;          // trial as separate x, y, z, theta for the rod's functions
-    std::vector<double> kept_reference_;         // [reference_count * capacity]
+    mutable std::vector<double> split_;   // trial as separate x, y, z, theta for the rod's functions
+    std::vector<double> kept_reference_;  // [reference_count * capacity]
     // [capacity] per edge: tension at the base and predicted for the trial [N], the base's elongation [m], its tangents and the
     // directions of its tensions (conserving, the mean of start and trial; else the tangents)
     std::vector<double> base_tension_, tension_, base_longer_;
     std::vector<Vec3> base_tangent_, base_direction_;
-    std::vector<double> turned_;                 // [capacity] conserving: turn of each edge's frame over the step [rad]
-    std::vector<double> contact_gradient_;       // [4 capacity] at the last evaluation of contact
-    BandMatrix contact_tangent_;                 // at the last assemble_tangent
+    std::vector<double> turned_;            // [capacity] conserving: turn of each edge's frame over the step [rad]
+    std::vector<double> contact_gradient_;  // [4 capacity] at the last evaluation of contact
+    BandMatrix contact_tangent_;            // at the last assemble_tangent
     BandMatrix damping_;
 };
 

@@ -101,7 +101,9 @@ void BatchWorld::settle_all(std::vector<BatchRow>& rows)
     (void)settle(*world_);
     for (int w = 0; w < world_->wire_count(); ++w) {
         const bool failed = world_->report(w).failed();
-        if (!failed) runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w).flags, world_->report(w).newton_iterations);
+        if (!failed)
+            runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w).flags,
+                                                             world_->report(w).newton_iterations);
         if (failed || scene_.integrator.scheme == Scheme::Static) finish(w, failed ? RunStatus::Stopped : RunStatus::Done, rows);
     }
 }

@@ -104,7 +104,8 @@ Benchmark find_benchmark(const std::string& wanted, const std::filesystem::path&
 void complete(Benchmark& benchmark, const Scene& scene)
 {
     if (benchmark.until == 0) benchmark.until = scene.duration;
-    // a multiple of 0.1 s, so that steps of 33 ms divide it too, and some 40 samples; a short scene in parts of 33 ms or a little more
+    // a multiple of 0.1 s, so that steps of 33 ms divide it too, and some 40 samples; a short scene in parts of 33 ms or a little
+    // more
     if (benchmark.interval == 0)
         benchmark.interval = benchmark.until >= 1 ? 0.1 * std::max(1.0, std::round(benchmark.until / 4))
                                                   : benchmark.until / std::max(1.0, std::floor(30 * benchmark.until + 1e-9));

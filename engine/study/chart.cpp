@@ -45,8 +45,9 @@ ChartModel planned_model(const ChartOptions& options, const Scene& scene)
     under.planned = planned.planned;
     const auto folder = scene.source.parent_path();
     if (write_scene(under, folder) != write_scene(planned, folder))
-        throw Error(ExitCode::BadScene, fmt::format("--planned {}: is not {} under another model; give what `seldinger plan` wrote for it",
-                                                    options.planned.string(), scene.source.string()));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("--planned {}: is not {} under another model; give what `seldinger plan` wrote for it",
+                                options.planned.string(), scene.source.string()));
     entry.model.name = "planned";
     return entry;
 }
@@ -211,7 +212,8 @@ ChartResult make_chart(const ChartOptions& options)
 {
     ChartResult result;
     const std::vector<std::string> names = options.scenes.empty() ? benchmark_names() : options.scenes;
-    if (!options.planned.empty() && names.size() != 1) throw Error(ExitCode::BadScene, "--planned belongs to one scene; give it with --scenes");
+    if (!options.planned.empty() && names.size() != 1)
+        throw Error(ExitCode::BadScene, "--planned belongs to one scene; give it with --scenes");
     std::vector<Scene> scenes;
     for (const std::string& name : names) {  // every name and file is checked before the first run
         SceneChart chart;
@@ -221,8 +223,7 @@ ChartResult make_chart(const ChartOptions& options)
         chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
         if (options.reference_limit > 0) chart.benchmark.refinement.wall_limit = options.reference_limit;
-        for (const ChartModel& model : models_for(options, scenes.back()))
-            result.runs_wanted += model.refused.empty();
+        for (const ChartModel& model : models_for(options, scenes.back())) result.runs_wanted += model.refused.empty();
         result.scenes.push_back(std::move(chart));
     }
     RunStore store(options.dir);

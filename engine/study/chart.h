@@ -18,7 +18,8 @@ struct ChartOptions {
     std::vector<std::string> scenes;      // names or files; empty: all that are built in
     bool quick = false;
     bool processor_time = false;  // cost is processor time of all threads: for a machine that does other things too
-    std::filesystem::path planned;  // a scene file that `plan` wrote for the one scene charted: its model joins the others. Empty: none
+    std::filesystem::path
+        planned;  // a scene file that `plan` wrote for the one scene charted: its model joins the others. Empty: none
     double run_limit = 0, reference_limit = 0;  // a run, a reference may take so long [s]; 0: as `quick` has it
     int device = -1;
     std::vector<Baseline> baselines;

@@ -9,17 +9,18 @@
 //   jitter    step-to-step jitter of the hand force above 10 % of max(mean, 1 mN)
 //
 // Jitter of one step is min(|f_k - f_{k-1}|, |f_{k+1} - f_k|) where the force turns round at k, and 0 where it goes on: the
-// peak-to-peak value of a force that alternates, 0 on any rise or fall. A second difference would not do: of an honest force whose
-// course takes T it is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T, and would call a wire that arrives at a wall within
-// ten long steps a jitter. What a tenth of the steps of a window (and three at least) exceed is compared with the mean |f| of the same
-// window: honest turns (a tip let go, a wire set moving within one step) are no jitter unless they come every ten steps.
+// peak-to-peak value of a force that alternates, 0 on any rise or fall. A second difference would not do: of an honest force
+// whose course takes T it is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T, and would call a wire that arrives at a
+// wall within ten long steps a jitter. What a tenth of the steps of a window (and three at least) exceed is compared with the
+// mean |f| of the same window: honest turns (a tip let go, a wire set moving within one step) are no jitter unless they come
+// every ten steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
 // most S = (normal + friction) * overlap. What was made is the largest rise of B above the least B + S before it. It is a blow-up
 // when it shows as kinetic energy and exceeds a tenth of all energy that was honestly turned over: kinetic at the start, |work|,
-// and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that changes
-// its speed within a step does work that forces at the ends of steps say nothing of, up to m v^2 of what is inside (an inelastic
-// jerk): it is counted as not known (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
+// and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that
+// changes its speed within a step does work that forces at the ends of steps say nothing of, up to m v^2 of what is inside (an
+// inelastic jerk): it is counted as not known (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
 
 #include "engine.h"
 
@@ -40,10 +41,10 @@ struct FailureLimits {
     double static_indentation = std::numeric_limits<double>::infinity();  // of the law under the scene's largest static load [m];
                                                                           // infinity where impacts, not a static load, press
     double jitter = 0.10;  // of max(mean |hand force|, force_floor) [-]; more by what the force honestly does between such steps
-    double force_floor = 1e-3;                                            // [N]
-    int jitter_window = 50;                                               // steps
-    double energy_made = 0.10;                                            // of the energy turned over [-]
-    double energy_floor = 1e-6;                                           // [J]
+    double force_floor = 1e-3;   // [N]
+    int jitter_window = 50;      // steps
+    double energy_made = 0.10;   // of the energy turned over [-]
+    double energy_floor = 1e-6;  // [J]
 };
 
 /// What a watch has measured so far.

@@ -123,7 +123,8 @@ std::string label(const Model& model)
 
 std::string why_not(const Model& model, const Scene& scene)
 {
-    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall || model.precision;
+    const bool touches =
+        model.detection || model.normal || model.friction || model.rolling || model.elastic_wall || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
     try {
         // the scene reader is the one place that knows what goes together and what is built

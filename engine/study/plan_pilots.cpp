@@ -12,8 +12,8 @@ namespace {
 // A pilot is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
 // from there on. Above 1, so that the search can tell a near miss from a hopeless one.
 constexpr double plainly_wrong = 2;
-// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does other
-// things makes a pilot look several times slower than it is.
+// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does
+// other things makes a pilot look several times slower than it is.
 constexpr double plainly_dear = 8, least_patience = 1;
 
 double square(double x) { return x * x; }
@@ -26,12 +26,17 @@ CostRule::CostRule(int device_index)
     if (device_index >= 0 && device_index < static_cast<int>(devices.size()))
         on_processor_ = devices[static_cast<std::size_t>(device_index)].type.find("CPU") != std::string::npos;
     else
-        on_processor_ = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& d) { return d.type.find("CPU") != std::string::npos; });
+        on_processor_ = std::any_of(devices.begin(), devices.end(),
+                                    [](const DeviceInfo& d) { return d.type.find("CPU") != std::string::npos; });
 }
 
-Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
-               RunStore& store, std::function<double()> seconds_left)
-    : scene_(scene), plan_(plan), reference_(reference), cost_(cost), store_(store),
+Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+               const CostRule& cost, RunStore& store, std::function<double()> seconds_left)
+    : scene_(scene),
+      plan_(plan),
+      reference_(reference),
+      cost_(cost),
+      store_(store),
       // pilots that were broken off say nothing about another tolerance
       name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n")),
       seconds_left_(std::move(seconds_left))
@@ -72,7 +77,8 @@ Pilot Pilots::judge(const Model& model, const RunRecord& run, const Trajectory& 
     pilot.force_error = at(errors.rms, Observable::HandForce);
     pilot.worst = at(errors.worst, Observable::Shape);
     if (!run.complete) {  // as if it were right from there on
-        const double share = std::sqrt(static_cast<double>(errors.samples) / static_cast<double>(reference_.values.samples.size()));
+        const double share =
+            std::sqrt(static_cast<double>(errors.samples) / static_cast<double>(reference_.values.samples.size()));
         pilot.error *= share;
         pilot.force_error *= share;
         return pilot;

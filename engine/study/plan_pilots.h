@@ -10,21 +10,21 @@
 namespace seldinger {
 
 struct PlanGoals {
-    double tolerance = 0;              // of the shape, rms [m]
-    double force_tolerance = 0;        // of the hand force, rms; 0: not asked
-    bool force_is_relative = true;     // of the rms hand force; else [N]
-    double rate = 0;                   // steps per second of real time, at least; 0: not asked
+    double tolerance = 0;           // of the shape, rms [m]
+    double force_tolerance = 0;     // of the hand force, rms; 0: not asked
+    bool force_is_relative = true;  // of the rms hand force; else [N]
+    double rate = 0;                // steps per second of real time, at least; 0: not asked
 };
 
 struct Pilot {
     Model model;
-    bool complete = false;         // false: broke off, or was plainly too wrong
-    bool sound = false;            // complete, and the wire stayed in one piece and inside
-    bool too_dear = false;         // broken off because it took many times as long as one that meets the goals, or the budget ended
-    bool meets = false;            // sound, and within the goals by more than the reference's uncertainty
-    double error = 0, worst = 0;   // shape [m]; of a pilot that was broken off a lower bound
-    double force_error = 0;        // [N]
-    double seconds = 0;            // of computation per simulated second (static: per solution)
+    bool complete = false;  // false: broke off, or was plainly too wrong
+    bool sound = false;     // complete, and the wire stayed in one piece and inside
+    bool too_dear = false;  // broken off because it took many times as long as one that meets the goals, or the budget ended
+    bool meets = false;     // sound, and within the goals by more than the reference's uncertainty
+    double error = 0, worst = 0;  // shape [m]; of a pilot that was broken off a lower bound
+    double force_error = 0;       // [N]
+    double seconds = 0;           // of computation per simulated second (static: per solution)
     int nodes = 0;
     Outcome outcome = Outcome::Hold;
     double jitter = 0;
@@ -45,7 +45,8 @@ private:
 class PilotSource {
 public:
     virtual ~PilotSource() = default;
-    /// Runs the model unless it has been run, here or in an earlier call. Null when it was told to stop. Valid as long as the source.
+    /// Runs the model unless it has been run, here or in an earlier call. Null when it was told to stop. Valid as long as the
+    /// source.
     [[nodiscard]] virtual const Pilot* look_at(const Model& model) = 0;
     [[nodiscard]] virtual double limit() const = 0;  // what a pilot's error may be [m]
 };
@@ -54,12 +55,12 @@ class Pilots final : public PilotSource {
 public:
     /// @param plan  samples and stop, as the reference was run
     /// @param seconds_left  of the budget: a pilot that takes longer is broken off [s]
-    Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals, const CostRule& cost,
-           RunStore& store, std::function<double()> seconds_left);
+    Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+           const CostRule& cost, RunStore& store, std::function<double()> seconds_left);
 
     [[nodiscard]] const Pilot* look_at(const Model& model) override;
-    /// Times a complete pilot again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0 when
-    /// stopped
+    /// Times a complete pilot again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0
+    /// when stopped
     double time_again(const Model& model, int repeats);
 
     [[nodiscard]] const std::map<std::string, Pilot>& all() const { return known_; }

@@ -8,7 +8,7 @@ namespace seldinger {
 namespace {
 
 constexpr double least_ratio = 0.5, most_ratio = 0.8;
-constexpr double coarsest_edge = 0.010;   // [m]
+constexpr double coarsest_edge = 0.010;  // [m]
 constexpr int fewest_nodes = 17;
 constexpr double coarsest_step = 1.0 / 60;  // [s]
 constexpr int least_levels = 3, most_levels = 9;
@@ -75,7 +75,8 @@ double error_left(const std::vector<double>& moved)
     const double last = moved.back();
     if (last == 0) return 0;
     double ratio = most_ratio;
-    if (moved.size() > 1 && moved[moved.size() - 2] > 0) ratio = std::clamp(last / moved[moved.size() - 2], least_ratio, most_ratio);
+    if (moved.size() > 1 && moved[moved.size() - 2] > 0)
+        ratio = std::clamp(last / moved[moved.size() - 2], least_ratio, most_ratio);
     return last * ratio / (1 - ratio);
 }
 
@@ -90,8 +91,8 @@ bool falls(const std::vector<double>& moved, double noise)
     return n >= 3 && moved[n - 1] <= most_ratio * most_ratio * moved[n - 3];
 }
 
-PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store, const std::string& name,
-                           const std::function<void(const std::string&)>& progress)
+PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store,
+                           const std::string& name, const std::function<void(const std::string&)>& progress)
 {
     PlanReference reference;
     double last_seconds = 0;
@@ -120,8 +121,9 @@ PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const R
         last_seconds = run->cost.wall * std::max(run->simulated, scene.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
         if (!sound(*run)) {
             // a coarse one may break where a finer one does not
-            reference.failures.push_back(fmt::format("{}: {} after {:.3g} s", label(model),
-                                                     run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
+            reference.failures.push_back(fmt::format(
+                "{}: {} after {:.3g} s", label(model),
+                run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
             reference.levels.clear();
             reference.moved.clear();
             if (trapezoid) trapezoid = false, level = -1;

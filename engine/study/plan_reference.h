@@ -10,36 +10,37 @@
 
 namespace seldinger {
 
-/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler; where
-/// there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
+/// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler;
+/// where there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
 
 struct PlanReference {
     Trajectory values;
-    Model model;                         // of the finest level
-    std::vector<Model> levels;           // coarse to fine
-    std::vector<PerObservable> moved;    // [levels - 1] rms between level k and k + 1
-    PerObservable uncertainty{};         // bound of the finest level's own error [SI]
-    double force_scale = 0;              // rms of the hand force, 1 mN at least [N]
-    int contacts = 0;                    // at most
-    bool jitters = false;                // the finest level's hand force does
-    bool converges = false;              // the movements fall
+    Model model;                       // of the finest level
+    std::vector<Model> levels;         // coarse to fine
+    std::vector<PerObservable> moved;  // [levels - 1] rms between level k and k + 1
+    PerObservable uncertainty{};       // bound of the finest level's own error [SI]
+    double force_scale = 0;            // rms of the hand force, 1 mN at least [N]
+    int contacts = 0;                  // at most
+    bool jitters = false;              // the finest level's hand force does
+    bool converges = false;            // the movements fall
     bool out_of_budget = false, stopped = false;
-    std::vector<std::string> failures;   // levels that broke off, and how
+    std::vector<std::string> failures;  // levels that broke off, and how
 };
 
 /// What is needed of the reference: refinement goes on until its uncertainties are below.
 struct ReferenceGoals {
-    double shape = 0, force = 0;                       // [m], [N]; force infinity: not asked
-    bool force_is_relative = false;                    // then of the rms hand force
+    double shape = 0, force = 0;                                // [m], [N]; force infinity: not asked
+    bool force_is_relative = false;                             // then of the rms hand force
     std::function<bool(double next_level_seconds)> affordable;  // asked before a level that is expected to take so long
     std::function<double()> seconds_left;                       // a level that takes longer is broken off [s]; may be empty
 };
 
 /// @param store, name  where levels are kept
 /// @param plan  samples and stop; every level is run over the whole of it
-[[nodiscard]] PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store,
-                                         const std::string& name, const std::function<void(const std::string&)>& progress);
+[[nodiscard]] PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals,
+                                         RunStore& store, const std::string& name,
+                                         const std::function<void(const std::string&)>& progress);
 
 /// A bound of the error that is left after the last of these movements, by Richardson: the rest of a geometric series whose ratio
 /// is that of the last two, taken as at least `least_ratio` (half: first order) and, where there is one movement only or they do

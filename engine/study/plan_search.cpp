@@ -6,15 +6,15 @@
 namespace seldinger {
 namespace {
 
-constexpr double grid_ratio = 1.25;      // between neighbours
+constexpr double grid_ratio = 1.25;  // between neighbours
 constexpr int fewest_nodes = 5;
-constexpr double worth_it = 0.97;        // a cost that is not below this share is noise
-constexpr double no_dearer = 1.25;       // what is left out is no work: more than the winner took is noise
-constexpr double room = 0.7;             // a family with an error below this share of the winner's has room for coarser places
-constexpr double no_change = 0.1;        // of the limit: an error that grows by less has not changed
-constexpr int strides[] = {4, 2, 1};     // grid places
-constexpr int patience = 3;              // dearer corners in a row that end a walk along the staircase
-constexpr double widest_ratio = 1.3;     // between neighbours that are not neighbouring whole numbers
+constexpr double worth_it = 0.97;     // a cost that is not below this share is noise
+constexpr double no_dearer = 1.25;    // what is left out is no work: more than the winner took is noise
+constexpr double room = 0.7;          // a family with an error below this share of the winner's has room for coarser places
+constexpr double no_change = 0.1;     // of the limit: an error that grows by less has not changed
+constexpr int strides[] = {4, 2, 1};  // grid places
+constexpr int patience = 3;           // dearer corners in a row that end a walk along the staircase
+constexpr double widest_ratio = 1.3;  // between neighbours that are not neighbouring whole numbers
 
 /// A place on the grid.
 struct Place {
@@ -23,7 +23,10 @@ struct Place {
 
 class Search {
 public:
-    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on) : grid_(grid), pilots_(pilots), may_go_on_(may_go_on) {}
+    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on)
+        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on)
+    {
+    }
 
     [[nodiscard]] bool ended() const { return ended_; }
     [[nodiscard]] const Pilot* best() const { return best_; }
@@ -42,7 +45,8 @@ public:
     [[nodiscard]] Place place_of(const Model& model) const
     {
         Place place;
-        while (place.node + 1 < static_cast<int>(grid_.nodes.size()) && grid_.nodes[static_cast<std::size_t>(place.node)] > model.nodes.value_or(0))
+        while (place.node + 1 < static_cast<int>(grid_.nodes.size()) &&
+               grid_.nodes[static_cast<std::size_t>(place.node)] > model.nodes.value_or(0))
             ++place.node;
         while (place.step + 1 < static_cast<int>(grid_.steps.size()) &&
                grid_.steps[static_cast<std::size_t>(place.step) + 1] <= model.dt.value_or(0) * (1 + 1e-9))
@@ -51,13 +55,14 @@ public:
     }
     [[nodiscard]] Place best_place() const { return best_place_; }
 
-    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that meet
-    /// the goals end in a staircase: first down to a corner of it, then along it, to longer steps and more nodes and back, as far as
-    /// that pays.
+    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that
+    /// meet the goals end in a staircase: first down to a corner of it, then along it, to longer steps and more nodes and back,
+    /// as far as that pays.
     void optimise(const Model& family, Place from)
     {
         Place corner = from;
-        while (coarsen(family, corner, &Place::step) || coarsen(family, corner, &Place::node)) {}
+        while (coarsen(family, corner, &Place::step) || coarsen(family, corner, &Place::node)) {
+        }
         if (grid_.steps.empty() || family.nodes == 0) return;
         for (const int direction : {1, -1}) corner = walk(family, corner, direction);
     }
@@ -86,7 +91,9 @@ public:
         choice.make(family);
         const Pilot before = *best_;
         const Pilot* pilot = look(family, best_place_);
-        if (!pilot || !pilot->meets || pilot->seconds > no_dearer * before.seconds || pilot->error > before.error + no_change * limit) return;
+        if (!pilot || !pilot->meets || pilot->seconds > no_dearer * before.seconds ||
+            pilot->error > before.error + no_change * limit)
+            return;
         best_ = pilot;
     }
 
@@ -119,7 +126,7 @@ private:
         return true;
     }
 
-    bool coarsen(const Model& family, Place& here, int Place::* axis)
+    bool coarsen(const Model& family, Place& here, int Place::*axis)
     {
         if ((axis == &Place::node && family.nodes == 0) || (axis == &Place::step && grid_.steps.empty())) return false;
         bool moved = false;
@@ -151,8 +158,8 @@ private:
         return cheapest;
     }
 
-    /// Moves `here` along its nodes to the fewest that meet the goals. Gives up where more nodes would cost more than `least`: `here`
-    /// is then left there.
+    /// Moves `here` along its nodes to the fewest that meet the goals. Gives up where more nodes would cost more than `least`:
+    /// `here` is then left there.
     const Pilot* nodes_that_meet(const Model& family, Place& here, double least)
     {
         const Pilot* pilot = look(family, here);
@@ -188,7 +195,8 @@ int coarser(int parts)
 template <class Enum, class Member>
 Choice exchange(std::string simpler, std::string fuller, Member member, Enum to, Enum from, bool leaves_out = false)
 {
-    return {std::move(simpler), std::move(fuller), [=](Model& m) { m.*member = to; }, [=](Model& m) { m.*member = from; }, true, leaves_out};
+    return {std::move(simpler), std::move(fuller), [=](Model& m) { m.*member = to; }, [=](Model& m) { m.*member = from; }, true,
+            leaves_out};
 }
 
 }  // namespace
@@ -196,7 +204,8 @@ Choice exchange(std::string simpler, std::string fuller, Member member, Enum to,
 SearchGrid search_grid(const PlanReference& reference, double interval, double longest_step)
 {
     SearchGrid grid;
-    for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges = coarser(edges)) grid.nodes.push_back(edges + 1);
+    for (int edges = reference.model.nodes.value_or(101) - 1; edges + 1 >= fewest_nodes; edges = coarser(edges))
+        grid.nodes.push_back(edges + 1);
     if (longest_step <= 0) return grid;
     const double finest = std::min(reference.model.dt.value_or(longest_step), longest_step);
     for (int parts = std::max(1, static_cast<int>(std::lround(interval / finest))); parts >= 1; parts = coarser(parts)) {
@@ -214,27 +223,33 @@ std::vector<Choice> choices_in(const Scene& scene)
 {
     const ContactSpec& own = scene.contact;
     std::vector<Choice> all;
-    all.push_back(exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
+    all.push_back(
+        exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
     all.back().needs_contact = false;
-    all.push_back(exchange("detection at the end of each step only (capsule)", "swept detection", &Model::detection, Detection::Capsule, Detection::Swept));
-    all.push_back(exchange("detection at the nodes only", "detection along the whole wire", &Model::detection, Detection::Nodes, Detection::Swept));
+    all.push_back(exchange("detection at the end of each step only (capsule)", "swept detection", &Model::detection,
+                           Detection::Capsule, Detection::Swept));
+    all.push_back(exchange("detection at the nodes only", "detection along the whole wire", &Model::detection, Detection::Nodes,
+                           Detection::Swept));
     all.push_back(exchange("the published layer", "the exact wall", &Model::detection, Detection::Layer, Detection::Swept));
-    if (own.rolling)
-        all.push_back(exchange("no rolling friction", "rolling friction", &Model::rolling, false, true, true));
+    if (own.rolling) all.push_back(exchange("no rolling friction", "rolling friction", &Model::rolling, false, true, true));
     all.push_back(exchange("float32 contact", "float64 contact", &Model::precision, Precision::Float32, Precision::Float64));
     if (scene.integrator.spins == Spins::Kept)
-        all.push_back({"spin angles left out where they do nothing", "spin angles always", [](Model& m) { m.spin = false; }, [](Model& m) { m.spin.reset(); }, false});
+        all.push_back({"spin angles left out where they do nothing", "spin angles always", [](Model& m) { m.spin = false; },
+                       [](Model& m) { m.spin.reset(); }, false});
     if (scene.vessel.elastic)
         all.push_back(exchange("a rigid wall", "the elastic wall", &Model::elastic_wall, false, true, true));
     if (own.friction != FrictionLaw::Smooth && own.friction != FrictionLaw::None)
-        all.push_back(exchange("friction smooth in velocity", "friction that sticks", &Model::friction, FrictionLaw::Smooth, own.friction));
-    if (own.friction != FrictionLaw::None) all.push_back(exchange("no friction", "friction", &Model::friction, FrictionLaw::None, own.friction));
+        all.push_back(
+            exchange("friction smooth in velocity", "friction that sticks", &Model::friction, FrictionLaw::Smooth, own.friction));
+    if (own.friction != FrictionLaw::None)
+        all.push_back(exchange("no friction", "friction", &Model::friction, FrictionLaw::None, own.friction));
     for (const NormalLaw law : {NormalLaw::LankaraniNikravesh, NormalLaw::Impulse})
         if (own.normal != law)
-            all.push_back(exchange(law == NormalLaw::Impulse ? "contact by impulses" : "published damping of contact", "the scene's normal law",
-                                   &Model::normal, law, own.normal));
+            all.push_back(exchange(law == NormalLaw::Impulse ? "contact by impulses" : "published damping of contact",
+                                   "the scene's normal law", &Model::normal, law, own.normal));
     if (!scene.integrator.newmark)
-        all.push_back({"the trapezoid rule", "backward Euler", [](Model& m) { m.trapezoid = true; }, [](Model& m) { m.trapezoid.reset(); }, false});
+        all.push_back({"the trapezoid rule", "backward Euler", [](Model& m) { m.trapezoid = true; },
+                       [](Model& m) { m.trapezoid.reset(); }, false});
     all.push_back({"Newton steps to 1e-4", "Newton steps to 1e-6", [](Model& m) { m.tolerance = 1e-4; },
                    [t = scene.integrator.tolerance](Model& m) { m.tolerance = t; }, false});
     std::erase_if(all, [&](const Choice& choice) {
@@ -272,7 +287,8 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
         // adaptive nodes, their bounds in place of a number
         for (const auto& [shortest, longest] : {std::pair{1e-3, 10e-3}, {2e-3, 20e-3}, {0.5e-3, 5e-3}}) {
             Model family = search.best()->model;
-            if (family.detection == Detection::Nodes || family.detection == Detection::Layer || scene.wire.length < 4 * shortest) continue;
+            if (family.detection == Detection::Nodes || family.detection == Detection::Layer || scene.wire.length < 4 * shortest)
+                continue;
             family.nodes = 0;
             family.min_edge = shortest;
             family.max_edge = longest;
@@ -288,7 +304,8 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
     return result;
 }
 
-std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots, const std::function<bool()>& may_go_on)
+std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots,
+                                 const std::function<bool()>& may_go_on)
 {
     Search search(grid, pilots, may_go_on);
     const Place from = search.place_of(start);

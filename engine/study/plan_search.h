@@ -27,11 +27,11 @@ struct SearchGrid {
 
 /// One choice that a model can make, and its other way.
 struct Choice {
-    std::string simpler;                // what it means to make it, e.g. "rolling friction left out"
-    std::string fuller;                 // what it means not to, e.g. "rolling friction"
+    std::string simpler;  // what it means to make it, e.g. "rolling friction left out"
+    std::string fuller;   // what it means not to, e.g. "rolling friction"
     std::function<void(Model&)> make, undo;
     bool needs_contact = true;
-    bool leaves_out = false;            // leaves a part of the physics out: made where that changes nothing, even if it saves nothing
+    bool leaves_out = false;  // leaves a part of the physics out: made where that changes nothing, even if it saves nothing
 };
 
 /// Choices that this build can make in the scene, the likeliest to pay first.
@@ -44,11 +44,11 @@ struct SearchResult {
 
 /// @param start  families begin here: a model that meets the goals, at a place of the grid or between two
 /// @param may_go_on  asked before every pilot
-[[nodiscard]] SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
-                                         const std::function<bool()>& may_go_on);
+[[nodiscard]] SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches,
+                                         PilotSource& pilots, const std::function<bool()>& may_go_on);
 
-/// The most accurate model whose pilot takes at most `seconds` per simulated second with steps of at most `longest_step`; coarsens
-/// from `start` until the rate is met. Empty: none was found.
+/// The most accurate model whose pilot takes at most `seconds` per simulated second with steps of at most `longest_step`;
+/// coarsens from `start` until the rate is met. Empty: none was found.
 [[nodiscard]] std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots,
                                                const std::function<bool()>& may_go_on);
 

@@ -15,11 +15,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int most_samples = 60;
-constexpr double longest_step = 1.0 / 30;   // [s]
-constexpr double reference_share = 0.6;     // of the budget
+constexpr double longest_step = 1.0 / 30;                                // [s]
+constexpr double reference_share = 0.6;                                  // of the budget
 constexpr double wanted_certainty = 1.0 / 6, least_certainty = 1.0 / 2;  // reference's uncertainty over the tolerance
 constexpr int final_repeats = 3;
-constexpr double contender = 1.15;          // costs up to this over the winner's are timed again
+constexpr double contender = 1.15;  // costs up to this over the winner's are timed again
 constexpr std::size_t most_contenders = 3;
 constexpr double plainly_cheaper = 0.95;
 
@@ -31,7 +31,8 @@ public:
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         check_goals();
         const double duration = scene.scene.duration;
-        const double samples = is_static_ ? 1 : std::clamp(std::floor(duration / longest_step + 1e-9), 1.0, static_cast<double>(most_samples));
+        const double samples =
+            is_static_ ? 1 : std::clamp(std::floor(duration / longest_step + 1e-9), 1.0, static_cast<double>(most_samples));
         plan_.until = duration;
         plan_.interval = is_static_ ? 1 : duration / samples;
         plan_.stop = options.stop;
@@ -57,8 +58,10 @@ private:
     {
         const auto fail = [&](const std::string& what) { throw Error(ExitCode::BadScene, what); };
         if (is_static_ && goals_.rate > 0)
-            fail(fmt::format("{}: scheme = \"static\" has no steps, so no --rate; take one of the two out", scene_.scene.source.string()));
-        if (!is_static_ && scene_.scene.duration <= 0) fail(fmt::format("{}: scene.duration_s: nothing to plan for", scene_.scene.source.string()));
+            fail(fmt::format("{}: scheme = \"static\" has no steps, so no --rate; take one of the two out",
+                             scene_.scene.source.string()));
+        if (!is_static_ && scene_.scene.duration <= 0)
+            fail(fmt::format("{}: scene.duration_s: nothing to plan for", scene_.scene.source.string()));
     }
 
     void stop_with(PlanStatus status, std::string message)
@@ -69,14 +72,16 @@ private:
 
     [[nodiscard]] std::string as_length(double metres) const { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
-    // ---- reference --------------------------------------------------------------------------------------------------------------
+    // ---- reference
+    // --------------------------------------------------------------------------------------------------------------
 
     void plan_reference()
     {
         result_.status = PlanStatus::Planned;
         ReferenceGoals wanted;
         wanted.shape = wanted_certainty * goals_.tolerance;
-        wanted.force = goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
+        wanted.force =
+            goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
         wanted.force_is_relative = goals_.force_is_relative;
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
         wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
@@ -85,26 +90,34 @@ private:
         result_.touches = reference.contacts > 0;
         if (reference.stopped) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (reference.levels.empty() && reference.failures.empty())
-            return stop_with(PlanStatus::BelowReference, fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
+            return stop_with(
+                PlanStatus::BelowReference,
+                fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
         if (reference.levels.empty())
-            return stop_with(PlanStatus::NothingHolds, fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
-                                                                   "feed speed, wire), {}or look at it with `seldinger run`", failures(reference),
-                                                                   reference.out_of_budget ? "give a larger --budget, " : ""));
-        const double shape = at(reference.uncertainty, Observable::Shape), force = at(reference.uncertainty, Observable::HandForce);
+            return stop_with(PlanStatus::NothingHolds,
+                             fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
+                                         "feed speed, wire), {}or look at it with `seldinger run`",
+                                         failures(reference), reference.out_of_budget ? "give a larger --budget, " : ""));
+        const double shape = at(reference.uncertainty, Observable::Shape),
+                     force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
-                             fmt::format("refining the scene keeps moving the wire, by {} at {} nodes and {:.3g} ms: it has no single answer (a bifurcation, or "
+                             fmt::format("refining the scene keeps moving the wire, by {} at {} nodes and {:.3g} ms: it has no "
+                                         "single answer (a bifurcation, or "
                                          "chatter); shorten scene.duration_s to before that",
                                          as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
                                          reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
         const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);
         const bool force_known = goals_.force_tolerance == 0 || force <= least_certainty * force_goal;
         if (shape <= least_certainty * goals_.tolerance && force_known && reference.converges) return;
-        std::string message = fmt::format("the reference is known to {} after {} refinements", as_length(shape), std::max<std::size_t>(reference.levels.size(), 1) - 1);
-        if (goals_.force_tolerance > 0) message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
+        std::string message = fmt::format("the reference is known to {} after {} refinements", as_length(shape),
+                                          std::max<std::size_t>(reference.levels.size(), 1) - 1);
+        if (goals_.force_tolerance > 0)
+            message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
         message += fmt::format("; asked were {}", as_length(goals_.tolerance));
         if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
-        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for {} or more", options_.budget, as_length(2 * shape))
+        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for {} or more", options_.budget,
+                                                         as_length(2 * shape))
                                            : fmt::format("; ask for {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
@@ -115,7 +128,8 @@ private:
     {
         if (reference.failures.empty()) return "nothing was tried";
         if (reference.failures.size() == 1) return reference.failures.front();
-        return fmt::format("{}; … {} refinements … {}", reference.failures.front(), reference.failures.size() - 1, reference.failures.back());
+        return fmt::format("{}; … {} refinements … {}", reference.failures.front(), reference.failures.size() - 1,
+                           reference.failures.back());
     }
 
     /// What is promised of the reference itself.
@@ -130,12 +144,14 @@ private:
         return planned;
     }
 
-    // ---- model ------------------------------------------------------------------------------------------------------------------
+    // ---- model
+    // ------------------------------------------------------------------------------------------------------------------
 
     void plan_model()
     {
         if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
-            result_.notes.push_back("the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
+            result_.notes.push_back(
+                "the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
         Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
@@ -148,7 +164,9 @@ private:
         result_.pilots = static_cast<int>(pilots.all().size());
         if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         result_.search_complete = found.complete;
-        if (!found.complete) result_.notes.push_back(fmt::format("the budget of {:g} s ended the search: there may be cheaper models", options_.budget));
+        if (!found.complete)
+            result_.notes.push_back(
+                fmt::format("the budget of {:g} s ended the search: there may be cheaper models", options_.budget));
         if (!found.best) return nothing_meets(pilots, grid);
         const std::optional<PlannedModel> best = timed_best(*found.best, pilots);
         if (!best) return stop_with(PlanStatus::Interrupted, "interrupted");
@@ -194,7 +212,8 @@ private:
         const double step_seconds = pilot->seconds * coarse.dt.value_or(1);
         constexpr double cheaper_yet = 10;  // fewer nodes, one Newton step, at the very best
         if (step_seconds * goals_.rate < cheaper_yet) return true;
-        stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so that {:.2g} a second is about the most",
+        stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so "
+                                                   "that {:.2g} a second is about the most",
                                                    goals_.rate, label(coarse), 1e6 * step_seconds, cheaper_yet / step_seconds));
         return false;
     }
@@ -220,11 +239,12 @@ private:
         const double slowest = pilots.time_again(model, final_repeats);
         if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         result_.fast = planned(pilots.all().at(label(model)), slowest);
-        result_.message += fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
+        result_.message +=
+            fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
-    /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only where
-    /// it is plainly cheaper.
+    /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only
+    /// where it is plainly cheaper.
     std::optional<PlannedModel> timed_best(const Model& winner, Pilots& pilots)
     {
         const std::string own = label(winner);
@@ -267,21 +287,24 @@ private:
     {
         result_.accurate = best;
         add_fast(best.model, pilots, grid);
-        std::string message = fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
-                                          as_length(goals_.tolerance), 1 / best.slowest);
-        if (result_.fast) message += fmt::format("; the most accurate that keeps up is within {}", as_length(result_.fast->error));
+        std::string message =
+            fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
+                        as_length(goals_.tolerance), 1 / best.slowest);
+        if (result_.fast)
+            message += fmt::format("; the most accurate that keeps up is within {}", as_length(result_.fast->error));
         stop_with(PlanStatus::NotBoth, std::move(message));
     }
 
     void nothing_meets(Pilots& pilots, const SearchGrid& grid)
     {
         const Model& finest = result_.reference.model;
-        // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at the reference
+        // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at
+        // the reference
         result_.accurate = described(finest, result_.reference.values);
         if (goals_.rate > 0) add_fast(starting_model(), pilots, grid);
         stop_with(goals_.rate > 0 ? PlanStatus::NotBoth : PlanStatus::BelowReference,
-                  fmt::format("no pilot was within {} by more than the reference's own uncertainty, {}; ask for {} or more{}", as_length(goals_.tolerance),
-                              as_length(at(result_.reference.uncertainty, Observable::Shape)),
+                  fmt::format("no pilot was within {} by more than the reference's own uncertainty, {}; ask for {} or more{}",
+                              as_length(goals_.tolerance), as_length(at(result_.reference.uncertainty, Observable::Shape)),
                               as_length(2 * at(result_.reference.uncertainty, Observable::Shape) + goals_.tolerance),
                               result_.search_complete ? "" : ", or give a larger --budget"));
     }
@@ -295,7 +318,8 @@ private:
         if (!pilots.stopped()) result_.fast = planned(pilots.all().at(label(*fast)), slowest);
     }
 
-    // ---- what was left out ------------------------------------------------------------------------------------------------------
+    // ---- what was left out
+    // ------------------------------------------------------------------------------------------------------
 
     void look_at_omissions(Pilots& pilots, const SearchGrid& grid)
     {
@@ -305,7 +329,8 @@ private:
             tell("left out: " + what);
             const Pilot* pilot = pilots.look_at(model);
             if (!pilot) return;
-            result_.left_out.push_back({what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete, pilot->too_dear});
+            result_.left_out.push_back(
+                {what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete, pilot->too_dear});
         };
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;

@@ -21,34 +21,34 @@ namespace seldinger {
 
 struct PlanOptions {
     PlanGoals goals;
-    std::filesystem::path pilots;   // folder where pilots are kept; a plan that was interrupted goes on from there
-    double budget = 120;            // wall time of this call [s]
+    std::filesystem::path pilots;  // folder where pilots are kept; a plan that was interrupted goes on from there
+    double budget = 120;           // wall time of this call [s]
     int device = -1;
-    std::function<bool()> stop;     // asked between samples of a pilot; may be empty
+    std::function<bool()> stop;                        // asked between samples of a pilot; may be empty
     std::function<void(const std::string&)> progress;  // what is being done; may be empty
 };
 
 /// A model with what is known of it here.
 struct PlannedModel {
     Model model;
-    Scene scene;                 // to be run
-    double error = 0;            // rms [m]
-    double worst = 0;            // of all samples [m]
-    double force_error = 0;      // rms [N]
-    double seconds = 0;          // of computation per simulated second; of a static scene per solution
-    double slowest = 0;          // the same over the slowest of the sampled intervals
-    int nodes = 0;               // at most
+    Scene scene;             // to be run
+    double error = 0;        // rms [m]
+    double worst = 0;        // of all samples [m]
+    double force_error = 0;  // rms [N]
+    double seconds = 0;      // of computation per simulated second; of a static scene per solution
+    double slowest = 0;      // the same over the slowest of the sampled intervals
+    int nodes = 0;           // at most
     Outcome outcome = Outcome::Hold;
-    double jitter = 0;           // of the hand force, see FailureReadings
+    double jitter = 0;  // of the hand force, see FailureReadings
 };
 
 /// One choice of the chosen model exchanged for another.
 struct Omission {
-    std::string what;            // "converged Newton steps"
-    double cost_ratio = 1;       // its cost over the chosen model's
+    std::string what;                   // "converged Newton steps"
+    double cost_ratio = 1;              // its cost over the chosen model's
     double error = 0, force_error = 0;  // [m], [N]
-    bool holds = true;           // false: such a model does not run here
-    bool too_dear = false;       // it was not run to its end because it took many times as long
+    bool holds = true;                  // false: such a model does not run here
+    bool too_dear = false;              // it was not run to its end because it took many times as long
 };
 
 enum class PlanStatus {
@@ -62,17 +62,17 @@ enum class PlanStatus {
 
 struct Plan {
     PlanStatus status = PlanStatus::Interrupted;
-    std::string message;                   // one line for what was not planned; empty when it was
+    std::string message;  // one line for what was not planned; empty when it was
     PlanReference reference;
     std::optional<PlannedModel> chosen;    // Planned
     std::optional<PlannedModel> accurate;  // the cheapest that meets the tolerance (or the most accurate), whatever its rate
     std::optional<PlannedModel> fast;      // the most accurate that meets the rate
     std::vector<Omission> left_out;
-    std::vector<std::string> notes;        // one sentence each
-    bool touches = false;                  // the wire met the wall
-    bool search_complete = true;           // false: the budget ended it
-    int pilots = 0;                        // looked at, those of earlier calls included
-    double spent = 0;                      // wall time of this call [s]
+    std::vector<std::string> notes;  // one sentence each
+    bool touches = false;            // the wire met the wall
+    bool search_complete = true;     // false: the budget ended it
+    int pilots = 0;                  // looked at, those of earlier calls included
+    double spent = 0;                // wall time of this call [s]
 };
 
 /// @throws Error BadScene: goals that contradict the scene; BadFile

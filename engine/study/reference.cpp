@@ -104,11 +104,12 @@ void Refiner::judge()
             for (const PerObservable& values : rows) moved.push_back(values[k]);
             return judge_movements(moved, noise[k]);
         };
-        // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly move.
-        // What is uncertain is the rms in either case.
+        // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly
+        // move. What is uncertain is the rms in either case.
         reference_.convergence[k] = judged(reference_.moved);
         if (reference_.convergence[k] != Convergence::Falling) reference_.convergence[k] = judged(reference_.moved_median);
-        reference_.uncertainty[k] = reference_.moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference_.moved.back()[k];
+        reference_.uncertainty[k] =
+            reference_.moved.empty() ? std::numeric_limits<double>::quiet_NaN() : reference_.moved.back()[k];
     }
 }
 

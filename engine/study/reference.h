@@ -23,8 +23,8 @@ struct Refinement {
 enum class Convergence {
     Analytic,  // exact; uncertainty 0
     Falling,   // each refinement moves the result less than the one before: uncertainty is what the last one moved (rms). Judged
-              // by the rms or the median over samples: a slip or a snap that comes a moment earlier moves one sample, and widens
-              // the band by it; a wire that goes another way moves all that follow
+               // by the rms or the median over samples: a slip or a snap that comes a moment earlier moves one sample, and widens
+               // the band by it; a wire that goes another way moves all that follow
     NotFalling,  // it does not: a bifurcation, chatter or a scene that has no single answer. Not to be charted
     Unknown,     // too few levels could be run
 };

@@ -19,8 +19,8 @@ struct RunPlan {
     double repeat_wall = std::numeric_limits<double>::infinity();  // no repeat is begun once the steps of all took this [s]
     double wall_limit = std::numeric_limits<double>::infinity();   // of the steps of one run [s]; it then stops, incomplete
     FailureLimits limits;                                          // radius infinite: the wire's own
-    bool end_on_blow_up = true;  // energy made from nothing ends the run; values that are not finite do in any case
-    std::function<bool()> stop;  // asked between samples; true ends the run, incomplete. May be empty
+    bool end_on_blow_up = true;      // energy made from nothing ends the run; values that are not finite do in any case
+    std::function<bool()> stop;      // asked between samples; true ends the run, incomplete. May be empty
     std::function<bool()> stop_now;  // the same, asked after every step
     /// Sees every sample as it is taken, with the wall and processor time of the steps so far [s]; false ends the run there,
     /// incomplete, as a run that has shown enough. May be empty.

@@ -39,7 +39,8 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
         const auto begin = Clock::now();
         const auto account = [&](const StepReport& report, long k) {
             if (report.failed())
-                throw Error(ExitCode::Stopped, fmt::format("{}: step {} failed; see `seldinger run {}`", timing.scene, k + 1, scene.source.string()));
+                throw Error(ExitCode::Stopped, fmt::format("{}: step {} failed; see `seldinger run {}`", timing.scene, k + 1,
+                                                           scene.source.string()));
             newton += report.newton_iterations;
             run.stages += report.times;
             if (r == 0) timing.contacts_max = std::max(timing.contacts_max, world.readings(0).contacts);

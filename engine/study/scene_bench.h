@@ -10,16 +10,16 @@
 namespace seldinger {
 
 struct SceneTiming {
-    std::string scene;      // file name
+    std::string scene;  // file name
     std::string device;
     std::size_t triangles = 0;
-    long steps = 0;         // of each run
+    long steps = 0;  // of each run
     int nodes = 0, contacts_max = 0;
-    double load = 0;        // mesh, tree, kernels: of the first run [s]
-    double rate = 0, lowest = 0, highest = 0;  // steps per second over the runs: median and range; nothing is written meanwhile
-    StageTimes stages;      // mean per step, of the median run [s]
-    double other = 0;       // of a step, outside the stages [s]
-    double newton = 0;      // iterations per step
+    double load = 0;                             // mesh, tree, kernels: of the first run [s]
+    double rate = 0, lowest = 0, highest = 0;    // steps per second over the runs: median and range; nothing is written meanwhile
+    StageTimes stages;                           // mean per step, of the median run [s]
+    double other = 0;                            // of a step, outside the stages [s]
+    double newton = 0;                           // iterations per step
     double launches = 0, reads = 0, writes = 0;  // per step, of the last run
     long buffers = 0, programs = 0;              // made after the first hundred steps: candidate lists that grew
     std::string state_hash;

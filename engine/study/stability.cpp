@@ -64,7 +64,8 @@ Model in_map(const StabilityMap& map, Model model)
     return model;
 }
 
-ModelRun run_cell(const Scene& scene, const Model& method, FailureLimits limits, double wall_limit, const std::function<bool()>& stop)
+ModelRun run_cell(const Scene& scene, const Model& method, FailureLimits limits, double wall_limit,
+                  const std::function<bool()>& stop)
 {
     RunPlan plan;
     plan.limits = limits;
@@ -90,7 +91,8 @@ const std::vector<Model>& stability_methods()
 
 bool is_shown(const Model& method, bool quick)
 {
-    constexpr std::string_view shown[] = {"published", "published, nodes", "linearised, capsule", "default", "constraint", "barrier"};
+    constexpr std::string_view shown[] = {"published", "published, nodes", "linearised, capsule",
+                                          "default",   "constraint",       "barrier"};
     constexpr std::ptrdiff_t quick_count = 4;
     const auto end = quick ? std::begin(shown) + quick_count : std::end(shown);
     return std::find(std::begin(shown), end, method.name) != end;
@@ -117,12 +119,16 @@ StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& 
         const Scene scene = stability_scene(map, value, slow_step, 1, {});
         map.touches = scene.vessel.shape != VesselShape::None;
         if (scene.integrator.scheme == Scheme::Static || !(scene.duration > 0))
-            throw Error(ExitCode::BadScene, fmt::format("{}: a static scene has no steps to sweep; give scene.duration_s and another "
-                                                        "integrator.scheme", file.string()));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("{}: a static scene has no steps to sweep; give scene.duration_s and another "
+                                    "integrator.scheme",
+                                    file.string()));
         const double longest = stability_steps(false).back();
         if (scene.duration < longest)
-            throw Error(ExitCode::BadScene, fmt::format("{}: scene.duration_s: {} s given, at least the longest step that is swept, {:.4f} s, "
-                                                        "expected", file.string(), scene.duration, longest));
+            throw Error(ExitCode::BadScene,
+                        fmt::format("{}: scene.duration_s: {} s given, at least the longest step that is swept, {:.4f} s, "
+                                    "expected",
+                                    file.string(), scene.duration, longest));
     }
     return map;
 }
@@ -146,12 +152,14 @@ double CellReference::honest_jitter(double dt) const
     return std::max(0.0, jitter_of(looked_at, {}));
 }
 
-CellReference cell_reference(const StabilityMap& map, double value, const std::filesystem::path& folder, const std::function<bool()>& stop)
+CellReference cell_reference(const StabilityMap& map, double value, const std::filesystem::path& folder,
+                             const std::function<bool()>& stop)
 {
     CellReference reference;
     const double forever = std::numeric_limits<double>::infinity();
     if (map.touches && map.static_load) {
-        const ModelRun slow = run_cell(stability_scene(map, value, slow_step, slow_pace, folder), default_method(), {}, forever, stop);
+        const ModelRun slow =
+            run_cell(stability_scene(map, value, slow_step, slow_pace, folder), default_method(), {}, forever, stop);
         if (slow.complete) reference.indentation = slow.verdict.readings.overlap;
     }
     if (map.touches && map.hand_is_steady) {
@@ -159,22 +167,26 @@ CellReference cell_reference(const StabilityMap& map, double value, const std::f
         plan.stop_now = stop;
         plan.interval = slow_step;
         plan.average = 0;  // the force of one step
-        const ModelRun run = run_model(load_study_scene(stability_scene(map, value, slow_step, 1, folder)), default_method(), plan);
+        const ModelRun run =
+            run_model(load_study_scene(stability_scene(map, value, slow_step, 1, folder)), default_method(), plan);
         if (run.complete)
             for (const Sample& sample : run.trajectory.samples) reference.hand_force.push_back(sample.hand_force);
     }
     return reference;
 }
 
-CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, const CellReference& reference,
-                              const std::filesystem::path& folder, double wall_limit, const std::function<bool()>& stop)
+CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value,
+                              const CellReference& reference, const std::filesystem::path& folder, double wall_limit,
+                              const std::function<bool()>& stop)
 {
     const Scene scene = stability_scene(map, value, dt, 1, folder);
     FailureLimits limits;
     limits.static_indentation = reference.indentation;
     limits.jitter = map.hand_is_steady ? limits.jitter + reference.honest_jitter(dt) : std::numeric_limits<double>::infinity();
     const ModelRun run = run_cell(scene, in_map(map, method), limits, wall_limit, stop);
-    return {run.verdict, std::min(2 * reference.indentation, scene.wire.shaft.radius), limits.jitter, run.simulated, run.over_limit, run.stopped};
+    return {run.verdict,    std::min(2 * reference.indentation, scene.wire.shaft.radius),
+            limits.jitter,  run.simulated,
+            run.over_limit, run.stopped};
 }
 
 std::string why_not_in(const StabilityMap& map, const Model& method, const std::filesystem::path& folder)

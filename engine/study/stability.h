@@ -1,7 +1,7 @@
 #pragma once
 // The stability map: where in (step, one other parameter) each method holds and how it fails where it does not. A map is one of
-// the failure rows F1 ... F17 as a small scene with one thing varied; a cell is that scene at one step and one value, run with one
-// method and judged by study/classify.h.
+// the failure rows F1 ... F17 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
+// one method and judged by study/classify.h.
 
 #include "study/classify.h"
 #include "study/simulation.h"
@@ -16,16 +16,18 @@ namespace seldinger {
 
 /// One map. Everything that a cell changes is text of `seldinger run SCENE --set`, so that any cell can be run again by hand.
 struct StabilityMap {
-    std::string name;    // in tables and on the command line
-    std::string rows;    // "F2 F3": failure rows that it shows
-    std::string title;   // one line
-    std::string axis;    // what is varied, with its unit
+    std::string name;   // in tables and on the command line
+    std::string rows;   // "F2 F3": failure rows that it shows
+    std::string title;  // one line
+    std::string axis;   // what is varied, with its unit
     bool logarithmic = true;
-    bool touches = true;        // false: a free rod, where methods differ by their integrator alone
-    bool static_load = true;    // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
-    bool hand_is_steady = true; // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
-    std::string scene;          // TOML
-    std::filesystem::path source;  // the file that `scene` was read from, where it is the user's; else empty
+    bool touches = true;  // false: a free rod, where methods differ by their integrator alone
+    bool static_load =
+        true;  // a static load presses, so that overlap is judged by the law's static indentation; false: impacts do
+    bool hand_is_steady =
+        true;           // false: what is prescribed makes the hand's force jump from step to step, which is then no jitter
+    std::string scene;  // TOML
+    std::filesystem::path source;      // the file that `scene` was read from, where it is the user's; else empty
     std::vector<double> values;        // SI, rising
     std::vector<double> quick_values;  // a subset
     /// --set texts for one value. @param dt  the cell's step [s], for what has to be prescribed step by step
@@ -39,9 +41,10 @@ struct StabilityMap {
 /// All maps, in the order of their rows.
 [[nodiscard]] const std::vector<StabilityMap>& stability_maps();
 
-/// A map of a scene of the user's: `key` takes `values`. Overlap is judged by the wire's radius alone, since nothing is known of its
-/// loads. @throws Error BadFile, BadScene: no such scene, or it cannot be read with one of the values
-[[nodiscard]] StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& key, const std::vector<double>& values);
+/// A map of a scene of the user's: `key` takes `values`. Overlap is judged by the wire's radius alone, since nothing is known of
+/// its loads. @throws Error BadFile, BadScene: no such scene, or it cannot be read with one of the values
+[[nodiscard]] StabilityMap map_of_scene(const std::filesystem::path& file, const std::string& key,
+                                        const std::vector<double>& values);
 
 /// Steps that every map is swept over [s].
 [[nodiscard]] std::vector<double> stability_steps(bool quick);
@@ -64,18 +67,19 @@ struct CellResult {
 };
 
 /// The scene of a cell. @throws Error BadScene: a map that its own scene reader refuses
-[[nodiscard]] Scene stability_scene(const StabilityMap& map, double value, double dt, double pace, const std::filesystem::path& folder);
+[[nodiscard]] Scene stability_scene(const StabilityMap& map, double value, double dt, double pace,
+                                    const std::filesystem::path& folder);
 
 /// What the cells of one map and value are judged by: the default method's own runs of that scene, well resolved.
 struct CellReference {
-    /// The deepest that the wire sinks in where the same is done slowly: the law's static indentation under the scene's largest load.
-    /// infinity where the map has no static load, or where that run has no end. [m]
+    /// The deepest that the wire sinks in where the same is done slowly: the law's static indentation under the scene's largest
+    /// load. infinity where the map has no static load, or where that run has no end. [m]
     double indentation = std::numeric_limits<double>::infinity();
     /// The hand's force after every millisecond [N]; empty where it is not judged.
     std::vector<double> hand_force;
 
-    /// Jitter that the force shows when it is looked at every `dt`: a tip that crosses a ridge of the wall every few steps is none of
-    /// the method's making. 0 for steps that resolve it. [-]
+    /// Jitter that the force shows when it is looked at every `dt`: a tip that crosses a ridge of the wall every few steps is
+    /// none of the method's making. 0 for steps that resolve it. [-]
     [[nodiscard]] double honest_jitter(double dt) const;
 };
 
@@ -84,8 +88,9 @@ struct CellReference {
                                            const std::function<bool()>& stop = {});
 
 /// @param wall_limit  of the steps [s]  @param stop  as above
-[[nodiscard]] CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value, const CellReference& reference,
-                                            const std::filesystem::path& folder, double wall_limit, const std::function<bool()>& stop = {});
+[[nodiscard]] CellResult run_stability_cell(const StabilityMap& map, const Model& method, double dt, double value,
+                                            const CellReference& reference, const std::filesystem::path& folder,
+                                            double wall_limit, const std::function<bool()>& stop = {});
 
 /// Why a method has no place in a map ("the scene has no vessel to touch", "not available yet"); empty when it has. `folder`
 /// holds the map's meshes.

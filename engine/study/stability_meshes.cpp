@@ -49,9 +49,15 @@ WallMesh spoilt(WallMesh mesh, double share)
         const std::size_t at = scattered(k, count);
         auto t = mesh.triangles[at];
         switch (k % 4) {
-            case 0: mesh.triangles.push_back(t); break;
-            case 1: std::swap(mesh.triangles[at][1], mesh.triangles[at][2]); break;
-            case 2: gone[at] = true; break;
+            case 0:
+                mesh.triangles.push_back(t);
+                break;
+            case 1:
+                std::swap(mesh.triangles[at][1], mesh.triangles[at][2]);
+                break;
+            case 2:
+                gone[at] = true;
+                break;
             default: {
                 // three from one: its middle point lies a hundredth off a corner
                 const Vec3 a = mesh.vertices[t[0]], m = (mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 2;
@@ -92,7 +98,9 @@ WallMesh fork()
     const SweptLumen lumen({straight_tube(start, fork_point, carina_radius), straight_tube(fork_point, left, branch),
                             straight_tube(fork_point, right, branch)},
                            0.0015);
-    return mesh_lumen(lumen, {end_of(fork_point, start, carina_radius), end_of(fork_point, left, branch), end_of(fork_point, right, branch)}, 4000);
+    return mesh_lumen(
+        lumen, {end_of(fork_point, start, carina_radius), end_of(fork_point, left, branch), end_of(fork_point, right, branch)},
+        4000);
 }
 
 WallMesh narrowed_tube(double throat)

@@ -9,8 +9,8 @@ namespace seldinger {
 
 inline constexpr double carina_radius = 0.004;  // of the trunk [m]
 
-/// The maps' bend (arc of 3 cm, lumen 4 mm, about 3,000 triangles), a share of its triangles spoilt: in equal parts doubled, turned
-/// round, missing (single ones) and cut into slivers. The same triangles every time.
+/// The maps' bend (arc of 3 cm, lumen 4 mm, about 3,000 triangles), a share of its triangles spoilt: in equal parts doubled,
+/// turned round, missing (single ones) and cut into slivers. The same triangles every time.
 void write_damaged_mesh(const std::filesystem::path& folder, double share);
 [[nodiscard]] std::string damaged_mesh_name(double share);
 

@@ -5,9 +5,9 @@
 #include "vessel/swept_lumen.h"
 #include "vessel/triangle_geometry.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace seldinger {
@@ -87,9 +87,9 @@ Body make_body(const ArchSpec& spec)
 /// Lengths along the aorta's axis at which things happen.
 struct AortaAxis {
     Curve curve;
-    double foot = 0;                               // end of the straight descending part
+    double foot = 0;                                     // end of the straight descending part
     double subclavian = 0, carotid = 0, innominate = 0;  // where branches leave
-    double arch_end = 0;                           // foot of the ascending aorta
+    double arch_end = 0;                                 // foot of the ascending aorta
 };
 
 AortaAxis make_axis(const ArchSpec& spec, const Body& body)
@@ -140,7 +140,8 @@ SweptTube aorta_tube(const ArchSpec& spec, const AortaAxis& axis)
 }
 
 /// Leaves the aorta square to its axis and bends to `towards`.
-SweptTube branch_tube(const SweptTube& aorta, std::size_t start, const Body& body, const Vec3& towards, double length, double radius)
+SweptTube branch_tube(const SweptTube& aorta, std::size_t start, const Body& body, const Vec3& towards, double length,
+                      double radius)
 {
     const Vec3 tangent = (aorta.points[start + 1] - aorta.points[start - 1]).normalized();
     const Vec3 out = (body.superior - tangent * tangent.dot(body.superior)).normalized();
@@ -157,7 +158,8 @@ LumenEnd overhang(SweptTube& tube, bool at_start)
         std::reverse(tube.radius.begin(), tube.radius.end());
     }
     const std::size_t n = tube.points.size();
-    const LumenEnd end{tube.points[n - 1], (tube.points[n - 1] - tube.points[n - 2]).normalized(), 1.6 * tube.radius[n - 1] + kOverhang};
+    const LumenEnd end{tube.points[n - 1], (tube.points[n - 1] - tube.points[n - 2]).normalized(),
+                       1.6 * tube.radius[n - 1] + kOverhang};
     for (double s = kStep; s <= kOverhang; s += kStep) {
         tube.points.push_back(end.point + s * end.outward);
         tube.radius.push_back(tube.radius[n - 1]);
@@ -186,13 +188,16 @@ Centreline centreline_of(const std::vector<SweptTube>& tubes, const std::vector<
 
 void check_spec(const ArchSpec& spec)
 {
-    for (const double length : {spec.diameter_diaphragm, spec.diameter_isthmus, spec.diameter_distal_arch, spec.diameter_proximal_arch,
-                                spec.diameter_before_innominate, spec.diameter_ascending, spec.diameter_root, spec.arch_height,
-                                spec.arch_width, spec.descending_length, spec.ascending_length, spec.diameter_innominate,
-                                spec.diameter_carotid, spec.diameter_subclavian, spec.branch_length, spec.fillet})
-        if (!(length > 0) || !std::isfinite(length)) throw Error(ExitCode::BadScene, "aortic arch: every length must be finite and above 0");
+    for (const double length :
+         {spec.diameter_diaphragm, spec.diameter_isthmus, spec.diameter_distal_arch, spec.diameter_proximal_arch,
+          spec.diameter_before_innominate, spec.diameter_ascending, spec.diameter_root, spec.arch_height, spec.arch_width,
+          spec.descending_length, spec.ascending_length, spec.diameter_innominate, spec.diameter_carotid,
+          spec.diameter_subclavian, spec.branch_length, spec.fillet})
+        if (!(length > 0) || !std::isfinite(length))
+            throw Error(ExitCode::BadScene, "aortic arch: every length must be finite and above 0");
     if (spec.triangles < 2000 || spec.triangles > 4'000'000)
-        throw Error(ExitCode::BadScene, fmt::format("vessel.triangles: {} given, 2000 to 4000000 expected for an aortic arch", spec.triangles));
+        throw Error(ExitCode::BadScene,
+                    fmt::format("vessel.triangles: {} given, 2000 to 4000000 expected for an aortic arch", spec.triangles));
 }
 
 }  // namespace
@@ -205,10 +210,12 @@ GeneratedVessel make_aortic_arch(const ArchSpec& spec)
     std::vector<SweptTube> tubes = {aorta_tube(spec, axis)};
     std::vector<std::size_t> starts = {0};
     // the innominate leans to the right and forward, the subclavian to the left and back
-    const struct { double at, diameter; Vec3 towards; } branches[] = {
-        {axis.innominate, spec.diameter_innominate, body.superior - 0.45 * body.left + 0.15 * body.anterior},
-        {axis.carotid, spec.diameter_carotid, body.superior - 0.02 * body.left + 0.1 * body.anterior},
-        {axis.subclavian, spec.diameter_subclavian, body.superior + 0.55 * body.left - 0.2 * body.anterior}};
+    const struct {
+        double at, diameter;
+        Vec3 towards;
+    } branches[] = {{axis.innominate, spec.diameter_innominate, body.superior - 0.45 * body.left + 0.15 * body.anterior},
+                    {axis.carotid, spec.diameter_carotid, body.superior - 0.02 * body.left + 0.1 * body.anterior},
+                    {axis.subclavian, spec.diameter_subclavian, body.superior + 0.55 * body.left - 0.2 * body.anterior}};
     for (const auto& branch : branches) {
         starts.push_back(index_at(axis.curve, branch.at));
         tubes.push_back(branch_tube(tubes[0], starts.back(), body, branch.towards, spec.branch_length, 0.5 * branch.diameter));

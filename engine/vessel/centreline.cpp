@@ -25,7 +25,9 @@ std::vector<int> Centreline::main_path() const
         for (; !climb.empty(); climb.pop_back()) {
             const auto k = static_cast<std::size_t>(climb.back());
             const int up = parent[k];
-            from_root[k] = up < 0 ? 0.0 : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
+            from_root[k] =
+                up < 0 ? 0.0
+                       : from_root[static_cast<std::size_t>(up)] + (points[k] - points[static_cast<std::size_t>(up)]).norm();
         }
     }
     const auto leaf = std::max_element(from_root.begin(), from_root.end()) - from_root.begin();
@@ -54,7 +56,10 @@ int Centreline::nearest(const Vec3& p, int hint) const
         double best_d2 = std::numeric_limits<double>::infinity();
         for (int i = from; i < to; ++i) {
             const double d2 = (points[static_cast<std::size_t>(i)] - p).squaredNorm();
-            if (d2 < best_d2) { best_d2 = d2; best = i; }
+            if (d2 < best_d2) {
+                best_d2 = d2;
+                best = i;
+            }
         }
         return best;
     };

@@ -8,9 +8,9 @@
 namespace seldinger {
 
 struct Centreline {
-    std::vector<Vec3> points;        // [P] [m]
-    std::vector<double> radius;      // [P] largest inscribed sphere [m]
-    std::vector<int> parent;         // [P] index of the previous point towards the root; -1 at a root
+    std::vector<Vec3> points;    // [P] [m]
+    std::vector<double> radius;  // [P] largest inscribed sphere [m]
+    std::vector<int> parent;     // [P] index of the previous point towards the root; -1 at a root
     [[nodiscard]] bool empty() const { return points.empty(); }
 
     /// Longest root-to-leaf polyline, root first (indices into points).

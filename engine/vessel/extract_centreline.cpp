@@ -11,19 +11,19 @@
 namespace seldinger {
 namespace {
 
-constexpr double kCover = 1.6;       // wall within this many radii of a path is served by it: lumens are not round
-constexpr double kJoin = 0.5;        // a new path ends where it comes this many radii near an older one
-constexpr double kBranch = 2.0;      // a branch is this many times longer than wide (in radii), counted from its parent's wall
-constexpr double kSpacing = 0.5;     // distance of points in radii
+constexpr double kCover = 1.6;    // wall within this many radii of a path is served by it: lumens are not round
+constexpr double kJoin = 0.5;     // a new path ends where it comes this many radii near an older one
+constexpr double kBranch = 2.0;   // a branch is this many times longer than wide (in radii), counted from its parent's wall
+constexpr double kSpacing = 0.5;  // distance of points in radii
 
 struct Polyline {
     std::vector<Vec3> points;
     std::vector<double> radius;
 };
 
-/// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a side
-/// pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest
-/// other end is at least 0.9 times as far as the longest path are asked.
+/// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a
+/// side pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest other end is
+/// at least 0.9 times as far as the longest path are asked.
 void reroot_at_widest_end(Centreline& tree)
 {
     const std::size_t count = tree.points.size();
@@ -57,10 +57,14 @@ void reroot_at_widest_end(Centreline& tree)
         walk_from(i);
         double sum = 0, number = 0;
         for (const std::size_t p : order)
-            if (length[p] <= 6 * tree.radius[i]) { sum += tree.radius[p]; number += 1; }
+            if (length[p] <= 6 * tree.radius[i]) {
+                sum += tree.radius[p];
+                number += 1;
+            }
         ends.push_back({i, *std::max_element(length.begin(), length.end()), sum / number});
     }
-    const double longest = std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
+    const double longest =
+        std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
     const End* best = nullptr;
     for (const End& end : ends)
         if (end.reach >= 0.9 * longest && (!best || end.width > best->width)) best = &end;
@@ -133,7 +137,10 @@ private:
         double length = 0;
         for (std::size_t i = 0; i < served_.size(); ++i) {
             const int ball = graph_.ball_of_sample[i];
-            if (!served_[i] && graph_.is_lumen[static_cast<std::size_t>(ball)] && length_to(ball) > length) { length = length_to(ball); best = ball; }
+            if (!served_[i] && graph_.is_lumen[static_cast<std::size_t>(ball)] && length_to(ball) > length) {
+                length = length_to(ball);
+                best = ball;
+            }
         }
         return best;
     }
@@ -143,9 +150,13 @@ private:
         int best = -1;
         double distance = std::numeric_limits<double>::infinity();
         for (const std::int32_t v : loop.vertices) {
-            const int ball = graph_.ball_of_sample[static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(v)])];
+            const int ball =
+                graph_.ball_of_sample[static_cast<std::size_t>(graph_.sample_of_vertex[static_cast<std::size_t>(v)])];
             const double d = (graph_.centre[static_cast<std::size_t>(ball)] - loop.centre).norm();
-            if (d < distance) { distance = d; best = ball; }
+            if (d < distance) {
+                distance = d;
+                best = ball;
+            }
         }
         return best;
     }
@@ -162,13 +173,16 @@ private:
         double distance = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < tree_.points.size(); ++i) {
             const double d = (tree_.points[i] - p).norm();
-            if (d < kJoin * tree_.radius[i] && d < distance) { distance = d; best = static_cast<int>(i); }
+            if (d < kJoin * tree_.radius[i] && d < distance) {
+                distance = d;
+                best = static_cast<int>(i);
+            }
         }
         return best;
     }
 
-    /// Tells a branch from the corner of a lumen that is not round: towards a corner the balls shrink with the way that is left (a flat
-    /// lumen twice as wide as high gives a ratio of 2), along a branch they keep their size.
+    /// Tells a branch from the corner of a lumen that is not round: towards a corner the balls shrink with the way that is left
+    /// (a flat lumen twice as wide as high gives a ratio of 2), along a branch they keep their size.
     /// @param raw  from the tip to the parent's core
     static bool is_branch(const Polyline& raw, const Vec3& join, double parent_radius)
     {
@@ -177,8 +191,10 @@ private:
             widest = std::max(widest, raw.radius[i]);
             if (i > 0) length += (raw.points[i] - raw.points[i - 1]).norm();
         }
-        // what is half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off its root)
-        return widest > 0 && (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
+        // what is half as wide as its parent, outside its parent's sphere, is no corner, however short (an ascending aorta off
+        // its root)
+        return widest > 0 &&
+               (length + raw.radius[0] >= kBranch * widest || (widest > 0.6 * parent_radius && length > parent_radius));
     }
 
     /// Walks from `tip` towards the root until an older path's core, refines that stretch and adds it unless it is a stub.
@@ -196,7 +212,8 @@ private:
             mark_served(at);
         }
         if (raw.points.empty() || (join < 0 && !tree_.empty())) return;
-        if (!opening && join >= 0 && !is_branch(raw, tree_.points[static_cast<std::size_t>(join)], tree_.radius[static_cast<std::size_t>(join)])) {
+        if (!opening && join >= 0 &&
+            !is_branch(raw, tree_.points[static_cast<std::size_t>(join)], tree_.radius[static_cast<std::size_t>(join)])) {
             serve({{raw.points[0]}, {raw.radius[0]}});
             return;
         }
@@ -283,7 +300,8 @@ private:
     {
         std::vector<Vec3> next = points;
         for (int r = 0; r < rounds; ++r) {
-            for (std::size_t i = 1; i + 1 < points.size(); ++i) next[i] = 0.5 * points[i] + 0.25 * (points[i - 1] + points[i + 1]);
+            for (std::size_t i = 1; i + 1 < points.size(); ++i)
+                next[i] = 0.5 * points[i] + 0.25 * (points[i - 1] + points[i + 1]);
             points = next;
         }
     }
@@ -298,8 +316,10 @@ private:
             const Vec3 away = (p - hit.point) / std::max(distance, 1e-300);
             const Vec3 next = p + step * distance * (away - tangent * tangent.dot(away));
             const TreeHit there = nearest_on_wall(lumen_.tree(), next);
-            if (there.distance2 > hit.distance2) { p = next; hit = there; }
-            else step *= 0.5;
+            if (there.distance2 > hit.distance2) {
+                p = next;
+                hit = there;
+            } else step *= 0.5;
         }
         return p;
     }

@@ -21,6 +21,7 @@ namespace seldinger {
 /// @param lumen  of the same mesh and openings
 /// @return a tree with its root at the widest opening, or in a closed mesh at the wider end of the longest path;
 ///         empty when no ball fits (a plane)
-[[nodiscard]] Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen);
+[[nodiscard]] Centreline extract_centreline(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings,
+                                            const LumenQuery& lumen);
 
 }  // namespace seldinger

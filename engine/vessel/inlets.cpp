@@ -64,7 +64,8 @@ Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& ce
 {
     const std::vector<Inlet> inlets = find_inlets(openings, centreline);
     if (inlets.empty())
-        throw Error(ExitCode::BadFile, "the vessel has no opening and no centreline to start on: give feed.point and feed.direction");
+        throw Error(ExitCode::BadFile,
+                    "the vessel has no opening and no centreline to start on: give feed.point and feed.direction");
     // a centreline begins where the vessel is entered: the opening at its root, when there is one
     for (const Inlet& inlet : inlets)
         for (std::size_t i = 0; i < centreline.points.size(); ++i)

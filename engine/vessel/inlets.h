@@ -10,10 +10,10 @@
 namespace seldinger {
 
 struct Inlet {
-    Vec3 point = Vec3::Zero();          // inside the lumen [m]; on the opening's plane for an opening
-    Vec3 direction = Vec3::UnitX();     // unit, into the vessel, along the lumen
-    double radius = 0;                  // of the lumen there [m]
-    int opening = -1;                   // index in RepairReport::loops, -1: a closed end
+    Vec3 point = Vec3::Zero();       // inside the lumen [m]; on the opening's plane for an opening
+    Vec3 direction = Vec3::UnitX();  // unit, into the vessel, along the lumen
+    double radius = 0;               // of the lumen there [m]
+    int opening = -1;                // index in RepairReport::loops, -1: a closed end
 };
 
 /// Openings, widest first; for a closed vessel the tips of the centreline, its root first. A tip's inlet lies one lumen radius

@@ -29,13 +29,16 @@ LumenQuery::LumenQuery(const WallMesh& mesh, const std::vector<BoundaryLoop>& op
         const Triangle3 tri = triangle_of(mesh, t);
         const Vec3 area = double_area(tri);
         facet_normal_[t] = area.norm() > 0 ? Vec3(area.normalized()) : Vec3(Vec3::Zero());
-        const double angle[3] = {corner_angle(tri.a, tri.b, tri.c), corner_angle(tri.b, tri.c, tri.a), corner_angle(tri.c, tri.a, tri.b)};
-        for (std::size_t c = 0; c < 3; ++c) vertex_normal_[static_cast<std::size_t>(triangles_[t][c])] += angle[c] * facet_normal_[t];
+        const double angle[3] = {corner_angle(tri.a, tri.b, tri.c), corner_angle(tri.b, tri.c, tri.a),
+                                 corner_angle(tri.c, tri.a, tri.b)};
+        for (std::size_t c = 0; c < 3; ++c)
+            vertex_normal_[static_cast<std::size_t>(triangles_[t][c])] += angle[c] * facet_normal_[t];
     }
     for (Vec3& n : vertex_normal_)
         if (n.norm() > 0) n.normalize();
     for (const BoundaryLoop& loop : openings) {
-        for (const std::int32_t v : loop.vertices) vertex_rim_[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(rims_.size());
+        for (const std::int32_t v : loop.vertices)
+            vertex_rim_[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(rims_.size());
         rims_.push_back({loop.centre, loop.inward, 1e-4 * loop.radius});
     }
 }
@@ -46,13 +49,16 @@ Vec3 LumenQuery::pseudonormal(std::size_t triangle, TriangleFeature feature) con
     if (f == 0) return facet_normal_[triangle];
     if (f >= 4) return vertex_normal_[static_cast<std::size_t>(triangles_[triangle][static_cast<std::size_t>(f - 4)])];
     const std::int32_t across = opposite_[3 * triangle + static_cast<std::size_t>(f - 1)];
-    return across < 0 ? facet_normal_[triangle] : Vec3(facet_normal_[triangle] + facet_normal_[static_cast<std::size_t>(across / 3)]);
+    return across < 0 ? facet_normal_[triangle]
+                      : Vec3(facet_normal_[triangle] + facet_normal_[static_cast<std::size_t>(across / 3)]);
 }
 
 int LumenQuery::rim_of(std::size_t triangle, TriangleFeature feature) const
 {
     const int f = static_cast<int>(feature);
-    auto rim = [&](int corner) { return vertex_rim_[static_cast<std::size_t>(triangles_[triangle][static_cast<std::size_t>(corner)])]; };
+    auto rim = [&](int corner) {
+        return vertex_rim_[static_cast<std::size_t>(triangles_[triangle][static_cast<std::size_t>(corner)])];
+    };
     if (f == 0) return -1;
     if (f >= 4) return rim(f - 4);
     return opposite_[3 * triangle + static_cast<std::size_t>(f - 1)] < 0 ? rim(f - 1) : -1;

@@ -9,19 +9,19 @@
 namespace seldinger {
 
 struct LumenPlace {
-    double signed_distance = 0;      // to the wall [m], > 0 on the lumen's side
-    Vec3 nearest = Vec3::Zero();     // on the wall [m]
-    Vec3 normal = Vec3::UnitZ();     // unit pseudonormal there, into the lumen
-    std::int64_t triangle = -1;      // index in WallMesh::triangles
-    int opening = -1;                // >= 0: beyond the plane of that opening, left through it
+    double signed_distance = 0;   // to the wall [m], > 0 on the lumen's side
+    Vec3 nearest = Vec3::Zero();  // on the wall [m]
+    Vec3 normal = Vec3::UnitZ();  // unit pseudonormal there, into the lumen
+    std::int64_t triangle = -1;   // index in WallMesh::triangles
+    int opening = -1;             // >= 0: beyond the plane of that opening, left through it
     [[nodiscard]] bool inside() const { return opening < 0 && signed_distance >= 0; }
 };
 
-/// Exact distances to the rounded wall (tree.h), signed by angle-weighted pseudonormals, which is right at edges and corners of any
-/// orientable surface [Baerentzen & Aanaes 2005, doi:10.1109/TVCG.2005.49].
+/// Exact distances to the rounded wall (tree.h), signed by angle-weighted pseudonormals, which is right at edges and corners of
+/// any orientable surface [Baerentzen & Aanaes 2005, doi:10.1109/TVCG.2005.49].
 ///
-/// Openings: a point whose nearest wall is the rim of an opening and which lies beyond the opening's mean plane has left the vessel
-/// there. A point on that plane, to within 1e-4 of the opening's radius, is still inside.
+/// Openings: a point whose nearest wall is the rim of an opening and which lies beyond the opening's mean plane has left the
+/// vessel there. A point on that plane, to within 1e-4 of the opening's radius, is still inside.
 class LumenQuery {
 public:
     /// @param openings  the mesh's boundary loops (RepairReport::loops)

@@ -28,7 +28,8 @@ Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, doubl
     for (int i = 0; i < 40; ++i) {
         const Vec3 centre = at + radius * normal;
         const TreeHit hit = nearest_on_wall(tree, centre, radius);
-        if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3)) return {centre, std::sqrt(std::min(hit.distance2, radius * radius))};
+        if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3))
+            return {centre, std::sqrt(std::min(hit.distance2, radius * radius))};
         const Vec3 chord = hit.point - at;
         const double smaller = chord.squaredNorm() / (2 * chord.dot(normal));
         const Vec3 next = at + smaller * normal;
@@ -85,7 +86,8 @@ void vertex_links(const MeshEdges& edges, const WallMesh& mesh, std::vector<int>
 }
 
 /// Gathers vertices into patches of at most `size`, each round its first vertex; returns the seeds.
-std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<int>& to, std::size_t size, std::vector<int>& sample_of_vertex)
+std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<int>& to, std::size_t size,
+                                std::vector<int>& sample_of_vertex)
 {
     std::vector<int> seeds, patch;
     for (std::size_t v = 0; v + 1 < row.size(); ++v) {
@@ -95,7 +97,8 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
         sample_of_vertex[v] = node;
         patch.assign(1, static_cast<int>(v));
         for (std::size_t k = 0; k < patch.size() && patch.size() < size; ++k)
-            for (int i = row[static_cast<std::size_t>(patch[k])]; i < row[static_cast<std::size_t>(patch[k]) + 1] && patch.size() < size; ++i) {
+            for (int i = row[static_cast<std::size_t>(patch[k])];
+                 i < row[static_cast<std::size_t>(patch[k]) + 1] && patch.size() < size; ++i) {
                 int& other = sample_of_vertex[static_cast<std::size_t>(to[static_cast<std::size_t>(i)])];
                 if (other >= 0) continue;
                 other = node;
@@ -140,7 +143,9 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
     std::vector<std::vector<int>> neighbours(graph.ball_count());
     for (std::size_t v = 0; v + 1 < row.size(); ++v)
         for (int i = row[v]; i < row[v + 1]; ++i) {
-            auto ball_of = [&](std::size_t vertex) { return graph.ball_of_sample[static_cast<std::size_t>(graph.sample_of_vertex[vertex])]; };
+            auto ball_of = [&](std::size_t vertex) {
+                return graph.ball_of_sample[static_cast<std::size_t>(graph.sample_of_vertex[vertex])];
+            };
             const int a = ball_of(v), b = ball_of(static_cast<std::size_t>(to[static_cast<std::size_t>(i)]));
             if (a != b) neighbours[static_cast<std::size_t>(a)].push_back(b);
         }
@@ -181,7 +186,8 @@ void mark_lumen(MedialGraph& graph)
                 part.push_back(j);
             }
         }
-        const bool lumen = seed == 0 || (total >= kFewest && total >= 2 * static_cast<long>(part.size()));  // ball 0 is the largest
+        const bool lumen =
+            seed == 0 || (total >= kFewest && total >= 2 * static_cast<long>(part.size()));  // ball 0 is the largest
         for (const std::size_t i : part) graph.is_lumen[i] = lumen;
     }
 }
@@ -204,7 +210,9 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     double edge_sum = 0;
     for (std::size_t k = 0; k < edges.count(); ++k) {
         const std::int32_t h = edges.uses(k)[0];
-        edge_sum += (mesh.vertices[static_cast<std::size_t>(half_edge_to(mesh, h))] - mesh.vertices[static_cast<std::size_t>(half_edge_from(mesh, h))]).norm();
+        edge_sum += (mesh.vertices[static_cast<std::size_t>(half_edge_to(mesh, h))] -
+                     mesh.vertices[static_cast<std::size_t>(half_edge_from(mesh, h))])
+                        .norm();
     }
     const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
     graph.wall.resize(seeds.size());

@@ -7,17 +7,17 @@
 
 namespace seldinger {
 
-/// Wall samples, each with the ball that stands for its own medial ball, and the balls that are left when each that a larger one makes
-/// superfluous is taken away. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of neighbouring
-/// samples are linked too, so that the graph hangs together as the wall does; paths use such a link only where nothing else leads on.
-/// Links in compressed rows: ball i links to link_to[row[i] .. row[i + 1]).
+/// Wall samples, each with the ball that stands for its own medial ball, and the balls that are left when each that a larger one
+/// makes superfluous is taken away. Balls that overlap are linked: the line between their centres lies inside the lumen. Balls of
+/// neighbouring samples are linked too, so that the graph hangs together as the wall does; paths use such a link only where
+/// nothing else leads on. Links in compressed rows: ball i links to link_to[row[i] .. row[i + 1]).
 struct MedialGraph {
-    std::vector<Vec3> wall;           // [N] samples of the wall [m]
-    std::vector<int> ball_of_sample;  // [N]
+    std::vector<Vec3> wall;             // [N] samples of the wall [m]
+    std::vector<int> ball_of_sample;    // [N]
     std::vector<int> sample_of_vertex;  // [V] sample that stands for each mesh vertex
-    std::vector<Vec3> centre;         // [B] [m]
-    std::vector<double> radius;       // [B] distance of the centre to the wall, decreasing [m]
-    std::vector<bool> is_lumen;       // [B] belongs to a stretch of lumen where a path may end, not to a corner of a rough wall
+    std::vector<Vec3> centre;           // [B] [m]
+    std::vector<double> radius;         // [B] distance of the centre to the wall, decreasing [m]
+    std::vector<bool> is_lumen;         // [B] belongs to a stretch of lumen where a path may end, not to a corner of a rough wall
     std::vector<int> row, link_to;
     [[nodiscard]] std::size_t ball_count() const { return centre.size(); }
 };

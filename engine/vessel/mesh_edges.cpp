@@ -62,11 +62,11 @@ std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, con
         const auto uses = edges.uses(k);
         if (uses.size() == 1) open.push_back({half_edge_from(mesh, uses[0]), half_edge_to(mesh, uses[0])});
     }
-    std::sort(open.begin(), open.end(), [](const OpenEdge& a, const OpenEdge& b) {
-        return a.from != b.from ? a.from < b.from : a.to < b.to;
-    });
+    std::sort(open.begin(), open.end(),
+              [](const OpenEdge& a, const OpenEdge& b) { return a.from != b.from ? a.from < b.from : a.to < b.to; });
     auto unused_from = [&](std::int32_t vertex) -> OpenEdge* {
-        auto it = std::lower_bound(open.begin(), open.end(), vertex, [](const OpenEdge& e, std::int32_t v) { return e.from < v; });
+        auto it =
+            std::lower_bound(open.begin(), open.end(), vertex, [](const OpenEdge& e, std::int32_t v) { return e.from < v; });
         for (; it != open.end() && it->from == vertex; ++it)
             if (!it->used) return &*it;
         return nullptr;
@@ -79,7 +79,10 @@ std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, con
         for (OpenEdge* edge = &seed; edge; edge = unused_from(walk.back())) {
             edge->used = true;
             const auto seen = std::find(walk.begin(), walk.end(), edge->to);
-            if (seen == walk.end()) { walk.push_back(edge->to); continue; }
+            if (seen == walk.end()) {
+                walk.push_back(edge->to);
+                continue;
+            }
             chains.emplace_back(seen, walk.end());  // a simple loop closes here; go on from its knot
             walk.erase(seen + 1, walk.end());
         }

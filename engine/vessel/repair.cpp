@@ -6,8 +6,8 @@
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 namespace seldinger {
 namespace {
@@ -15,9 +15,10 @@ namespace {
 void require_triangles(const WallMesh& mesh, const RepairReport& report)
 {
     if (!mesh.triangles.empty()) return;
-    throw Error(ExitCode::BadFile, fmt::format("no usable triangle is left of {}: {} with non-finite corners, {} degenerate, {} duplicates",
-                                               report.triangles_read, report.non_finite_dropped, report.degenerate_dropped,
-                                               report.duplicates_dropped));
+    throw Error(
+        ExitCode::BadFile,
+        fmt::format("no usable triangle is left of {}: {} with non-finite corners, {} degenerate, {} duplicates",
+                    report.triangles_read, report.non_finite_dropped, report.degenerate_dropped, report.duplicates_dropped));
 }
 
 void count(const WallMesh& mesh, RepairReport& report)

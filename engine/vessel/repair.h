@@ -14,7 +14,8 @@ namespace seldinger {
 ///  3. triangles with two equal corners go; so do second copies of a triangle; of two that face each other one stays where the
 ///     wall was written twice, and none where they are a fold with no lumen between;
 ///  4. flaps go: the loosest triangle of an edge that an odd number share, when another of its edges is open;
-///  5. orientation spreads over edges of two triangles, then over worse ones; each component is turned so that its volume, openings
+///  5. orientation spreads over edges of two triangles, then over worse ones; each component is turned so that its volume,
+///  openings
 ///     capped, is that of a lumen seen from inside; a component inside an odd number of others counts as an obstacle;
 ///  6. loops of the boundary that are holes and not openings are closed (see is_hole in repair_holes.cpp);
 ///  7. needle triangles without height are dissolved into their neighbour, which is split at their tip;

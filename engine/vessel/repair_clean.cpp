@@ -54,7 +54,8 @@ long drop_equal_copies(WallMesh& mesh)
     const std::vector<TriangleKey> keys = sorted_keys(mesh);
     std::vector<bool> copy(keys.size(), false);
     for (std::size_t k = 1; k < keys.size(); ++k)
-        copy[static_cast<std::size_t>(keys[k].triangle)] = keys[k].corners == keys[k - 1].corners && keys[k].odd == keys[k - 1].odd;
+        copy[static_cast<std::size_t>(keys[k].triangle)] =
+            keys[k].corners == keys[k - 1].corners && keys[k].odd == keys[k - 1].odd;
     return keep_triangles(mesh, [&](std::size_t t) { return !copy[t]; });
 }
 
@@ -71,8 +72,8 @@ std::vector<std::int32_t> opposite_twins(const WallMesh& mesh)
     return twin;
 }
 
-/// Which twins are folds, and which are one wall written twice. Without both twins of a patch, its rim is left to an even number of
-/// other triangles round a fold (the wall goes on without it), and to an odd number round a doubled wall (a hole).
+/// Which twins are folds, and which are one wall written twice. Without both twins of a patch, its rim is left to an even number
+/// of other triangles round a fold (the wall goes on without it), and to an odd number round a doubled wall (a hole).
 std::vector<bool> folded_twins(const WallMesh& mesh, const std::vector<std::int32_t>& twin)
 {
     std::vector<std::int32_t> group(twin.size());
@@ -90,7 +91,10 @@ std::vector<bool> folded_twins(const WallMesh& mesh, const std::vector<std::int3
         std::int32_t first = -1;
         int others = 0;
         for (const std::int32_t h : edges.uses(k)) {
-            if (twin[static_cast<std::size_t>(h / 3)] < 0) { ++others; continue; }
+            if (twin[static_cast<std::size_t>(h / 3)] < 0) {
+                ++others;
+                continue;
+            }
             if (first < 0) first = h / 3;
             else group[root(h / 3)] = static_cast<std::int32_t>(root(first));
         }
@@ -231,8 +235,9 @@ void drop_duplicates(WallMesh& mesh, RepairReport& report)
     });
     report.duplicates_dropped += dropped;
     if (folds > 0)
-        report.notes.push_back(std::to_string(folds / 2) + " pairs of triangles lay face to face as folds without a lumen between them; "
-                                                           "both of each pair were removed.");
+        report.notes.push_back(std::to_string(folds / 2) +
+                               " pairs of triangles lay face to face as folds without a lumen between them; "
+                               "both of each pair were removed.");
 }
 
 void drop_flaps(WallMesh& mesh, RepairReport& report)
@@ -282,7 +287,11 @@ void dissolve_needles(WallMesh& mesh, RepairReport& report)
             if (across < 0) continue;
             // neighbour (from, to, apex) lies across the long edge; cut it at the needle's tip
             const auto n = static_cast<std::size_t>(across / 3);
-            if (touched[n]) { gone[t] = false; again = true; continue; }
+            if (touched[n]) {
+                gone[t] = false;
+                again = true;
+                continue;
+            }
             const std::int32_t from = half_edge_from(mesh, across), to = half_edge_to(mesh, across);
             const std::int32_t apex = mesh.triangles[n][static_cast<std::size_t>((across % 3 + 2) % 3)];
             const std::int32_t tip = mesh.triangles[t][(e + 2) % 3];

@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::size_t kLongestHole = 200;  // vertices; filling is cubic in it
 
-/// A hole is a loop of at most four edges (no one models a lumen with four facets), or one of at most twelve edges and a third of the
-/// lumen's radius (too coarse to be a branch that anyone means to enter), or a loop in the plane of
-/// the wall around it: at the end of a tube the wall's normals are square to the loop's, at a hole they are along it (mean
-/// |cosine| above 0.6; a tube cut at 45 degrees reaches 0.45) - and clearly smaller than the lumen, since a hole of the lumen's own
-/// width in a flat cap is a cap cut open on purpose.
+/// A hole is a loop of at most four edges (no one models a lumen with four facets), or one of at most twelve edges and a third of
+/// the lumen's radius (too coarse to be a branch that anyone means to enter), or a loop in the plane of the wall around it: at
+/// the end of a tube the wall's normals are square to the loop's, at a hole they are along it (mean |cosine| above 0.6; a tube
+/// cut at 45 degrees reaches 0.45) - and clearly smaller than the lumen, since a hole of the lumen's own width in a flat cap is a
+/// cap cut open on purpose.
 /// @param facing  mean |cosine| between the loop's normal and those of the triangles along it
 /// @param lumen_radius  2 V / A of its component: the radius of a tube with that volume and wall [m]
 bool is_hole(const BoundaryLoop& loop, double facing, double lumen_radius)
@@ -39,7 +39,10 @@ void fill(WallMesh& mesh, const std::vector<std::int32_t>& loop)
             double best = std::numeric_limits<double>::infinity();
             for (std::size_t k = i + 1; k < j; ++k) {
                 const double c = cost[i * n + k] + cost[k * n + j] + double_area({at(i), at(k), at(j)}).norm();
-                if (c < best) { best = c; apex[i * n + j] = k; }
+                if (c < best) {
+                    best = c;
+                    apex[i * n + j] = k;
+                }
             }
             cost[i * n + j] = best;
         }
@@ -65,7 +68,8 @@ void close_holes(WallMesh& mesh, RepairReport& report)
     // area-weighted normal and component of the triangles along each boundary vertex's outgoing edge
     std::vector<std::int32_t> along(mesh.vertices.size(), -1);
     for (std::size_t k = 0; k < edges.count(); ++k)
-        if (edges.uses(k).size() == 1) along[static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0]))] = edges.uses(k)[0] / 3;
+        if (edges.uses(k).size() == 1)
+            along[static_cast<std::size_t>(half_edge_from(mesh, edges.uses(k)[0]))] = edges.uses(k)[0] / 3;
 
     for (const auto& chain : boundary_chains(mesh, edges)) {
         const BoundaryLoop loop = describe_loop(mesh, chain);
@@ -75,7 +79,8 @@ void close_holes(WallMesh& mesh, RepairReport& report)
             facing += area.norm() > 0 ? std::abs(area.normalized().dot(loop.inward)) : 0.0;
         }
         facing /= static_cast<double>(chain.size());
-        const MeshComponent& part = parts[static_cast<std::size_t>(label[static_cast<std::size_t>(along[static_cast<std::size_t>(chain[0])])])];
+        const MeshComponent& part =
+            parts[static_cast<std::size_t>(label[static_cast<std::size_t>(along[static_cast<std::size_t>(chain[0])])])];
         if (!is_hole(loop, facing, 2 * std::abs(part.volume) / part.area)) continue;
         fill(mesh, chain);
         ++report.hole_loops_closed;

@@ -4,9 +4,9 @@
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <functional>
 #include <numbers>
 #include <numeric>
@@ -103,7 +103,8 @@ double compactness(const MeshComponent& part)
 void note_components(const std::vector<MeshComponent>& parts, long nested, RepairReport& report)
 {
     if (parts.size() > 1)
-        report.notes.push_back(fmt::format("The surface falls into {} separate parts; each was turned on its own.", parts.size()));
+        report.notes.push_back(
+            fmt::format("The surface falls into {} separate parts; each was turned on its own.", parts.size()));
     if (nested > 0)
         report.notes.push_back(fmt::format("{} part{} inside another and count{} as an obstacle in its lumen.", nested,
                                            nested == 1 ? " lies" : "s lie", nested == 1 ? "s" : ""));
@@ -127,11 +128,12 @@ void orient(WallMesh& mesh, RepairReport& report)
     constexpr double kFlat = 1e-4;
     if (std::all_of(parts.begin(), parts.end(), [](const MeshComponent& part) { return compactness(part) < kFlat; }))
         throw Error(ExitCode::BadFile, fmt::format("the mesh is a flat patch of {} triangle{} that bounds no lumen; a tube or a "
-                                                   "closed surface is expected", mesh.triangles.size(),
-                                                   mesh.triangles.size() == 1 ? "" : "s"));
+                                                   "closed surface is expected",
+                                                   mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
     long nested = 0;
     for (const MeshComponent& part : parts) {
-        const Vec3 sample = mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(part.triangles[0])][0])];
+        const Vec3 sample =
+            mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(part.triangles[0])][0])];
         const long around = std::count_if(parts.begin(), parts.end(), [&](const MeshComponent& other) {
             return &other != &part && encloses(mesh, other, sample);
         });

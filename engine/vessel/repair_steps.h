@@ -10,8 +10,8 @@ constexpr double kSliverQuality = 0.05;  // triangle_quality below which a trian
 // repair_clean.cpp
 void drop_non_finite(WallMesh& mesh, RepairReport& report);
 void weld(WallMesh& mesh, RepairReport& report);
-void drop_degenerate(WallMesh& mesh, RepairReport& report);   // two equal corners
-void drop_duplicates(WallMesh& mesh, RepairReport& report);   // same three corners; folds
+void drop_degenerate(WallMesh& mesh, RepairReport& report);  // two equal corners
+void drop_duplicates(WallMesh& mesh, RepairReport& report);  // same three corners; folds
 void drop_flaps(WallMesh& mesh, RepairReport& report);
 void dissolve_needles(WallMesh& mesh, RepairReport& report);  // no height
 void drop_unused_vertices(WallMesh& mesh);

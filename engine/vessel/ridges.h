@@ -5,8 +5,8 @@
 
 namespace seldinger {
 
-/// Mean angle between the facets at ridges, weighted by their length [rad]; 0 without any. Of a wall that is finely meshed it goes to
-/// 0 with the facets' size. O(T).
+/// Mean angle between the facets at ridges, weighted by their length [rad]; 0 without any. Of a wall that is finely meshed it
+/// goes to 0 with the facets' size. O(T).
 /// @param mesh  normals into the lumen
 /// @param least_facet  ridges of facets whose longest side is shorter are left out: what is smaller than the wire is not felt as
 ///                     one ridge [m]

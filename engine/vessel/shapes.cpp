@@ -4,9 +4,9 @@
 #include "core/error.h"
 #include "vessel/triangle_geometry.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace seldinger {
@@ -105,7 +105,8 @@ GeneratedVessel make_arc(const VesselSpec& spec)
         throw Error(ExitCode::BadScene, "vessel.lead_in_m, vessel.lead_out_m: lengths of 0 or more expected");
     if (spec.bend_radius <= spec.radius)
         throw Error(ExitCode::BadScene, fmt::format("vessel.bend_radius_m: {} m given, more than radius_m = {} m expected: the "
-                                                    "tube would cut itself", spec.bend_radius, spec.radius));
+                                                    "tube would cut itself",
+                                                    spec.bend_radius, spec.radius));
     const Vec3 axis = unit(spec.axis, "axis");
     const CrossFrame frame = cross_frame(axis, unit(spec.normal, "normal"));
     const double bend_length = spec.bend_radius * spec.angle;

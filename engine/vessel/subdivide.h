@@ -1,13 +1,14 @@
 #pragma once
-// Loop subdivision: every triangle becomes four, and the surface tends to a smooth one, so that the new triangles lie in planes of their own.
+// Loop subdivision: every triangle becomes four, and the surface tends to a smooth one, so that the new triangles lie in planes
+// of their own.
 
 #include "vessel/wall_mesh.h"
 
 namespace seldinger {
 
-/// One round of Loop's scheme [Loop87], with his own weights. Rims of openings follow the cubic B-spline of their own points alone, so
-/// that an opening in a plane stays in it; a rim's vertex where more than two rim edges meet, and the vertices of edges of more than two
-/// triangles, stay where they are. Orientation is kept. O(T).
+/// One round of Loop's scheme [Loop87], with his own weights. Rims of openings follow the cubic B-spline of their own points
+/// alone, so that an opening in a plane stays in it; a rim's vertex where more than two rim edges meet, and the vertices of edges
+/// of more than two triangles, stay where they are. Orientation is kept. O(T).
 [[nodiscard]] WallMesh subdivide_loop(const WallMesh& mesh);
 
 }  // namespace seldinger

@@ -8,7 +8,8 @@
 
 namespace seldinger {
 
-SweptLumen::SweptLumen(std::vector<SweptTube> tubes, double fillet) : tubes_(std::move(tubes)), chunks_(tubes_.size()), fillet_(fillet)
+SweptLumen::SweptLumen(std::vector<SweptTube> tubes, double fillet)
+    : tubes_(std::move(tubes)), chunks_(tubes_.size()), fillet_(fillet)
 {
     constexpr std::size_t kRun = 12;
     for (std::size_t t = 0; t < tubes_.size(); ++t) {

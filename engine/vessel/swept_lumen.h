@@ -9,8 +9,8 @@ namespace seldinger {
 
 /// One tube: an axis of points with radii, and its flat ends.
 struct SweptTube {
-    std::vector<Vec3> points;      // [m] a polyline finer than the tube is wide
-    std::vector<double> radius;    // [m]
+    std::vector<Vec3> points;    // [m] a polyline finer than the tube is wide
+    std::vector<double> radius;  // [m]
 };
 
 struct FieldValue {

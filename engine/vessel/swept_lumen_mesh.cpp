@@ -22,7 +22,9 @@ struct LumenGrid {
     std::vector<float> value;
     [[nodiscard]] std::size_t index(int x, int y, int z) const
     {
-        return static_cast<std::size_t>(x) + static_cast<std::size_t>(size[0]) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z));
+        return static_cast<std::size_t>(x) +
+               static_cast<std::size_t>(size[0]) *
+                   (static_cast<std::size_t>(y) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z));
     }
     [[nodiscard]] Vec3 node(int x, int y, int z) const { return low + step * Vec3(x, y, z); }
 };
@@ -41,7 +43,8 @@ LumenGrid sample(const SweptLumen& lumen, double step)
         }
     grid.low = box.min();
     for (int d = 0; d < 3; ++d) grid.size[d] = static_cast<int>(std::ceil(box.sizes()[d] / step)) + 2;
-    const std::size_t count = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * static_cast<std::size_t>(grid.size[2]);
+    const std::size_t count =
+        static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * static_cast<std::size_t>(grid.size[2]);
     grid.value.assign(count, kFar);
     std::vector<float> own(count, kFar);
     for (const SweptTube& tube : lumen.tubes()) {
@@ -85,7 +88,8 @@ WallMesh surface_nets(const LumenGrid& grid)
                     for (int axis = 0; axis < 3; ++axis) {
                         const int b = a | 1 << axis;
                         if (b == a) continue;
-                        const Eigen::Vector3<int> pa(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)), pb(x + (b & 1), y + (b >> 1 & 1), z + (b >> 2));
+                        const Eigen::Vector3<int> pa(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)),
+                            pb(x + (b & 1), y + (b >> 1 & 1), z + (b >> 2));
                         const double fa = value(pa[0], pa[1], pa[2]), fb = value(pb[0], pb[1], pb[2]);
                         if ((fa < 0) == (fb < 0)) continue;
                         const double t = fa / (fa - fb);
@@ -106,7 +110,9 @@ WallMesh surface_nets(const LumenGrid& grid)
                     v[(axis + 2) % 3] = 1;
                     const bool in = value(x, y, z) < 0, in_up = value(up[0], up[1], up[2]) < 0;
                     if (in == in_up) continue;
-                    auto cell = [&](int i, int j) { return vertex_of[grid.index(x - i * u[0] - j * v[0], y - i * u[1] - j * v[1], z - i * u[2] - j * v[2])]; };
+                    auto cell = [&](int i, int j) {
+                        return vertex_of[grid.index(x - i * u[0] - j * v[0], y - i * u[1] - j * v[1], z - i * u[2] - j * v[2])];
+                    };
                     std::array<std::int32_t, 4> q = {cell(0, 0), cell(1, 0), cell(1, 1), cell(0, 1)};  // right-handed about +axis
                     if (in) std::reverse(q.begin(), q.end());                                          // facing the lumen
                     auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(q[i])]; };
@@ -149,7 +155,9 @@ void clip(WallMesh& mesh, const SweptLumen& lumen, const LumenEnd& end, double e
         const auto [it, fresh] = cuts.try_emplace(key, static_cast<std::int32_t>(mesh.vertices.size()));
         if (fresh) {
             const double sa = side[static_cast<std::size_t>(a)], sb = side[static_cast<std::size_t>(b)];
-            const Vec3 p = mesh.vertices[static_cast<std::size_t>(a)] + sa / (sa - sb) * (mesh.vertices[static_cast<std::size_t>(b)] - mesh.vertices[static_cast<std::size_t>(a)]);
+            const Vec3 p =
+                mesh.vertices[static_cast<std::size_t>(a)] +
+                sa / (sa - sb) * (mesh.vertices[static_cast<std::size_t>(b)] - mesh.vertices[static_cast<std::size_t>(a)]);
             mesh.vertices.push_back(onto_wall(lumen, p, end.outward));
             side.push_back(0);
         }
@@ -207,8 +215,10 @@ int flip_edges(WallMesh& mesh)
         const auto t = static_cast<std::size_t>(uses[0] / 3), n = static_cast<std::size_t>(uses[1] / 3);
         if (touched[t] || touched[n]) continue;
         const std::int32_t a = half_edge_from(mesh, uses[0]), b = half_edge_to(mesh, uses[0]);
-        const std::int32_t c = mesh.triangles[t][static_cast<std::size_t>((uses[0] % 3 + 2) % 3)], d = mesh.triangles[n][static_cast<std::size_t>((uses[1] % 3 + 2) % 3)];
-        const Triangle3 old_t{at(a), at(b), at(c)}, old_n{at(b), at(a), at(d)}, new_t{at(c), at(d), at(b)}, new_n{at(d), at(c), at(a)};
+        const std::int32_t c = mesh.triangles[t][static_cast<std::size_t>((uses[0] % 3 + 2) % 3)],
+                           d = mesh.triangles[n][static_cast<std::size_t>((uses[1] % 3 + 2) % 3)];
+        const Triangle3 old_t{at(a), at(b), at(c)}, old_n{at(b), at(a), at(d)}, new_t{at(c), at(d), at(b)},
+            new_n{at(d), at(c), at(a)};
         const double before = std::min(triangle_quality(old_t), triangle_quality(old_n));
         const double after = std::min(triangle_quality(new_t), triangle_quality(new_n));
         const Vec3 normal = double_area(old_t) + double_area(old_n);
@@ -225,8 +235,8 @@ int flip_edges(WallMesh& mesh)
     return flips;
 }
 
-/// One sweep: every vertex towards the mean of its neighbours and, in `steps` Newton steps, back onto the wall; rim vertices along
-/// their rim. One step is enough while more sweeps follow.
+/// One sweep: every vertex towards the mean of its neighbours and, in `steps` Newton steps, back onto the wall; rim vertices
+/// along their rim. One step is enough while more sweeps follow.
 void relax(WallMesh& mesh, const SweptLumen& lumen, const std::vector<LumenEnd>& ends, int steps)
 {
     const MeshEdges edges = find_edges(mesh);
@@ -238,7 +248,10 @@ void relax(WallMesh& mesh, const SweptLumen& lumen, const std::vector<LumenEnd>&
         for (const auto& [to, from] : {std::pair{a, b}, std::pair{b, a}}) {
             sum[to] += mesh.vertices[from];
             ++count[to];
-            if (edges.uses(k).size() == 1) { rim_sum[to] += mesh.vertices[from]; ++rim[to]; }
+            if (edges.uses(k).size() == 1) {
+                rim_sum[to] += mesh.vertices[from];
+                ++rim[to];
+            }
         }
     }
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -248,7 +261,8 @@ void relax(WallMesh& mesh, const SweptLumen& lumen, const std::vector<LumenEnd>&
         if (on_rim) {
             const LumenEnd* nearest = &ends[0];
             for (const LumenEnd& end : ends)
-                if ((end.point - mesh.vertices[v]).squaredNorm() < (nearest->point - mesh.vertices[v]).squaredNorm()) nearest = &end;
+                if ((end.point - mesh.vertices[v]).squaredNorm() < (nearest->point - mesh.vertices[v]).squaredNorm())
+                    nearest = &end;
             plane = nearest->outward;
         }
         const Vec3 move = 0.6 * (mean - mesh.vertices[v]);

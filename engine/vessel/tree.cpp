@@ -166,7 +166,10 @@ struct Builder {
     void build(Range range, std::size_t grain, std::vector<Range>* later)
     {
         SEL_ASSERT(range.depth <= kMaxDepth);
-        if (later && static_cast<std::size_t>(range.end - range.begin) <= grain) { later->push_back(range); return; }
+        if (later && static_cast<std::size_t>(range.end - range.begin) <= grain) {
+            later->push_back(range);
+            return;
+        }
         const Bounds extent = bounds(range.begin, range.end);
         TreeNode node{};
         extent.box.store(node);
@@ -242,7 +245,8 @@ std::uint32_t slab_bits(const WallTree& tree, const TreeNode& leaf)
     const std::size_t first = leaf.left_or_first, end = first + SEL_LEAF_TRIANGLES(leaf.count);
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (std::size_t t = first; t < end; ++t) {
-        const Eigen::Map<const Eigen::Vector3f> a(&tree.vertices[9 * t]), b(&tree.vertices[9 * t + 3]), c(&tree.vertices[9 * t + 6]);
+        const Eigen::Map<const Eigen::Vector3f> a(&tree.vertices[9 * t]), b(&tree.vertices[9 * t + 3]),
+            c(&tree.vertices[9 * t + 6]);
         sum += (b - a).cross(c - a);
     }
     if (sum[2] < 0) sum = -sum;
@@ -254,7 +258,8 @@ std::uint32_t slab_bits(const WallTree& tree, const TreeNode& leaf)
     // from here on with the normal as it will be read
     const double ra = a / 511.5 - 1, rb = b / 511.5 - 1, nx = (ra + rb) / 2, ny = (ra - rb) / 2;
     const Vec3 normal = Vec3(nx, ny, 1 - std::abs(nx) - std::abs(ny)).normalized();
-    const Vec3 lo(leaf.lo[0], leaf.lo[1], leaf.lo[2]), half = (Vec3(leaf.hi[0], leaf.hi[1], leaf.hi[2]) - lo) / 2, centre = lo + half;
+    const Vec3 lo(leaf.lo[0], leaf.lo[1], leaf.lo[2]), half = (Vec3(leaf.hi[0], leaf.hi[1], leaf.hi[2]) - lo) / 2,
+                                                       centre = lo + half;
     double most = 0;
     for (std::size_t k = 9 * first; k < 9 * end; k += 3)
         most = std::max(most, std::abs(normal.dot(Vec3(tree.vertices[k], tree.vertices[k + 1], tree.vertices[k + 2]) - centre)));
@@ -275,7 +280,8 @@ std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
     std::vector<Item> items(mesh.triangles.size());
     for (std::size_t t = 0; t < items.size(); ++t) {
         const auto& v = mesh.triangles[t];
-        const Lane4 &a = rounded[static_cast<std::size_t>(v[0])], &b = rounded[static_cast<std::size_t>(v[1])], &c = rounded[static_cast<std::size_t>(v[2])];
+        const Lane4 &a = rounded[static_cast<std::size_t>(v[0])], &b = rounded[static_cast<std::size_t>(v[1])],
+                    &c = rounded[static_cast<std::size_t>(v[2])];
         items[t].lo = a.min(b).min(c);
         items[t].hi = a.max(b).max(c);
         items[t].set_id(static_cast<std::uint32_t>(t));
@@ -337,11 +343,15 @@ void refit_wall_tree(WallTree& tree, const WallMesh& moved)
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
         TreeNode& node = tree.nodes[i];
         Box box;
-        auto add = [&](const float* lo, const float* hi) { box.add(Lane4(lo[0], lo[1], lo[2], 0), Lane4(hi[0], hi[1], hi[2], 0)); };
+        auto add = [&](const float* lo, const float* hi) {
+            box.add(Lane4(lo[0], lo[1], lo[2], 0), Lane4(hi[0], hi[1], hi[2], 0));
+        };
         if (node.count == 0) {
-            for (std::uint32_t c = 0; c < 2; ++c) add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
+            for (std::uint32_t c = 0; c < 2; ++c)
+                add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
         } else {
-            for (std::size_t p = 3 * std::size_t{node.left_or_first}; p < 3 * std::size_t{node.left_or_first + SEL_LEAF_TRIANGLES(node.count)}; ++p)
+            for (std::size_t p = 3 * std::size_t{node.left_or_first};
+                 p < 3 * std::size_t{node.left_or_first + SEL_LEAF_TRIANGLES(node.count)}; ++p)
                 add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
         }
         box.store(node);

@@ -17,13 +17,13 @@ namespace seldinger {
 
 /// The rounded wall and its tree. Arrays in leaf order go to the device as they stand.
 struct WallTree {
-    Vec3 centre = Vec3::Zero();             // world position of the arrays' origin [m]
-    std::vector<TreeNode> nodes;            // root first, children behind their parent; empty without triangles
-    std::vector<float> vertices;            // [9 T] leaf order, relative to the centre [m]; written by build and refit
-    std::vector<float> normals;             // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
-    std::vector<std::uint32_t> original;    // [T] leaf order -> index in WallMesh::triangles
-    std::vector<std::uint8_t> edge_bits;    // [T] leaf order, SEL_EDGE_IS_OPENING
-    int depth = 0;                          // deepest leaf, root = 0; always < SEL_TREE_STACK
+    Vec3 centre = Vec3::Zero();           // world position of the arrays' origin [m]
+    std::vector<TreeNode> nodes;          // root first, children behind their parent; empty without triangles
+    std::vector<float> vertices;          // [9 T] leaf order, relative to the centre [m]; written by build and refit
+    std::vector<float> normals;           // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
+    std::vector<std::uint32_t> original;  // [T] leaf order -> index in WallMesh::triangles
+    std::vector<std::uint8_t> edge_bits;  // [T] leaf order, SEL_EDGE_IS_OPENING
+    int depth = 0;                        // deepest leaf, root = 0; always < SEL_TREE_STACK
 
     [[nodiscard]] std::size_t triangle_count() const { return original.size(); }
     /// Triangle `k` (leaf order) of the rounded wall, relative to the centre.

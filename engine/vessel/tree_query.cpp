@@ -133,7 +133,8 @@ void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi,
         for (int d = 0; d < 3; ++d) apart |= node.lo[d] > local_hi[d] || node.hi[d] < local_lo[d];
         if (apart) continue;
         if (node.count > 0) {
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) result.push_back(k);
+            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k)
+                result.push_back(k);
             continue;
         }
         stack[top++] = node.left_or_first + 1;

@@ -12,19 +12,19 @@ enum class VesselShape { None, Mesh, Tube, Arc, Plane, Arch };  // Arch: the pro
 
 struct VesselSpec {
     VesselShape shape = VesselShape::None;
-    std::filesystem::path mesh;            // absolute after loading
-    std::string units = "mm";              // of the mesh file: m, cm, mm, um, in
-    double radius = 0, length = 0;         // tube, arc: lumen radius; tube: length [m]
-    double bend_radius = 0, angle = 0;     // arc [m], [rad]
-    double lead_in = 0, lead_out = 0;      // arc [m]
+    std::filesystem::path mesh;         // absolute after loading
+    std::string units = "mm";           // of the mesh file: m, cm, mm, um, in
+    double radius = 0, length = 0;      // tube, arc: lumen radius; tube: length [m]
+    double bend_radius = 0, angle = 0;  // arc [m], [rad]
+    double lead_in = 0, lead_out = 0;   // arc [m]
     Vec3 origin = Vec3::Zero(), axis = Vec3::UnitX(), normal = Vec3::UnitZ();
-    double size = 0;                       // plane: side [m]
-    int triangles = 0;                     // about
-    bool elastic = false;                  // wall = "elastic": not available yet
-    double youngs = 1.0e6;                 // wall [Pa]
-    double poisson = 0.45;                 // [-]
-    double thickness = 0.001;              // H [m]
-    std::filesystem::path centreline;      // optional .vtp with MaximumInscribedSphereRadius
+    double size = 0;                   // plane: side [m]
+    int triangles = 0;                 // about
+    bool elastic = false;              // wall = "elastic": not available yet
+    double youngs = 1.0e6;             // wall [Pa]
+    double poisson = 0.45;             // [-]
+    double thickness = 0.001;          // H [m]
+    std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
 };
 
 }  // namespace seldinger

@@ -13,7 +13,7 @@ namespace seldinger {
 
 /// Triangle mesh in metres, double precision, world frame. Normals (right-hand rule) point into the lumen once repaired.
 struct WallMesh {
-    std::vector<Vec3> vertices;                     // [V] [m]
+    std::vector<Vec3> vertices;                          // [V] [m]
     std::vector<std::array<std::int32_t, 3>> triangles;  // [T] indices into vertices
 };
 
@@ -30,9 +30,9 @@ struct RepairReport {
     long triangles_read = 0, triangles = 0, vertices = 0;
     long vertices_welded = 0, non_finite_dropped = 0, degenerate_dropped = 0, duplicates_dropped = 0, flipped = 0;
     long non_manifold_edges = 0, boundary_edges = 0, components = 0, hole_loops_closed = 0, slivers = 0;
-    bool inverted = false;                 // the whole surface pointed out of the lumen and was turned
-    std::vector<BoundaryLoop> loops;       // openings
-    std::vector<std::string> notes;        // one sentence each, for people
+    bool inverted = false;            // the whole surface pointed out of the lumen and was turned
+    std::vector<BoundaryLoop> loops;  // openings
+    std::vector<std::string> notes;   // one sentence each, for people
 };
 
 }  // namespace seldinger

@@ -43,9 +43,11 @@ SEL_KERNEL void query_capsule(const uint item_count, const uint slots, __global 
 }
 
 // Nearest point of the mesh, by the nearer child first.
-//   item    one query      reads  points [item_count][3] [m]      writes  nearest [item_count][3] [m], triangles [item_count] in leaf order
-SEL_KERNEL void query_nearest(const uint item_count, __global const real* restrict points, __global const TreeNode* restrict nodes,
-                              __global const float* restrict vertices, __global real* restrict nearest, __global uint* restrict triangles)
+//   item    one query      reads  points [item_count][3] [m]      writes  nearest [item_count][3] [m], triangles [item_count] in
+//   leaf order
+SEL_KERNEL void query_nearest(const uint item_count, __global const real* restrict points,
+                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
+                              __global real* restrict nearest, __global uint* restrict triangles)
 {
     const uint item = get_global_id(0);
     if (item < item_count) {

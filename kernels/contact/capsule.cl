@@ -9,7 +9,8 @@
 // Cells of the tree near listed samples (walk.h).
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack, also beyond `slots`; 0: nothing is
+//   writes  cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack,
+//   also beyond `slots`; 0: nothing is
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
@@ -20,8 +21,9 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
     if (item < par.item_count) {
         const uint s = list[item];
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
-        counts[s] = found[item] = find_cells(at.offset, at.origin, models[s].radius + models[s].reach + slack,
-                                             SEL_CELL_SIZE * models[s].radius, nodes, vertices, par.slots, cells + (ulong)s * par.slots);
+        counts[s] = found[item] =
+            find_cells(at.offset, at.origin, models[s].radius + models[s].reach + slack, SEL_CELL_SIZE * models[s].radius, nodes,
+                       vertices, par.slots, cells + (ulong)s * par.slots);
     }
 }
 
@@ -29,9 +31,9 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
 //   item    one entry of `list`
 //   reads   list [item_count]; places [samples]; hi, lo; tree; vertices     writes  distances [item_count] [m], at most `most`
 SEL_KERNEL void contact_distance(const uint item_count, const real most, __global const uint* restrict list,
-                                  __global const SamplePlace* restrict places, __global const float* restrict hi,
-                                  __global const real* restrict lo, __global const TreeNode* restrict nodes,
-                                  __global const float* restrict vertices, __global real* restrict distances)
+                                 __global const SamplePlace* restrict places, __global const float* restrict hi,
+                                 __global const real* restrict lo, __global const TreeNode* restrict nodes,
+                                 __global const float* restrict vertices, __global real* restrict distances)
 {
     const uint item = get_global_id(0);
     if (item < item_count) {
@@ -47,18 +49,18 @@ SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* r
                                  __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                  __global const uint* restrict cells, __global const uint* restrict counts,
                                  __global const TreeNode* restrict nodes, __global const float* restrict vertices,
-                                 __global const uint* restrict rims, __global const float* restrict hi, __global const real* restrict lo,
-                                 __global const real* restrict theta, __global const float* restrict hi_t0,
-                                 __global const real* restrict lo_t0, __global const real* restrict theta_t0,
-                                 __global const TouchState* restrict touches_t0, __global TouchState* restrict touches,
-                                 __global SampleForce* restrict forces, __global real* restrict barys,
-                                 __global const HardState* restrict hard)
+                                 __global const uint* restrict rims, __global const float* restrict hi,
+                                 __global const real* restrict lo, __global const real* restrict theta,
+                                 __global const float* restrict hi_t0, __global const real* restrict lo_t0,
+                                 __global const real* restrict theta_t0, __global const TouchState* restrict touches_t0,
+                                 __global TouchState* restrict touches, __global SampleForce* restrict forces,
+                                 __global real* restrict barys, __global const HardState* restrict hard)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        forces[item] = evaluate_sample(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims,
-                                       hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
+        forces[item] = evaluate_sample(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices,
+                                       rims, hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
         barys[item] = places[s].bary;
     }
 }

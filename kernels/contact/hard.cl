@@ -35,26 +35,30 @@ SEL_KERNEL void contact_multipliers(const ContactParams par, __global const Samp
         none.flags = 0;
         real ratio = 0;
         for (uint k = 2 * s; k < 2 * s + 2; ++k)
-            next[k] = hard_next(hard[k], counts[s] > 0 ? touches[k] : none, touches_t0[k], places[s].stamp, models[s], par, &ratio);
+            next[k] =
+                hard_next(hard[k], counts[s] > 0 ? touches[k] : none, touches_t0[k], places[s].stamp, models[s], par, &ratio);
         ratios[s] = ratio;
     }
 }
 
 // Nearest gap at the start of a step, for the barrier's start.
 //   item    one entry of `list` (samples with cells)
-//   reads   models, places; cells, counts; the wall; hi, lo [nodes][3]; touches_t0 [samples][2]      writes  gaps [item_count] [m]
+//   reads   models, places; cells, counts; the wall; hi, lo [nodes][3]; touches_t0 [samples][2]      writes  gaps [item_count]
+//   [m]
 SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* restrict list,
                                   __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                   __global const uint* restrict cells, __global const uint* restrict counts,
-                                  __global const TreeNode* restrict nodes, __global const float* restrict vertices, __global const uint* restrict rims,
-                                  __global const float* restrict hi, __global const real* restrict lo,
-                                  __global const TouchState* restrict touches_t0, __global real* restrict gaps)
+                                  __global const TreeNode* restrict nodes, __global const float* restrict vertices,
+                                  __global const uint* restrict rims, __global const float* restrict hi,
+                                  __global const real* restrict lo, __global const TouchState* restrict touches_t0,
+                                  __global real* restrict gaps)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        gaps[item] = sample_gap(axis_point(places[s].edge, places[s].bary, hi, lo), models[s], par, touches_t0[2 * s],
-                                touches_t0[2 * s + 1], places[s].stamp, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
+        gaps[item] =
+            sample_gap(axis_point(places[s].edge, places[s].bary, hi, lo), models[s], par, touches_t0[2 * s],
+                       touches_t0[2 * s + 1], places[s].stamp, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
     }
 }
 
@@ -64,16 +68,17 @@ SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* 
 SEL_KERNEL void contact_sweep(const ContactParams par, __global const uint* restrict list,
                               __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                               __global const uint* restrict cells, __global const uint* restrict counts,
-                              __global const TreeNode* restrict nodes, __global const float* restrict vertices, __global const uint* restrict rims,
-                              __global const float* restrict base_hi, __global const real* restrict base_lo,
-                              __global const float* restrict hi, __global const real* restrict lo,
-                              __global real* restrict free_way)
+                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
+                              __global const uint* restrict rims, __global const float* restrict base_hi,
+                              __global const real* restrict base_lo, __global const float* restrict hi,
+                              __global const real* restrict lo, __global real* restrict free_way)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         const SamplePlace place = places[s];
-        free_way[item] = sweep_sample(axis_point(place.edge, place.bary, base_hi, base_lo), axis_point(place.edge, place.bary, hi, lo),
-                                      models[s].radius - place.shrink, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
+        free_way[item] =
+            sweep_sample(axis_point(place.edge, place.bary, base_hi, base_lo), axis_point(place.edge, place.bary, hi, lo),
+                         models[s].radius - place.shrink, cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims);
     }
 }

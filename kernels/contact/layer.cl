@@ -18,7 +18,8 @@ SEL_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* re
 {
     const uint item = get_global_id(0);
     if (item < par.item_count)
-        counts[item] = find_pairs(edges[item], hi, lo, nodes, vertices, par.slots, candidates + (ulong)item * par.slots, touching + item);
+        counts[item] =
+            find_pairs(edges[item], hi, lo, nodes, vertices, par.slots, candidates + (ulong)item * par.slots, touching + item);
 }
 
 // Forces of pairs.
@@ -35,8 +36,8 @@ SEL_KERNEL void layer_evaluate(const ContactParams par, __global const LayerPair
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         real bary;
-        forces[item] = evaluate_pair(item, par, pairs[item], edges[pairs[item].edge], vertices, hi, lo, theta, hi_t0, lo_t0, theta_t0,
-                                     touches_t0, touches, &bary);
+        forces[item] = evaluate_pair(item, par, pairs[item], edges[pairs[item].edge], vertices, hi, lo, theta, hi_t0, lo_t0,
+                                     theta_t0, touches_t0, touches, &bary);
         barys[item] = bary;
     }
 }

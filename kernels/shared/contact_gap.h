@@ -5,14 +5,15 @@
 //   * touch 0: the nearest point of the wall. Where two facets meet in a valley the nearest point jumps from one to the other;
 //     there the depth is a smooth maximum over facets of different normals,
 //         depth = depth_0 + sum_j max(0, eps_j - (depth_0 - depth_j))^2 / (4 eps_j),   eps_j = blend r |n_j - n_0|,
-//     whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts once,
-//     with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest point
-//     is never blended: there n_j would be tilted by nothing but the edge's offset.
-//   * touch 1: the nearest point of the opposite wall of a narrow lumen. Which facets are of the one side and which of the other is
-//     told by an axis: a facet whose normal looks against it, by more than a fifth, is of the other side. The axis is the normal of
-//     touch 0 when contact begins, and its last normal from then on: it stands still during a step, so that the forces of both sides
-//     are continuous even where the lumen is as narrow as the wire and walls all round push at once. A fifth: the walls of a box, at
-//     right angles, are of one side whatever rounding says.
+//     whose width vanishes with the angle between them. Bias at most eps/4 for each plane that is within eps. A plane counts
+//     once, with the nearest of its triangles (else a valley would push with as many as it is cut into), and that of the nearest
+//     point is never blended: there n_j would be tilted by nothing but the edge's offset.
+//   * touch 1: the nearest point of the opposite wall of a narrow lumen. Which facets are of the one side and which of the other
+//   is
+//     told by an axis: a facet whose normal looks against it, by more than a fifth, is of the other side. The axis is the normal
+//     of touch 0 when contact begins, and its last normal from then on: it stands still during a step, so that the forces of both
+//     sides are continuous even where the lumen is as narrow as the wire and walls all round push at once. A fifth: the walls of
+//     a box, at right angles, are of one side whatever rounding says.
 //   * a facet seen from behind never pushes (the far side of a thin septum; the outside of the vessel, for a wire that has left
 //     through an opening), unless it is the nearest of all and the sample touched the wall from inside in the last step: then
 //     the axis has passed the wall, the depth is r + distance and the normal points back.
@@ -24,12 +25,13 @@
 SEL_BEGIN
 
 typedef struct Touch {
-    vec3 normal;    // into the lumen; unit up to blending
-    vec3 to_wall;   // from the axis point to the wall's [m]
-    vec3 side;      // facets whose normal looks along it by more than `limit` are of this side of the lumen, the others of the opposite one
-    real limit;     // -SEL_SIDE on the axis's own side, SEL_SIDE on the other; 0: not known yet
-    real depth;     // overlap [m], negative when apart
-    real bend[6];   // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
+    vec3 normal;   // into the lumen; unit up to blending
+    vec3 to_wall;  // from the axis point to the wall's [m]
+    vec3 side;     // facets whose normal looks along it by more than `limit` are of this side of the lumen, the others of the
+                   // opposite one
+    real limit;    // -SEL_SIDE on the axis's own side, SEL_SIDE on the other; 0: not known yet
+    real depth;    // overlap [m], negative when apart
+    real bend[6];  // d2(depth)/dp2 of the blend: xx xy xz yy yz zz [1/m]
     uint triangle;
     int found, outside;
 } Touch;
@@ -42,14 +44,15 @@ typedef struct Touch {
 
 #define SEL_SIDE ((real)0.2)  // cosine: see above
 
-#define SEL_COPLANAR 1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
+#define SEL_COPLANAR \
+    1e-5f  // normals nearer than this [rad] lie in one plane: float32 vertices of one, 1 mm apart, differ by 4e-6
 
 #define SEL_BLEND_PLANES 8  // round one sample; beyond, the shallowest is left out: facets of a few um on a doubly curved wall
 
 // A plane next to the nearest facet's, as the sample sees it.
 typedef struct BlendPlane {
-    vec3 facet;  // its normal
-    vec3 turn;   // direction to the sample, less that of the nearest point
+    vec3 facet;             // its normal
+    vec3 turn;              // direction to the sample, less that of the nearest point
     real depth, eps, rest;  // see above; rest = eps_j - (depth_0 - depth_j) > 0
 } BlendPlane;
 
@@ -74,12 +77,10 @@ SEL_FN uint keep_plane(BlendPlane* planes, uint count, BlendPlane found)
 }
 
 // rim bits of a triangle: bit k: edge k (v_k, v_{k+1}) lies on an opening; bit 3 + k: vertex k does
-SEL_FN int on_rim(uint bits, int feature)
-{
-    return feature > 0 && (int)((bits >> (feature - 1)) & 1u);
-}
+SEL_FN int on_rim(uint bits, int feature) { return feature > 0 && (int)((bits >> (feature - 1)) & 1u); }
 
-// Triangles as near as the nearest, but for what is blended: noted while the nearest is looked for, so that the walls need not be walked again.
+// Triangles as near as the nearest, but for what is blended: noted while the nearest is looked for, so that the walls need not be
+// walked again.
 #define SEL_NEAR_MOST 12
 typedef struct NearList {
     uint count;  // beyond SEL_NEAR_MOST: there are more, and the list is of no use
@@ -96,10 +97,11 @@ SEL_FN real shell_distance2(real d, real radius, real blend)
 
 // p, origin: see load_triangle. cells: [count] nodes of the tree (walk.h).
 // front_only: walls seen from behind are not there.
-// near2: squared distance of some triangle of the cells, which the nearest cannot be beyond; anything larger than the reach: not known
+// near2: squared distance of some triangle of the cells, which the nearest cannot be beyond; anything larger than the reach: not
+// known
 SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real blend, int front_only, real near2,
-                           SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
-                           SEL_GLOBAL const uint* rims, NearList* list)
+                           SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
+                           SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims, NearList* list)
 {
     Touch touch;
     touch.normal = make_vec3(0, 0, 0);
@@ -173,8 +175,8 @@ SEL_FN int is_blended(const Touch* first, vec3 facet0, vec3 facet, vec3 v, real 
     return plane->eps >= (real)1e-7 * blend * radius && plane->rest > 0;
 }
 
-// Blends neighbouring facets into `first` and looks for the opposite wall; see above. list: of nearest_touch for this touch, or one with more
-// than it holds.
+// Blends neighbouring facets into `first` and looks for the opposite wall; see above. list: of nearest_touch for this touch, or
+// one with more than it holds.
 SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, real reach, real blend,
                               SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
                               SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims, const NearList* list)
@@ -210,7 +212,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         if (dot3(v, facet) <= 0 && !on_rim(rims[t], feature)) continue;
         const real d = sqrt(d2);
         BlendPlane plane;
-        if (dot3((1 / d) * v, first->side) < first->limit || !is_blended(first, facet0, facet, v, d, radius, blend, &plane)) continue;
+        if (dot3((1 / d) * v, first->side) < first->limit || !is_blended(first, facet0, facet, v, d, radius, blend, &plane))
+            continue;
         plane_count = keep_plane(planes, plane_count, plane);
     }
     // a triangle so far on this side, all of it, is within the limit as far as it is reached
@@ -233,8 +236,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
         const Triangle tri = load_triangle(vertices, t, origin);
         const real box2 = triangle_box_distance2(p, tri);
         if (box2 > range2 * (1 + SEL_TIE)) continue;
-        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= surely_own && dot3(p - tri.b, first->side) >= surely_own &&
-            dot3(p - tri.c, first->side) >= surely_own)
+        if ((listed || box2 > shell2) && dot3(p - tri.a, first->side) >= surely_own &&
+            dot3(p - tri.b, first->side) >= surely_own && dot3(p - tri.c, first->side) >= surely_own)
             continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);

@@ -1,10 +1,10 @@
 // Contact laws of one touch: normal force (D6b, D6c, D7), friction (D9) and rolling resistance (D10), with their tangents.
 //
-// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) / (1 - depth/depth_max), clamped at 0, where the rate over the step
-// is (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The hardening
-// factor makes the law a barrier: whatever pushes, there is an equilibrium short of depth_max. From 0.999 depth_max it goes on as its
-// tangent, so that a start in overlap can be solved; `BLOCKED` says that a trial went beyond that and deeper than it was: with
-// moves shorter than the lumen is wide no wall is ever passed.
+// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) / (1 - depth/depth_max), clamped at 0, where the rate over the
+// step is (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The
+// hardening factor makes the law a barrier: whatever pushes, there is an equilibrium short of depth_max. From 0.999 depth_max it
+// goes on as its tangent, so that a start in overlap can be solved; `BLOCKED` says that a trial went beyond that and deeper than
+// it was: with moves shorter than the lumen is wide no wall is ever passed.
 //
 // Friction acts at the wire's surface: slip of the surface = tangential move of the axis point - r dtheta (t x n).
 #ifndef SEL_SHARED_CONTACT_LAW_H
@@ -45,8 +45,14 @@ SEL_FN real normal_law(real depth, real rate, real approach, real inv_dt, Sample
     const real f = elastic_normal(depth, m, &k);
     const real c = m.damping / approach;
     const real damp = 1 + c * rate;
-    if (inv_dt == 0 || m.damping == 0) { *slope = k; return f; }
-    if (damp <= 0) { *slope = 0; return 0; }
+    if (inv_dt == 0 || m.damping == 0) {
+        *slope = k;
+        return f;
+    }
+    if (damp <= 0) {
+        *slope = 0;
+        return 0;
+    }
     *slope = k * damp + f * c * inv_dt;
     return f * damp;
 }
@@ -190,8 +196,8 @@ SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int
 // Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.
 // @param g  gradient of the gap     sunk, dsunk  depth that a is reckoned from, and its derivative with the touch's depth
 // @param dfn  derivative of fn with depth [N/m]
-SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, TouchState old, int was_active, real sunk, real dsunk, real fn, real dfn,
-                        TouchState* now, SampleForce* out)
+SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, TouchState old, int was_active, real sunk, real dsunk, real fn,
+                        real dfn, TouchState* now, SampleForce* out)
 {
     if (m.roll_arm <= 0 || mv.fresh) return;
     const real half_width = sqrt(m.roll_depth * sunk + m.roll_force * fn / m.weight);
@@ -280,8 +286,8 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     if (par.normal_law == SEL_NORMAL_CONSTRAINT && hard.live) {
         SampleModel held = m;
         held.friction_stiffness = SEL_TANGENTIAL * hard.stiffness;
-        add_friction(touch, n, held, mv, par, held_by_multiplier(old, hard, held.friction_stiffness, was_active), 1, pushed, dpushed, now,
-                     out);
+        add_friction(touch, n, held, mv, par, held_by_multiplier(old, hard, held.friction_stiffness, was_active), 1, pushed,
+                     dpushed, now, out);
     } else {
         add_friction(touch, n, m, mv, par, old, was_active, pushed, dpushed, now, out);
     }

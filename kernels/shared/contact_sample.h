@@ -90,16 +90,20 @@ SEL_FN TouchPair touches_of(AxisPoint at, SampleModel m, ContactParams par, Touc
     if (a_lives) near2 = triangle_distance2(at.offset, at.origin, a.triangle, vertices);
     if (b_lives) near2 = min_r(near2, triangle_distance2(at.offset, at.origin, b.triangle, vertices));
     NearList list;
-    Touch first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 0, near2, cells, count, nodes, vertices, rims, &list);
+    Touch first =
+        nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 0, near2, cells, count, nodes, vertices, rims, &list);
     if (first.outside && !(a_lives && same_side(a, first.normal)) && !(b_lives && same_side(b, first.normal)))
-        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 1, near2, cells, count, nodes, vertices, rims, &list);
+        first = nearest_touch(at.offset, at.origin, m.radius, m.reach, par.blend, 1, near2, cells, count, nodes, vertices, rims,
+                              &list);
     if (a_lives) first.side = make_vec3(a.normal[0], a.normal[1], a.normal[2]);
     else if (b_lives) first.side = make_vec3(b.normal[0], b.normal[1], b.normal[2]);
-    Touch second = blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
+    Touch second =
+        blend_and_oppose(&first, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
     list.count = SEL_NEAR_MOST + 1;  // it was of the first
     // both sides are blended alike: which of them is nearer may change without a jump
     if (second.found)
-        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims, &list);
+        (void)blend_and_oppose(&second, at.offset, at.origin, m.radius, m.reach, par.blend, cells, count, nodes, vertices, rims,
+                               &list);
     out.first = first;
     out.second = second;
     return out;
@@ -125,11 +129,10 @@ SEL_FN real fit(TouchState touch, HardState hard, int lives, vec3 normal)
 // which only augmented, constraint and impulse read.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells,
                                    uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
-                                   SEL_GLOBAL const uint* rims,
-                                   SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
-                                   SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
-                                   SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches,
-                                   SEL_GLOBAL const HardState* hard)
+                                   SEL_GLOBAL const uint* rims, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo,
+                                   SEL_GLOBAL const real* theta, SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0,
+                                   SEL_GLOBAL const real* theta_t0, SEL_GLOBAL const TouchState* touches_t0,
+                                   SEL_GLOBAL TouchState* touches, SEL_GLOBAL const HardState* hard)
 {
     SampleForce out;
     for (int k = 0; k < 4; ++k) out.force[k] = 0;

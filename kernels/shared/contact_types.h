@@ -27,8 +27,8 @@ SEL_BEGIN
 #define SEL_TOUCH_STUCK 2u    // inside the static cone
 #define SEL_TOUCH_OUTSIDE 4u  // the sample is beyond the wall
 
-// Constant while the wire's sections stand. A sample stands for `weight` metres of wire; the tip's own point law (D6c) has weight 1
-// and stiffness in N/m^n.
+// Constant while the wire's sections stand. A sample stands for `weight` metres of wire; the tip's own point law (D6c) has weight
+// 1 and stiffness in N/m^n.
 typedef struct SampleModel {
     real weight;              // [m]; 1 for the tip's point law
     real length;              // metres of wire that it stands for in readings: weight, or 0 at the tip
@@ -38,30 +38,30 @@ typedef struct SampleModel {
     real exponent;            // n
     real friction_stiffness;  // k_t per metre [N/m^2], constant in time (D9)
     real mu_static, mu_sliding;
-    real speed_floor;         // least v- of (D7) [m/s]
-    real depth_limit;         // depth_max of the hardening law [m]; 0: no hardening
-    real damping;             // beta of (D7)
-    real roll_arm;            // bracket of (D10): moment per metre = roll_arm a f; 0: no rolling resistance
-    real roll_depth;          // a^2 = roll_depth depth + roll_force f  (half-width of the line contact) [m]
-    real roll_force;          // [m^2 / (N/m)]
+    real speed_floor;  // least v- of (D7) [m/s]
+    real depth_limit;  // depth_max of the hardening law [m]; 0: no hardening
+    real damping;      // beta of (D7)
+    real roll_arm;     // bracket of (D10): moment per metre = roll_arm a f; 0: no rolling resistance
+    real roll_depth;   // a^2 = roll_depth depth + roll_force f  (half-width of the line contact) [m]
+    real roll_force;   // [m^2 / (N/m)]
     // of the laws in hard_law.h only
-    real hard_stiffness;      // augmented, constraint, impulse: least k of (D8) [N/m^2]; barrier: kappa [N/m^2]
-    real hard_length;         // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
-    real line_mass;           // of the wire [kg/m]
-    real restitution;         // impulse
-    real hard_most;           // augmented, constraint, impulse: largest multiplier [N/m]
+    real hard_stiffness;  // augmented, constraint, impulse: least k of (D8) [N/m^2]; barrier: kappa [N/m^2]
+    real hard_length;     // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
+    real line_mass;       // of the wire [kg/m]
+    real restitution;     // impulse
+    real hard_most;       // augmented, constraint, impulse: largest multiplier [N/m]
 } SampleModel;
 
 // Which edge a sample lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in the
 // concatenated node arrays.
 typedef struct SamplePlace {
-    uint edge;       // at the end of the step
-    uint edge_t0;    // at its start; SEL_NO_EDGE: the sample has just been fed in
-    real bary;       // position = (1 - bary) node[edge] + bary node[edge + 1]
+    uint edge;     // at the end of the step
+    uint edge_t0;  // at its start; SEL_NO_EDGE: the sample has just been fed in
+    real bary;     // position = (1 - bary) node[edge] + bary node[edge + 1]
     real bary_t0;
-    uint stamp;      // of this step for the sample's wire; what the last one wrote has stamp - 1
+    uint stamp;  // of this step for the sample's wire; what the last one wrote has stamp - 1
     uint pad;
-    real shrink;     // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
+    real shrink;  // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
 } SamplePlace;
 #define SEL_NO_EDGE 0xffffffffu
 
@@ -79,7 +79,7 @@ typedef struct TouchState {
     real moment;        // rolling, about the tangent [N m]
     uint triangle;      // in leaf order
     uint flags;
-    uint stamp;         // step that wrote it; an older stamp means no contact in the last step
+    uint stamp;  // step that wrote it; an older stamp means no contact in the last step
     uint pad;
 } TouchState;
 
@@ -97,17 +97,18 @@ typedef struct HardState {
 // What one sample exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding friction
 // makes unsymmetric. q = (x, y, z, theta).
 typedef struct SampleForce {
-    real force[4];     // on the axis point [N], about the tangent [N m]
-    real sym[10];      // symmetric part: xx xy xz xt yy yz yt zz zt tt
-    real skew[12];     // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
-    real depth;        // deepest overlap, negative: gap [m]
+    real force[4];  // on the axis point [N], about the tangent [N m]
+    real sym[10];   // symmetric part: xx xy xz xt yy yz yt zz zt tt
+    real
+        skew[12];  // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
+    real depth;    // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
-    real length;       // metres of wire in contact
-    uint flags;        // SEL_SAMPLE_*
+    real length;                                              // metres of wire in contact
+    uint flags;                                               // SEL_SAMPLE_*
     uint contacts;
 } SampleForce;
-#define SEL_SAMPLE_BLOCKED 1u   // deeper than the law allows, and deepening: the trial is inadmissible
-#define SEL_SAMPLE_SLIDING 2u   // `skew` is not zero
+#define SEL_SAMPLE_BLOCKED 1u  // deeper than the law allows, and deepening: the trial is inadmissible
+#define SEL_SAMPLE_SLIDING 2u  // `skew` is not zero
 #define SEL_SAMPLE_OUTSIDE 4u
 
 // Sum over an edge's samples, in sample order: generalised force on (x_a, x_b, theta) and blocks of -dF/dq. Index s: 6 entries
@@ -117,7 +118,7 @@ typedef struct EdgeForce {
     real s_aa[6], s_ab[6], s_bb[6];  // sums of (1-b)^2, (1-b) b, b^2 times the sample's block
     real st_a[3], st_b[3], s_tt;     // x-theta coupling and theta-theta
     real u_aa[9], u_ab[9], u_bb[9];
-    real ut_a[3], ut_b[3];           // row theta against x_a, x_b
+    real ut_a[3], ut_b[3];  // row theta against x_a, x_b
     real depth, normal_sum, friction_sum, sliding_sum, rolling_sum, length;
     uint flags, contacts;
 } EdgeForce;
@@ -128,14 +129,14 @@ typedef struct EdgeForce {
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
-    uint slots;          // per sample: cells of the tree (walk.h); layer: triangles
-    uint friction;       // SEL_FRICTION_*
-    uint settling;       // SEL_SETTLE_*, scene start = "settled"; 0: not settling
-    uint normal_law;     // SEL_NORMAL_*
+    uint slots;       // per sample: cells of the tree (walk.h); layer: triangles
+    uint friction;    // SEL_FRICTION_*
+    uint settling;    // SEL_SETTLE_*, scene start = "settled"; 0: not settling
+    uint normal_law;  // SEL_NORMAL_*
     uint pad;
-    real inv_dt;         // [1/s]; 0 in static equilibrium: no damping
-    real blend;          // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
-    real smooth_speed;   // regularisation of `smooth` [m/s]
+    real inv_dt;        // [1/s]; 0 in static equilibrium: no damping
+    real blend;         // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
+    real smooth_speed;  // regularisation of `smooth` [m/s]
 } ContactParams;
 
 SEL_END

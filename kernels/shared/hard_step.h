@@ -1,16 +1,16 @@
-// What surrounds the Newton solve of a step with the laws of hard_law.h: multipliers at its start and between solves, and the barrier's
-// start. One call per sample; its two touches have records 2 s and 2 s + 1.
+// What surrounds the Newton solve of a step with the laws of hard_law.h: multipliers at its start and between solves, and the
+// barrier's start. One call per sample; its two touches have records 2 s and 2 s + 1.
 #ifndef SEL_SHARED_HARD_STEP_H
 #define SEL_SHARED_HARD_STEP_H
 #include "shared/contact_sample.h"
 
 SEL_BEGIN
 
-#define SEL_STIFFER ((real)4)         // factor on k of a touch whose miss shrinks too slowly
-#define SEL_STIFFEST ((real)1e4)      // k is at most this many times its least
+#define SEL_STIFFER ((real)4)          // factor on k of a touch whose miss shrinks too slowly
+#define SEL_STIFFEST ((real)1e4)       // k is at most this many times its least
 #define SEL_SHRINKS_WELL ((real)0.25)  // factor on the miss that a round should bring
 
-#define SEL_SPEED_LEFT ((real)1e-3)   // that a miss may leave [m/s]
+#define SEL_SPEED_LEFT ((real)1e-3)  // that a miss may leave [m/s]
 
 // Overlap, or speed times step, that is allowed [m].
 SEL_FN real miss_allowed(SampleModel m, ContactParams par)
@@ -44,11 +44,13 @@ SEL_FN HardState hard_start(TouchState touch, uint stamp, SampleModel m, Contact
 
 // Multipliers after a solve. @param touch  as the converged trial left it     was  at the start of the step
 // @param ratio  largest miss over the one allowed
-SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uint stamp, SampleModel m, ContactParams par, real* ratio)
+SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uint stamp, SampleModel m, ContactParams par,
+                           real* ratio)
 {
     HardState next = last;
     const int active = touch.stamp == stamp && (touch.flags & SEL_TOUCH_ACTIVE) && m.weight > 0;
-    const real goal = par.normal_law == SEL_NORMAL_IMPULSE && par.inv_dt > 0 ? impulse_goal(-was.gap, was.rate, par.inv_dt, m) : 0;
+    const real goal =
+        par.normal_law == SEL_NORMAL_IMPULSE && par.inv_dt > 0 ? impulse_goal(-was.gap, was.rate, par.inv_dt, m) : 0;
     real slope;
     const real force = active ? min_r(multiplier_law(-touch.gap - goal, m, last, &slope), m.hard_most) : 0;
     next.miss = fabs(force - last.force) / last.stiffness;
@@ -72,8 +74,8 @@ SEL_FN HardState hard_next(HardState last, TouchState touch, TouchState was, uin
 
 // Nearest gap of a sample [m], as contact has it; its reach when nothing is nearer. a, b: its records
 SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, TouchState a, TouchState b, uint stamp,
-                       SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
-                       SEL_GLOBAL const uint* rims)
+                       SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes,
+                       SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
 {
     const TouchPair touching =
         touches_of(at, m, par, a, a.stamp + 1 == stamp, b, b.stamp + 1 == stamp, cells, count, nodes, vertices, rims);
@@ -83,9 +85,9 @@ SEL_FN real sample_gap(AxisPoint at, SampleModel m, ContactParams par, TouchStat
     return -depth;
 }
 
-// A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a sample is taken
-// to be thinner by as much as leaves it a thousandth of the activation distance; that `shrink` then is given back, half of the gap it
-// makes in each step, and never grows while the law holds: what overlaps is pushed out and does not sink deeper.
+// A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a sample is
+// taken to be thinner by as much as leaves it a thousandth of the activation distance; that `shrink` then is given back, half of
+// the gap it makes in each step, and never grows while the law holds: what overlaps is pushed out and does not sink deeper.
 SEL_FN real barrier_start(real gap, real shrink_t0, SampleModel m)
 {
     const real left = gap + shrink_t0;

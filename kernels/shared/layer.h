@@ -1,6 +1,7 @@
-// The published detection, per edge of wire between two control nodes: spheres at the nodes, three cases, dichotomy for the touching
-// length L', oriented layer L' x w x h on the wall side, layer against tree, and a ray from each candidate's centre along its normal
-// against the wire's cylinder (design section 3, steps 1-5). Kept faithful, with its own mesh dependence: it is what is measured.
+// The published detection, per edge of wire between two control nodes: spheres at the nodes, three cases, dichotomy for the
+// touching length L', oriented layer L' x w x h on the wall side, layer against tree, and a ray from each candidate's centre
+// along its normal against the wire's cylinder (design section 3, steps 1-5). Kept faithful, with its own mesh dependence: it is
+// what is measured.
 //
 // Choices that the source leaves open, the same for every scene unless the user sets them:
 //   sphere     radius r + H: a contact whose overlap is a micrometre would be lost with r alone
@@ -18,7 +19,7 @@ SEL_BEGIN
 
 typedef struct Layer {
     vec3 centre, along, side, up;  // unit axes; up points from the axis to the wall
-    real extent[3];                  // half of L', w, h [m]
+    real extent[3];                // half of L', w, h [m]
     real from, to;                 // touching stretch, as fractions of the edge
     int found;
 } Layer;
@@ -84,7 +85,8 @@ SEL_FN Layer make_layer(vec3 a, vec3 b, real radius, real width, real height, re
     if (!(size > 0)) return layer;  // normals cancel: walls all round, the published layer has no side to lie on
     layer.up = (1 / size) * up;
     layer.side = cross3(layer.along, layer.up);
-    layer.extent[0] = max_r((layer.to - layer.from) * length / 2, radius / 8);  // a touch at a node alone keeps a sliver of length
+    layer.extent[0] =
+        max_r((layer.to - layer.from) * length / 2, radius / 8);  // a touch at a node alone keeps a sliver of length
     layer.extent[1] = width / 2;
     layer.extent[2] = height / 2;
     layer.centre = a + ((layer.from + layer.to) / 2) * edge + (height / 2) * layer.up;
@@ -99,13 +101,17 @@ SEL_FN real abs_r(real x) { return x < 0 ? -x : x; }
 SEL_FN int layer_meets_box(Layer layer, TreeNode box)
 {
     const vec3 extent = make_vec3(((real)box.hi[0] - (real)box.lo[0]) / 2, ((real)box.hi[1] - (real)box.lo[1]) / 2,
-                                ((real)box.hi[2] - (real)box.lo[2]) / 2);
+                                  ((real)box.hi[2] - (real)box.lo[2]) / 2);
     const vec3 d = make_vec3(((real)box.hi[0] + (real)box.lo[0]) / 2, ((real)box.hi[1] + (real)box.lo[1]) / 2,
-                             ((real)box.hi[2] + (real)box.lo[2]) / 2) - layer.centre;
+                             ((real)box.hi[2] + (real)box.lo[2]) / 2) -
+                   layer.centre;
     const vec3 u = layer.along, v = layer.side, w = layer.up;
-    if (abs_r(d.x) > extent.x + layer.extent[0] * abs_r(u.x) + layer.extent[1] * abs_r(v.x) + layer.extent[2] * abs_r(w.x)) return 0;
-    if (abs_r(d.y) > extent.y + layer.extent[0] * abs_r(u.y) + layer.extent[1] * abs_r(v.y) + layer.extent[2] * abs_r(w.y)) return 0;
-    if (abs_r(d.z) > extent.z + layer.extent[0] * abs_r(u.z) + layer.extent[1] * abs_r(v.z) + layer.extent[2] * abs_r(w.z)) return 0;
+    if (abs_r(d.x) > extent.x + layer.extent[0] * abs_r(u.x) + layer.extent[1] * abs_r(v.x) + layer.extent[2] * abs_r(w.x))
+        return 0;
+    if (abs_r(d.y) > extent.y + layer.extent[0] * abs_r(u.y) + layer.extent[1] * abs_r(v.y) + layer.extent[2] * abs_r(w.y))
+        return 0;
+    if (abs_r(d.z) > extent.z + layer.extent[0] * abs_r(u.z) + layer.extent[1] * abs_r(v.z) + layer.extent[2] * abs_r(w.z))
+        return 0;
     if (abs_r(dot3(d, u)) > layer.extent[0] + extent.x * abs_r(u.x) + extent.y * abs_r(u.y) + extent.z * abs_r(u.z)) return 0;
     if (abs_r(dot3(d, v)) > layer.extent[1] + extent.x * abs_r(v.x) + extent.y * abs_r(v.y) + extent.z * abs_r(v.z)) return 0;
     return abs_r(dot3(d, w)) <= layer.extent[2] + extent.x * abs_r(w.x) + extent.y * abs_r(w.y) + extent.z * abs_r(w.z);
@@ -132,9 +138,11 @@ SEL_FN int layer_meets_triangle(Layer layer, Triangle tri)
     const vec3 ab = b - a, bc = c - b, ca = a - c;
     if (separated(cross3(ab, bc), a, b, c, hx, hy, hz)) return 0;
     if (separated(cross3(x, ab), a, b, c, hx, hy, hz) || separated(cross3(x, bc), a, b, c, hx, hy, hz) ||
-        separated(cross3(x, ca), a, b, c, hx, hy, hz)) return 0;
+        separated(cross3(x, ca), a, b, c, hx, hy, hz))
+        return 0;
     if (separated(cross3(y, ab), a, b, c, hx, hy, hz) || separated(cross3(y, bc), a, b, c, hx, hy, hz) ||
-        separated(cross3(y, ca), a, b, c, hx, hy, hz)) return 0;
+        separated(cross3(y, ca), a, b, c, hx, hy, hz))
+        return 0;
     return !(separated(cross3(z, ab), a, b, c, hx, hy, hz) || separated(cross3(z, bc), a, b, c, hx, hy, hz) ||
              separated(cross3(z, ca), a, b, c, hx, hy, hz));
 }
@@ -172,11 +180,11 @@ SEL_FN RayHit ray_against_wire(Triangle tri, vec3 a, vec3 edge, real radius)
 
 // A wire's edge for the layer: what changes from edge to edge.
 typedef struct LayerEdge {
-    uint node;     // tip-side node in the concatenated arrays
-    uint stamp;    // see SamplePlace
-    real width;    // w [m]
-    real height;   // h [m]
-    real reach;    // H [m]
+    uint node;          // tip-side node in the concatenated arrays
+    uint stamp;         // see SamplePlace
+    real width;         // w [m]
+    real height;        // h [m]
+    real reach;         // H [m]
     SampleModel model;  // of one pair: line stiffness x 1 mm (weight 1e-3)
 } LayerEdge;
 
@@ -187,7 +195,8 @@ typedef struct LayerPair {
     uint pad;
 } LayerPair;
 
-// Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to *touching;
+// Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to
+// *touching;
 // @return how many
 SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const TreeNode* nodes,
                        SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)

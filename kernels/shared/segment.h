@@ -23,9 +23,13 @@ SEL_FN real segments_distance2(vec3 p, vec3 u, vec3 q, vec3 v)
         if (a > 0) {
             s = det > 0 ? clamp_r((b * f - c * e) / det, 0, 1) : (real)0;
             t = b * s + f;
-            if (t < 0) { t = 0; s = clamp_r(-c / a, 0, 1); }
-            else if (t > e) { t = 1; s = clamp_r((b - c) / a, 0, 1); }
-            else t = t / e;
+            if (t < 0) {
+                t = 0;
+                s = clamp_r(-c / a, 0, 1);
+            } else if (t > e) {
+                t = 1;
+                s = clamp_r((b - c) / a, 0, 1);
+            } else t = t / e;
         } else {
             t = clamp_r(f / e, 0, 1);
         }
@@ -81,7 +85,7 @@ SEL_FN int segment_within(vec3 a, vec3 u, Triangle tri, real within2)
 // What of a capsule the box test needs.
 typedef struct CapsuleBox {
     vec3 middle, arm, reach;  // arm: from the middle to an end; reach: its extent along x, y, z and the radius
-    vec3 cross_reach;          // radius times the length of e_i x half
+    vec3 cross_reach;         // radius times the length of e_i x half
 } CapsuleBox;
 
 SEL_FN CapsuleBox capsule_box(vec3 a, vec3 b, real radius)
@@ -95,13 +99,14 @@ SEL_FN CapsuleBox capsule_box(vec3 a, vec3 b, real radius)
     return c;
 }
 
-// Segment, inflated by its radius, against a box by six axes: the box's faces and their cross products with the segment [Ericson05, sec. 5.3.3].
-// May say yes too often (round corners count as square), never no.
+// Segment, inflated by its radius, against a box by six axes: the box's faces and their cross products with the segment
+// [Ericson05, sec. 5.3.3]. May say yes too often (round corners count as square), never no.
 SEL_FN int capsule_meets_box(CapsuleBox c, TreeNode box)
 {
     const real hx = ((real)box.hi[0] - (real)box.lo[0]) / 2, hy = ((real)box.hi[1] - (real)box.lo[1]) / 2,
                hz = ((real)box.hi[2] - (real)box.lo[2]) / 2;
-    const real x = c.middle.x - ((real)box.lo[0] + hx), y = c.middle.y - ((real)box.lo[1] + hy), z = c.middle.z - ((real)box.lo[2] + hz);
+    const real x = c.middle.x - ((real)box.lo[0] + hx), y = c.middle.y - ((real)box.lo[1] + hy),
+               z = c.middle.z - ((real)box.lo[2] + hz);
     if (fabs(x) > c.reach.x + hx || fabs(y) > c.reach.y + hy || fabs(z) > c.reach.z + hz) return 0;
     const real ax = fabs(c.arm.x), ay = fabs(c.arm.y), az = fabs(c.arm.z);
     if (fabs(y * c.arm.z - z * c.arm.y) > hy * az + hz * ay + c.cross_reach.x) return 0;

@@ -16,8 +16,8 @@ SEL_FN real first_root(real A, real B, real C, real most)
     return min_r(C / (sqrt(root) - B), most);
 }
 
-// p: the ball's centre, move: its way; relative to the same origin as tri. rims: see contact_gap.h. What lies behind a facet is not
-// held up by it, but by its rim.
+// p: the ball's centre, move: its way; relative to the same origin as tri. rims: see contact_gap.h. What lies behind a facet is
+// not held up by it, but by its rim.
 SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint rims)
 {
     real most = 1;
@@ -64,7 +64,8 @@ SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBA
     TreeNode leaf;
     while (next_leaf(&walk, cells, count, nodes, middle, base.origin, range * range, range * range, move, &leaf))
         for (uint t = leaf.left_or_first; t < leaf.left_or_first + leaf.count; ++t)
-            free_way = min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));
+            free_way =
+                min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));
     return free_way;
 }
 

@@ -15,21 +15,21 @@ using uint = std::uint32_t;
 // leaves at depth < SEL_TREE_STACK (root: depth 0) whatever the mesh.
 #define SEL_TREE_STACK 48
 #define SEL_TREE_LEAF 4  // most triangles in a leaf
-#define SEL_LEAF_TRIANGLES(count) ((count) & 7u)
+#define SEL_LEAF_TRIANGLES(count) ((count)&7u)
 #define SEL_SLAB_STEPS 510
 
 // count == 0: inner node, children at left_or_first and left_or_first + 1 (always behind their parent).
-// count  > 0: leaf, SEL_LEAF_TRIANGLES(count) triangles from left_or_first on, in leaf order. The other 29 bits are the leaf's slab: between
-// which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide; the slab is as thin as the wall is flat, so
-// that a point near the wall sees which of many small leaves can be nearest to it.
-//   bits 3-12, 13-22   normal n: a = k/511.5 - 1, b alike, n ~ ((a + b)/2, (a - b)/2, 1 - |n_x| - |n_y|), whatever its length and sign
-//   bits 23-31         k > 0: |n . (x - centre of the box)| <= (k - 1)/510 of the box's half diagonal; 0: there is no slab
+// count  > 0: leaf, SEL_LEAF_TRIANGLES(count) triangles from left_or_first on, in leaf order. The other 29 bits are the leaf's
+// slab: between which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide; the slab is
+// as thin as the wall is flat, so that a point near the wall sees which of many small leaves can be nearest to it.
+//   bits 3-12, 13-22   normal n: a = k/511.5 - 1, b alike, n ~ ((a + b)/2, (a - b)/2, 1 - |n_x| - |n_y|), whatever its length and
+//   sign bits 23-31         k > 0: |n . (x - centre of the box)| <= (k - 1)/510 of the box's half diagonal; 0: there is no slab
 typedef struct TreeNode {
-    float lo[3];         // [m], relative to the tree's centre
+    float lo[3];  // [m], relative to the tree's centre
     uint left_or_first;
-    float hi[3];         // [m]
+    float hi[3];  // [m]
     uint count;
-} TreeNode;              // 32 bytes
+} TreeNode;  // 32 bytes
 
 // Bits of WallTree::edge_bits, one byte a triangle: edge e runs from vertex e to vertex (e + 1) % 3.
 #define SEL_EDGE_IS_OPENING(bits, e) (((bits) >> (e)) & 1u)  // no neighbour there: the rim of an opening

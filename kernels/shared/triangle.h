@@ -25,7 +25,8 @@ SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 ori
     return tri;
 }
 
-// (sin of the angle at vertex a)^2 below which a triangle is its three edges: the signs that tell face from edge are rounding there
+// (sin of the angle at vertex a)^2 below which a triangle is its three edges: the signs that tell face from edge are rounding
+// there
 #ifdef SEL_FLOAT32
     #define SEL_FLAT 1e-5f
 #else
@@ -59,10 +60,16 @@ SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
 {
     const vec3 ab = tri.b - tri.a, ac = tri.c - tri.a, ap = p - tri.a;
     const real d1 = dot3(ab, ap), d2 = dot3(ac, ap);
-    if (d1 <= 0 && d2 <= 0) { *feature = SEL_FEATURE_VERTEX; return tri.a; }
+    if (d1 <= 0 && d2 <= 0) {
+        *feature = SEL_FEATURE_VERTEX;
+        return tri.a;
+    }
     const vec3 bp = p - tri.b;
     const real d3 = dot3(ab, bp), d4 = dot3(ac, bp);
-    if (d3 >= 0 && d4 <= d3) { *feature = SEL_FEATURE_VERTEX + 1; return tri.b; }
+    if (d3 >= 0 && d4 <= d3) {
+        *feature = SEL_FEATURE_VERTEX + 1;
+        return tri.b;
+    }
     const real vc = d1 * d4 - d3 * d2;
     if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) {
         *feature = SEL_FEATURE_EDGE;
@@ -70,7 +77,10 @@ SEL_FN vec3 closest_on_triangle(vec3 p, Triangle tri, int* feature)
     }
     const vec3 cp = p - tri.c;
     const real d5 = dot3(ab, cp), d6 = dot3(ac, cp);
-    if (d6 >= 0 && d5 <= d6) { *feature = SEL_FEATURE_VERTEX + 2; return tri.c; }
+    if (d6 >= 0 && d5 <= d6) {
+        *feature = SEL_FEATURE_VERTEX + 2;
+        return tri.c;
+    }
     const real vb = d5 * d2 - d1 * d6;
     if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) {
         *feature = SEL_FEATURE_EDGE + 2;

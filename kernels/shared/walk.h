@@ -1,7 +1,8 @@
-// Walks through small subtrees of the wall's tree ("cells": tree nodes not much larger than the wire is thick), leaf by leaf, in the tree's own
-// order. A sample keeps a list of the cells near it; what is asked of the wall at every evaluation walks through these alone, and leaves
-// out what is too far. So the lists are as long, and an evaluation as many box tests deep, for three million triangles as for thirty
-// thousand (a few more levels), and what is found is the same as if every triangle of the cells had been looked at, in the same order.
+// Walks through small subtrees of the wall's tree ("cells": tree nodes not much larger than the wire is thick), leaf by leaf, in
+// the tree's own order. A sample keeps a list of the cells near it; what is asked of the wall at every evaluation walks through
+// these alone, and leaves out what is too far. So the lists are as long, and an evaluation as many box tests deep, for three
+// million triangles as for thirty thousand (a few more levels), and what is found is the same as if every triangle of the cells
+// had been looked at, in the same order.
 #ifndef SEL_SHARED_WALK_H
 #define SEL_SHARED_WALK_H
 #include "shared/tree_types.h"
@@ -12,7 +13,8 @@ SEL_BEGIN
 // A cell is a leaf, or a node no longer than this many radii in any direction.
 #define SEL_CELL_SIZE 2
 
-// Leaves out boxes by rounded distances: by this fraction too few, so that none is left out that a triangle's own rounded distance admits.
+// Leaves out boxes by rounded distances: by this fraction too few, so that none is left out that a triangle's own rounded
+// distance admits.
 #ifdef SEL_FLOAT32
     #define SEL_WALK_MARGIN ((real)1e-4)
 #else
@@ -52,7 +54,8 @@ SEL_FN real slab_distance2(vec3 p, TreeNode leaf, vec3 origin)
     const real a = (real)((leaf.count >> 3) & 1023u) / (real)511.5 - 1, b = (real)((leaf.count >> 13) & 1023u) / (real)511.5 - 1;
     const real x = (a + b) / 2, y = (a - b) / 2;
     const vec3 n = make_vec3(x, y, 1 - fabs(x) - fabs(y));
-    const real rho = sqrt(ex * ex + ey * ey + ez * ez), half_thickness = (real)((leaf.count >> 23) - 1u) / (real)SEL_SLAB_STEPS * rho;
+    const real rho = sqrt(ex * ex + ey * ey + ez * ez),
+               half_thickness = (real)((leaf.count >> 23) - 1u) / (real)SEL_SLAB_STEPS * rho;
     const real along = dot3(q, n), height2 = along * along / dot3(n, n);
     const real up = max_r(sqrt(height2) - half_thickness, 0), aside = max_r(sqrt(max_r(dot3(q, q) - height2, 0)) - rho, 0);
     return up * up + aside * aside;
@@ -93,7 +96,8 @@ SEL_FN real triangle_distance2(vec3 p, vec3 origin, uint t, SEL_GLOBAL const flo
 }
 
 // Is there a triangle within range2 of p in the subtree below `node`?
-SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range2, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices)
+SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range2, SEL_GLOBAL const TreeNode* nodes,
+                      SEL_GLOBAL const float* vertices)
 {
     uint stack[SEL_TREE_STACK];
     uint top = 0;
@@ -110,10 +114,10 @@ SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range2, SEL_GLOBAL co
     return 0;
 }
 
-// Cells that hold every triangle within `range` of p (relative to `origin`), in the tree's own order. Writes at most `slots` of them; @return how
-// many there are; 0 where no triangle is within range, however near the boxes are
-SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
-                       uint slots, SEL_GLOBAL uint* found)
+// Cells that hold every triangle within `range` of p (relative to `origin`), in the tree's own order. Writes at most `slots` of
+// them; @return how many there are; 0 where no triangle is within range, however near the boxes are
+SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL const TreeNode* nodes,
+                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found)
 {
     const real range2 = range * range;
     uint stack[SEL_TREE_STACK];
@@ -124,7 +128,8 @@ SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL co
         const uint at = stack[--top];
         const TreeNode node = nodes[at];
         if (box_near2(p, node, origin) > range2) continue;
-        const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1], z = (real)node.hi[2] - (real)node.lo[2];
+        const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1],
+                   z = (real)node.hi[2] - (real)node.lo[2];
         if (node.count == 0 && (x > size || y > size || z > size)) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;

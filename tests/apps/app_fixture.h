@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -13,9 +15,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
-#include <sys/wait.h>
 #include <thread>
-#include <unistd.h>
 #include <vector>
 
 namespace seldinger::test {
@@ -63,8 +63,8 @@ struct AppResult {
 inline AppResult run_app(const ScratchFolder& folder, const std::string& arguments, const std::string& prefix = "")
 {
     const fs::path out = folder.path / ".out", err = folder.path / ".err";
-    const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, SEL_APP, arguments,
-                                            out.string(), err.string());
+    const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, SEL_APP,
+                                            arguments, out.string(), err.string());
     const int status = std::system(command.c_str());
     AppResult result;
     result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
@@ -81,7 +81,8 @@ inline int run_and_signal(const fs::path& scene, const fs::path& dir, long rows,
     REQUIRE(child >= 0);
     if (child == 0) {
         const std::string scene_text = scene.string(), dir_text = dir.string();
-        execl(SEL_APP, SEL_APP, "run", scene_text.c_str(), "-o", dir_text.c_str(), "--quiet", resume ? "--resume" : nullptr, nullptr);
+        execl(SEL_APP, SEL_APP, "run", scene_text.c_str(), "-o", dir_text.c_str(), "--quiet", resume ? "--resume" : nullptr,
+              nullptr);
         _exit(127);
     }
     int status = 0;
@@ -136,7 +137,8 @@ at = "base"
 position = true
 direction = true
 spin = true
-)", duration, record_every);
+)",
+                       duration, record_every);
 }
 
 /// A wire fed into a tube of 5 mm radius and 0.1 m length, slanting to the floor: it touches after some 5 mm and slides along it.
@@ -168,7 +170,8 @@ detection = "capsule"
 point = [0.0, 0.0, -0.0035]
 direction = [1.0, 0.0, -0.2]
 keys = [ {{t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}}, {{t_s = 1.0, advance_m = 0.084, turn_rad = 1.0}} ]
-)", duration);
+)",
+                       duration);
 }
 
 }  // namespace seldinger::test

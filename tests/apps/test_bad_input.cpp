@@ -9,7 +9,8 @@ using namespace seldinger::test;
 
 namespace {
 
-void refused(const ScratchFolder& folder, const std::string& arguments, int code, const std::string& names, const std::string& prefix = "")
+void refused(const ScratchFolder& folder, const std::string& arguments, int code, const std::string& names,
+             const std::string& prefix = "")
 {
     CAPTURE(arguments);
     const AppResult result = run_app(folder, arguments, prefix);
@@ -40,7 +41,8 @@ units = "{}"
 [feed]
 {}
 keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.02}} ]
-)", mesh, units, feed);
+)",
+                       mesh, units, feed);
 }
 
 /// An open tube along x as OBJ: radius 5, length 40, 16 facets around, in whatever unit.
@@ -50,7 +52,8 @@ std::string tube_obj()
     const int around = 16, rings = 9;
     for (int r = 0; r < rings; ++r)
         for (int k = 0; k < around; ++k)
-            text += fmt::format("v {} {} {}\n", 5.0 * r, 5 * std::cos(k * 6.283185307 / around), 5 * std::sin(k * 6.283185307 / around));
+            text += fmt::format("v {} {} {}\n", 5.0 * r, 5 * std::cos(k * 6.283185307 / around),
+                                5 * std::sin(k * 6.283185307 / around));
     for (int r = 0; r + 1 < rings; ++r)
         for (int k = 0; k < around; ++k) {
             const int a = r * around + k + 1, b = r * around + (k + 1) % around + 1;
@@ -61,172 +64,183 @@ std::string tube_obj()
 
 }  // namespace
 
-TEST_SUITE("apps/bad_input") {
-
-TEST_CASE("property: a wrong command line is exit 2") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene());
-    refused(folder, "", 2, "subcommand");
-    refused(folder, "fly", 2, "fly");
-    refused(folder, "run", 2, "SCENE");
-    refused(folder, "run s.toml -o D --colour", 2, "--colour");
-    refused(folder, "run s.toml -o D --resume --overwrite", 2, "--resume");
-    refused(folder, "run s.toml -o D --time-limit soon", 2, "--time-limit");
-    refused(folder, "run s.toml -o D --time-limit -3", 2, "--time-limit");
-    refused(folder, "run s.toml -o D --device x", 2, "--device");
-    refused(folder, "run s.toml -o D --set wire", 2, "--set wire");
-    refused(folder, "run s.toml -o D --set wire.colour=red", 2, "wire.colour");
-    refused(folder, "run s.toml -o D --set wire.radius_m=-1", 2, "wire.radius_m");
-    refused(folder, "render nothing --size 12", 2, "--size");
-    refused(folder, "vessel m.stl --units ell", 2, "--units");
-    refused(folder, "plan s.toml --tolerance 0.2parsec", 2, "--tolerance");
-    refused(folder, "bench --device x", 2, "--device");
-    refused(folder, "vessel m.stl --subdivide 9", 2, "--subdivide");
-}
-
-TEST_CASE("property: a wrong scene is exit 2 and names file, line and key") {
-    const ScratchFolder folder;
-    folder.write("syntax.toml", "[scene\nname = 1\n");
-    refused(folder, "run syntax.toml -o D", 2, "syntax.toml:1");
-    folder.write("unknown.toml", free_scene() + "[contact]\nmu_statc = 0.1\n");
-    refused(folder, "run unknown.toml -o D", 2, "contact.mu_static");
-    refused(folder, "check unknown.toml", 2, "unknown.toml:20");
-    folder.write("s.toml", free_scene());
-    for (const char* change : {"wire.radius_m=0", "wire.length_m=-0.1", "wire.density=nan", "scene.duration_s=0", "scene.dt_s=-0.001",
-                               "wire.bend_nm2=inf"}) {
-        const std::string key = std::string(change).substr(0, std::string(change).find('='));
-        refused(folder, fmt::format("run s.toml -o D --set {}", change), 2, key);
+TEST_SUITE("apps/bad_input")
+{
+    TEST_CASE("property: a wrong command line is exit 2")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene());
+        refused(folder, "", 2, "subcommand");
+        refused(folder, "fly", 2, "fly");
+        refused(folder, "run", 2, "SCENE");
+        refused(folder, "run s.toml -o D --colour", 2, "--colour");
+        refused(folder, "run s.toml -o D --resume --overwrite", 2, "--resume");
+        refused(folder, "run s.toml -o D --time-limit soon", 2, "--time-limit");
+        refused(folder, "run s.toml -o D --time-limit -3", 2, "--time-limit");
+        refused(folder, "run s.toml -o D --device x", 2, "--device");
+        refused(folder, "run s.toml -o D --set wire", 2, "--set wire");
+        refused(folder, "run s.toml -o D --set wire.colour=red", 2, "wire.colour");
+        refused(folder, "run s.toml -o D --set wire.radius_m=-1", 2, "wire.radius_m");
+        refused(folder, "render nothing --size 12", 2, "--size");
+        refused(folder, "vessel m.stl --units ell", 2, "--units");
+        refused(folder, "plan s.toml --tolerance 0.2parsec", 2, "--tolerance");
+        refused(folder, "bench --device x", 2, "--device");
+        refused(folder, "vessel m.stl --subdivide 9", 2, "--subdivide");
     }
-}
 
-TEST_CASE("property: a missing or unusable file is exit 3") {
-    const ScratchFolder folder;
-    refused(folder, "run none.toml -o D", 3, "none.toml");
-    refused(folder, "vessel none.stl", 3, "none.stl");
-    refused(folder, "render none", 3, "none");
-    folder.write("missing.toml", mesh_scene("none.stl"));
-    refused(folder, "run missing.toml -o D", 3, "vessel.mesh");
-    const auto mesh_refused = [&](const std::string& name, const std::string& content) {
-        folder.write(name, content);
-        folder.write("m.toml", mesh_scene(name));
-        refused(folder, "run m.toml -o D", 3, name);
-        refused(folder, fmt::format("vessel {} --units mm", name), 3, name);
-    };
-    mesh_refused("garbage.stl", "this is no mesh at all");
-    mesh_refused("empty.stl", "");
-    mesh_refused("blank.obj", "# nothing\n");
-    mesh_refused("nan.obj", "v nan nan nan\nv nan nan nan\nv nan nan nan\nf 1 2 3\n");
-    mesh_refused("one.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
-    mesh_refused("mesh.xyz", "0 0 0\n");
-}
-
-TEST_CASE("property: a vessel that cannot be in that unit, or a wire that starts outside it, is exit 2") {
-    const ScratchFolder folder;
-    folder.write("tube.obj", tube_obj());
-    folder.write("m.toml", mesh_scene("tube.obj", "m"));
-    refused(folder, "run m.toml -o D", 2, "units = \"mm\" would fit");
-    folder.write("um.toml", mesh_scene("tube.obj", "um"));
-    refused(folder, "run um.toml -o D", 2, "vessel.units");
-    // 2 mm beyond the wall of 5 mm radius, whose facets lie inside by at most 5 (1 - cos(pi/16)) = 0.1 mm
-    folder.write("outside.toml", mesh_scene("tube.obj", "mm", "point = [0.02, 0.007, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
-    refused(folder, "run outside.toml -o D", 2, "feed.point: [0.02, 0.007, 0] is 2 mm outside the lumen");
-    folder.write("before.toml", mesh_scene("tube.obj", "mm", "point = [-0.004, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
-    refused(folder, "check before.toml", 2, "feed.point");
-    // a plane has no way in
-    std::string plane = mesh_scene("tube.obj");
-    const std::size_t at = plane.find("mesh ="), end = plane.find("[feed]");
-    folder.write("plane.toml", plane.replace(at, end - at, "shape = \"plane\"\nsize_m = 1.0\n"));
-    refused(folder, "run plane.toml -o D", 2, "feed.inlet");
-    folder.write("fits.toml", mesh_scene("tube.obj"));
-    CHECK(run_app(folder, "check fits.toml").code == 0);
-}
-
-TEST_CASE("property: a folder that holds a run is left alone without --resume or --overwrite") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene());
-    REQUIRE(run_app(folder, "run s.toml -o E").code == 0);
-    const std::string before = slurp(folder.path / "E" / "summary.json");
-    refused(folder, "run s.toml -o E", 2, "--overwrite");
-    refused(folder, "run s.toml -o E --resume --set wire.nodes=31", 2, "E/scene.toml");
-    CHECK(slurp(folder.path / "E" / "summary.json") == before);
-    refused(folder, "run E/scene.toml -o E", 2, "--overwrite");
-    // a bad scene does not cost the old run, even with --overwrite
-    refused(folder, "run s.toml -o E --overwrite --set wire.radius_m=0", 2, "wire.radius_m");
-    CHECK(slurp(folder.path / "E" / "summary.json") == before);
-    // the scene itself is not overwritten by what is resolved from it
-    fs::create_directory(folder.path / "own");
-    fs::copy_file(folder.path / "s.toml", folder.path / "own" / "scene.toml");
-    refused(folder, "run own/scene.toml -o own --overwrite", 2, "own");
-    CHECK(slurp(folder.path / "own" / "scene.toml") == free_scene());
-}
-
-TEST_CASE("property: a folder that cannot be written is exit 3") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene());
-    folder.write("file", "not a folder");
-    refused(folder, "run s.toml -o file/D", 3, "file/D");
-    CHECK(slurp(folder.path / "file") == "not a folder");
-    refused(folder, "run s.toml -o /dev/null/D", 3, "/dev/null/D");
-}
-
-TEST_CASE("property: a disk that fills up in mid-run is exit 3, and what was written stays whole") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(2.0, 1));
-    // no file may grow beyond 64 KiB: 2000 rows of some 250 bytes do, a frame of 21 nodes and the checkpoint do not
-    const AppResult result = run_app(folder, "run s.toml -o D --quiet", "ulimit -f 64 &&");
-    CAPTURE(result.err);
-    CHECK(result.code == 3);
-    CHECK(result.error_lines() == 1);
-    CHECK(result.err.find("trace.csv") != std::string::npos);
-    const auto rows = csv_rows(folder.path / "D" / "trace.csv");
-    REQUIRE(rows.size() > 100);
-    for (const auto& row : rows) REQUIRE(row.size() == rows[0].size());
-    // with room again, the run goes on and ends as if nothing had been
-    CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
-    CHECK(run_app(folder, "run s.toml -o whole").code == 0);
-    CHECK(summary_of(folder.path / "D")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
-}
-
-TEST_CASE("property: results that stdout cannot take are exit 3") {
-    if (!fs::exists("/dev/full")) {
-        MESSAGE("no /dev/full here: skipped");
-        return;
+    TEST_CASE("property: a wrong scene is exit 2 and names file, line and key")
+    {
+        const ScratchFolder folder;
+        folder.write("syntax.toml", "[scene\nname = 1\n");
+        refused(folder, "run syntax.toml -o D", 2, "syntax.toml:1");
+        folder.write("unknown.toml", free_scene() + "[contact]\nmu_statc = 0.1\n");
+        refused(folder, "run unknown.toml -o D", 2, "contact.mu_static");
+        refused(folder, "check unknown.toml", 2, "unknown.toml:20");
+        folder.write("s.toml", free_scene());
+        for (const char* change : {"wire.radius_m=0", "wire.length_m=-0.1", "wire.density=nan", "scene.duration_s=0",
+                                   "scene.dt_s=-0.001", "wire.bend_nm2=inf"}) {
+            const std::string key = std::string(change).substr(0, std::string(change).find('='));
+            refused(folder, fmt::format("run s.toml -o D --set {}", change), 2, key);
+        }
     }
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene());
-    const std::string command = fmt::format("cd '{}' && '{}' run s.toml -o D --json >/dev/full 2>err", folder.path.string(), SEL_APP);
-    const int status = std::system(command.c_str());
-    CHECK(WEXITSTATUS(status) == 3);
-    CHECK(slurp(folder.path / "err").find("stdout") != std::string::npos);
-    CHECK(fs::exists(folder.path / "D" / "summary.json"));
-}
 
-TEST_CASE("property: no usable device is exit 5, and a wire without a vessel needs none") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene(0.01));
-    folder.write("s.toml", free_scene());
-    const std::string none = "OCL_ICD_VENDORS=/nonexistent";
-    refused(folder, "run t.toml -o D", 5, "OpenCL", none);
-    refused(folder, "devices", 5, "OpenCL", none);
-    refused(folder, "run t.toml -o D --device 99", 5, "device");
-    refused(folder, "run t.toml -o D", 5, "SEL_KERNEL_DIR", "SEL_KERNEL_DIR=/nonexistent");
-    CHECK(run_app(folder, "run s.toml -o E", none).code == 0);
-}
+    TEST_CASE("property: a missing or unusable file is exit 3")
+    {
+        const ScratchFolder folder;
+        refused(folder, "run none.toml -o D", 3, "none.toml");
+        refused(folder, "vessel none.stl", 3, "none.stl");
+        refused(folder, "render none", 3, "none");
+        folder.write("missing.toml", mesh_scene("none.stl"));
+        refused(folder, "run missing.toml -o D", 3, "vessel.mesh");
+        const auto mesh_refused = [&](const std::string& name, const std::string& content) {
+            folder.write(name, content);
+            folder.write("m.toml", mesh_scene(name));
+            refused(folder, "run m.toml -o D", 3, name);
+            refused(folder, fmt::format("vessel {} --units mm", name), 3, name);
+        };
+        mesh_refused("garbage.stl", "this is no mesh at all");
+        mesh_refused("empty.stl", "");
+        mesh_refused("blank.obj", "# nothing\n");
+        mesh_refused("nan.obj", "v nan nan nan\nv nan nan nan\nv nan nan nan\nf 1 2 3\n");
+        mesh_refused("one.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n");
+        mesh_refused("mesh.xyz", "0 0 0\n");
+    }
 
-TEST_CASE("property: a kernel that does not compile is exit 5 and names the kernel") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene(0.01));
-    fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder.path / "kernels", fs::copy_options::recursive);
-    std::ofstream(folder.path / "kernels/contact/capsule.cl", std::ios::app) << "\nthis is not OpenCL\n";
-    const AppResult result = run_app(folder, "run t.toml -o D", fmt::format("SEL_KERNEL_DIR='{}'", (folder.path / "kernels").string()));
-    CAPTURE(result.err);
-    CHECK(result.code == 5);
-    // the OpenCL compiler itself may write "2 errors generated." before; the last line is ours
-    const std::string text = result.err.substr(0, result.err.size() - 1);
-    const std::string last = text.substr(text.rfind('\n') + 1);
-    CHECK(last.starts_with("seldinger: "));
-    CHECK(last.find("contact/capsule.cl") != std::string::npos);
-    CHECK_FALSE(fs::exists(folder.path / "D"));
-}
+    TEST_CASE("property: a vessel that cannot be in that unit, or a wire that starts outside it, is exit 2")
+    {
+        const ScratchFolder folder;
+        folder.write("tube.obj", tube_obj());
+        folder.write("m.toml", mesh_scene("tube.obj", "m"));
+        refused(folder, "run m.toml -o D", 2, "units = \"mm\" would fit");
+        folder.write("um.toml", mesh_scene("tube.obj", "um"));
+        refused(folder, "run um.toml -o D", 2, "vessel.units");
+        // 2 mm beyond the wall of 5 mm radius, whose facets lie inside by at most 5 (1 - cos(pi/16)) = 0.1 mm
+        folder.write("outside.toml", mesh_scene("tube.obj", "mm", "point = [0.02, 0.007, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
+        refused(folder, "run outside.toml -o D", 2, "feed.point: [0.02, 0.007, 0] is 2 mm outside the lumen");
+        folder.write("before.toml", mesh_scene("tube.obj", "mm", "point = [-0.004, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
+        refused(folder, "check before.toml", 2, "feed.point");
+        // a plane has no way in
+        std::string plane = mesh_scene("tube.obj");
+        const std::size_t at = plane.find("mesh ="), end = plane.find("[feed]");
+        folder.write("plane.toml", plane.replace(at, end - at, "shape = \"plane\"\nsize_m = 1.0\n"));
+        refused(folder, "run plane.toml -o D", 2, "feed.inlet");
+        folder.write("fits.toml", mesh_scene("tube.obj"));
+        CHECK(run_app(folder, "check fits.toml").code == 0);
+    }
 
+    TEST_CASE("property: a folder that holds a run is left alone without --resume or --overwrite")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene());
+        REQUIRE(run_app(folder, "run s.toml -o E").code == 0);
+        const std::string before = slurp(folder.path / "E" / "summary.json");
+        refused(folder, "run s.toml -o E", 2, "--overwrite");
+        refused(folder, "run s.toml -o E --resume --set wire.nodes=31", 2, "E/scene.toml");
+        CHECK(slurp(folder.path / "E" / "summary.json") == before);
+        refused(folder, "run E/scene.toml -o E", 2, "--overwrite");
+        // a bad scene does not cost the old run, even with --overwrite
+        refused(folder, "run s.toml -o E --overwrite --set wire.radius_m=0", 2, "wire.radius_m");
+        CHECK(slurp(folder.path / "E" / "summary.json") == before);
+        // the scene itself is not overwritten by what is resolved from it
+        fs::create_directory(folder.path / "own");
+        fs::copy_file(folder.path / "s.toml", folder.path / "own" / "scene.toml");
+        refused(folder, "run own/scene.toml -o own --overwrite", 2, "own");
+        CHECK(slurp(folder.path / "own" / "scene.toml") == free_scene());
+    }
+
+    TEST_CASE("property: a folder that cannot be written is exit 3")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene());
+        folder.write("file", "not a folder");
+        refused(folder, "run s.toml -o file/D", 3, "file/D");
+        CHECK(slurp(folder.path / "file") == "not a folder");
+        refused(folder, "run s.toml -o /dev/null/D", 3, "/dev/null/D");
+    }
+
+    TEST_CASE("property: a disk that fills up in mid-run is exit 3, and what was written stays whole")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(2.0, 1));
+        // no file may grow beyond 64 KiB: 2000 rows of some 250 bytes do, a frame of 21 nodes and the checkpoint do not
+        const AppResult result = run_app(folder, "run s.toml -o D --quiet", "ulimit -f 64 &&");
+        CAPTURE(result.err);
+        CHECK(result.code == 3);
+        CHECK(result.error_lines() == 1);
+        CHECK(result.err.find("trace.csv") != std::string::npos);
+        const auto rows = csv_rows(folder.path / "D" / "trace.csv");
+        REQUIRE(rows.size() > 100);
+        for (const auto& row : rows) REQUIRE(row.size() == rows[0].size());
+        // with room again, the run goes on and ends as if nothing had been
+        CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
+        CHECK(run_app(folder, "run s.toml -o whole").code == 0);
+        CHECK(summary_of(folder.path / "D")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
+    }
+
+    TEST_CASE("property: results that stdout cannot take are exit 3")
+    {
+        if (!fs::exists("/dev/full")) {
+            MESSAGE("no /dev/full here: skipped");
+            return;
+        }
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene());
+        const std::string command =
+            fmt::format("cd '{}' && '{}' run s.toml -o D --json >/dev/full 2>err", folder.path.string(), SEL_APP);
+        const int status = std::system(command.c_str());
+        CHECK(WEXITSTATUS(status) == 3);
+        CHECK(slurp(folder.path / "err").find("stdout") != std::string::npos);
+        CHECK(fs::exists(folder.path / "D" / "summary.json"));
+    }
+
+    TEST_CASE("property: no usable device is exit 5, and a wire without a vessel needs none")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.01));
+        folder.write("s.toml", free_scene());
+        const std::string none = "OCL_ICD_VENDORS=/nonexistent";
+        refused(folder, "run t.toml -o D", 5, "OpenCL", none);
+        refused(folder, "devices", 5, "OpenCL", none);
+        refused(folder, "run t.toml -o D --device 99", 5, "device");
+        refused(folder, "run t.toml -o D", 5, "SEL_KERNEL_DIR", "SEL_KERNEL_DIR=/nonexistent");
+        CHECK(run_app(folder, "run s.toml -o E", none).code == 0);
+    }
+
+    TEST_CASE("property: a kernel that does not compile is exit 5 and names the kernel")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.01));
+        fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder.path / "kernels", fs::copy_options::recursive);
+        std::ofstream(folder.path / "kernels/contact/capsule.cl", std::ios::app) << "\nthis is not OpenCL\n";
+        const AppResult result =
+            run_app(folder, "run t.toml -o D", fmt::format("SEL_KERNEL_DIR='{}'", (folder.path / "kernels").string()));
+        CAPTURE(result.err);
+        CHECK(result.code == 5);
+        // the OpenCL compiler itself may write "2 errors generated." before; the last line is ours
+        const std::string text = result.err.substr(0, result.err.size() - 1);
+        const std::string last = text.substr(text.rfind('\n') + 1);
+        CHECK(last.starts_with("seldinger: "));
+        CHECK(last.find("contact/capsule.cl") != std::string::npos);
+        CHECK_FALSE(fs::exists(folder.path / "D"));
+    }
 }

@@ -4,57 +4,62 @@
 
 using namespace seldinger::test;
 
-TEST_SUITE("apps/chart") {
+TEST_SUITE("apps/chart")
+{
+    TEST_CASE("property: an unknown scene is exit 2 in one line, a missing file exit 3")
+    {
+        const ScratchFolder folder;
+        const AppResult unknown = run_app(folder, "chart --quick --scenes experiment3");
+        CHECK(unknown.code == 2);
+        CHECK(unknown.error_lines() == 1);
+        CHECK(unknown.err.find("did you mean \"experiment1\"?") != std::string::npos);
+        CHECK(run_app(folder, "chart --scenes none.toml").code == 3);
+        CHECK(run_app(folder, "chart --qick").code == 2);
+        CHECK_FALSE(fs::exists(folder.path / "chart"));
+    }
 
-TEST_CASE("property: an unknown scene is exit 2 in one line, a missing file exit 3") {
-    const ScratchFolder folder;
-    const AppResult unknown = run_app(folder, "chart --quick --scenes experiment3");
-    CHECK(unknown.code == 2);
-    CHECK(unknown.error_lines() == 1);
-    CHECK(unknown.err.find("did you mean \"experiment1\"?") != std::string::npos);
-    CHECK(run_app(folder, "chart --scenes none.toml").code == 3);
-    CHECK(run_app(folder, "chart --qick").code == 2);
-    CHECK_FALSE(fs::exists(folder.path / "chart"));
-}
+    TEST_CASE("property: Ctrl-C ends a chart with exit 130 and one line that says how to go on; what was done is kept")
+    {
+        const ScratchFolder folder;
+        // hours of it: the signal comes long before the end, whatever the machine
+        const std::string command = "chart --scenes heavy-swing,elastica -o D";
+        const AppResult cut = run_app(folder, command, "timeout --preserve-status -s INT 3");
+        CHECK(cut.code == 130);
+        CHECK(cut.error_lines() == 1);
+        CHECK(cut.err.find("the same command goes on") != std::string::npos);
+        CHECK(fs::exists(folder.path / "D" / "runs.csv"));
+        CHECK(cut.out.empty());
+    }
 
-TEST_CASE("property: Ctrl-C ends a chart with exit 130 and one line that says how to go on; what was done is kept") {
-    const ScratchFolder folder;
-    // hours of it: the signal comes long before the end, whatever the machine
-    const std::string command = "chart --scenes heavy-swing,elastica -o D";
-    const AppResult cut = run_app(folder, command, "timeout --preserve-status -s INT 3");
-    CHECK(cut.code == 130);
-    CHECK(cut.error_lines() == 1);
-    CHECK(cut.err.find("the same command goes on") != std::string::npos);
-    CHECK(fs::exists(folder.path / "D" / "runs.csv"));
-    CHECK(cut.out.empty());
-}
-
-TEST_CASE("property: what was planned is charted beside the models, and is as far off as the plan said") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    const AppResult planned = run_app(folder, "plan t.toml --tolerance 1mm --json -o p.toml");
-    REQUIRE(planned.code == 0);
-    const auto plan = nlohmann::json::parse(planned.out);
-    const AppResult charted = run_app(folder, "chart --quick --scenes t.toml --planned p.toml --run-limit 0.05 --reference-limit 0.3 -o D --quiet");
-    CAPTURE(charted.err);
-    REQUIRE(charted.code == 0);
-    const auto rows = csv_rows(folder.path / "D" / "chart.csv");
-    const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
-    REQUIRE(rows.size() > 10);
-    CHECK(rows[1][column("family")] == "planned");  // first: an interrupted chart has it
-    CHECK(rows[1][column("settings")].find(fmt::format("wire.nodes={}", plan["chosen"]["nodes"].get<int>())) != std::string::npos);
-    // two references stand between the two: the one of the plan, and the one of the chart
-    double of_chart = 0;
-    for (const auto& row : csv_rows(folder.path / "D" / "references.csv"))
-        if (row[1] == "shape") of_chart = std::stod(row[6]);
-    const double of_plan = plan["reference"]["uncertainty_m"].get<double>();
-    CHECK(std::abs(std::stod(rows[1][column("shape_rms_m")]) - plan["chosen"]["error_m"].get<double>()) <= of_plan + 2 * of_chart);
-    // only for the scene that it was planned for
-    folder.write("other.toml", free_scene(0.2));
-    const AppResult other = run_app(folder, "chart --scenes other.toml --planned p.toml");
-    CHECK(other.code == 2);
-    CHECK(other.err.find("is not") != std::string::npos);
-    CHECK(run_app(folder, "chart --planned p.toml").code == 2);
-}
-
+    TEST_CASE("property: what was planned is charted beside the models, and is as far off as the plan said")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        const AppResult planned = run_app(folder, "plan t.toml --tolerance 1mm --json -o p.toml");
+        REQUIRE(planned.code == 0);
+        const auto plan = nlohmann::json::parse(planned.out);
+        const AppResult charted =
+            run_app(folder, "chart --quick --scenes t.toml --planned p.toml --run-limit 0.05 --reference-limit 0.3 -o D --quiet");
+        CAPTURE(charted.err);
+        REQUIRE(charted.code == 0);
+        const auto rows = csv_rows(folder.path / "D" / "chart.csv");
+        const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
+        REQUIRE(rows.size() > 10);
+        CHECK(rows[1][column("family")] == "planned");  // first: an interrupted chart has it
+        CHECK(rows[1][column("settings")].find(fmt::format("wire.nodes={}", plan["chosen"]["nodes"].get<int>())) !=
+              std::string::npos);
+        // two references stand between the two: the one of the plan, and the one of the chart
+        double of_chart = 0;
+        for (const auto& row : csv_rows(folder.path / "D" / "references.csv"))
+            if (row[1] == "shape") of_chart = std::stod(row[6]);
+        const double of_plan = plan["reference"]["uncertainty_m"].get<double>();
+        CHECK(std::abs(std::stod(rows[1][column("shape_rms_m")]) - plan["chosen"]["error_m"].get<double>()) <=
+              of_plan + 2 * of_chart);
+        // only for the scene that it was planned for
+        folder.write("other.toml", free_scene(0.2));
+        const AppResult other = run_app(folder, "chart --scenes other.toml --planned p.toml");
+        CHECK(other.code == 2);
+        CHECK(other.err.find("is not") != std::string::npos);
+        CHECK(run_app(folder, "chart --planned p.toml").code == 2);
+    }
 }

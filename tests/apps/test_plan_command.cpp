@@ -53,138 +53,152 @@ int plan_and_signal(const fs::path& scene, const fs::path& plan, const fs::path&
 
 }  // namespace
 
-TEST_SUITE("apps/plan") {
-
-TEST_CASE("property: a plan is exit 0, its scene runs, and what is promised of it is within the tolerance") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --json");
-    REQUIRE(result.code == 0);
-    const auto plan = plan_of(result);
-    CHECK(plan["status"] == "planned");
-    CHECK(plan["chosen"]["error_high_m"].get<double>() <= 1e-3);
-    CHECK(plan["chosen"]["error_low_m"].get<double>() < plan["chosen"]["error_m"].get<double>());
-    CHECK(plan["reference"]["uncertainty_m"].get<double>() <= 0.5e-3);
-    CHECK(plan["left_out"].size() >= 2);
-    const AppResult run = run_app(folder, "run planned.toml -o out");
-    CAPTURE(run.err);
-    REQUIRE(run.code == 0);
-    // the model that was chosen, and what it was chosen for
-    CHECK(summary_of(folder.path / "out")["nodes"].get<int>() == plan["chosen"]["nodes"].get<int>());
-    CHECK(slurp(folder.path / "out" / "summary.json").find("by seldinger plan for shape within 1 mm rms") != std::string::npos);
-}
-
-TEST_CASE("property: a coarser tolerance is never answered with a finer, dearer model") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    double steps_and_nodes = 0;
-    for (const char* tolerance : {"10mm", "1mm", "0.3mm"}) {
-        const auto plan = plan_of(run_app(folder, std::string("plan t.toml --json --tolerance ") + tolerance));
-        const double work = plan["chosen"]["nodes"].get<double>() / plan["chosen"]["dt_s"].get<double>();
-        CHECK(work >= steps_and_nodes);
-        steps_and_nodes = work;
+TEST_SUITE("apps/plan")
+{
+    TEST_CASE("property: a plan is exit 0, its scene runs, and what is promised of it is within the tolerance")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --json");
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result);
+        CHECK(plan["status"] == "planned");
+        CHECK(plan["chosen"]["error_high_m"].get<double>() <= 1e-3);
+        CHECK(plan["chosen"]["error_low_m"].get<double>() < plan["chosen"]["error_m"].get<double>());
+        CHECK(plan["reference"]["uncertainty_m"].get<double>() <= 0.5e-3);
+        CHECK(plan["left_out"].size() >= 2);
+        const AppResult run = run_app(folder, "run planned.toml -o out");
+        CAPTURE(run.err);
+        REQUIRE(run.code == 0);
+        // the model that was chosen, and what it was chosen for
+        CHECK(summary_of(folder.path / "out")["nodes"].get<int>() == plan["chosen"]["nodes"].get<int>());
+        CHECK(slurp(folder.path / "out" / "summary.json").find("by seldinger plan for shape within 1 mm rms") !=
+              std::string::npos);
     }
-}
 
-TEST_CASE("property: the scene of a plan in another folder finds its mesh, and runs") {
-    const ScratchFolder folder;
-    folder.write("t.toml", touching_scene());
-    REQUIRE(run_app(folder, "vessel t.toml -o mesh").code == 0);
-    std::string text = touching_scene();
-    const auto from = text.find("shape = \"tube\""), to = text.find("[contact]");
-    text.replace(from, to - from, "mesh = \"mesh/vessel.stl\"\nunits = \"mm\"\n");
-    folder.write("m.toml", text);
-    const AppResult result = run_app(folder, "plan m.toml --tolerance 2mm --json -o deep/er/p.toml");
-    CAPTURE(result.err);
-    REQUIRE(result.code == 0);
-    CHECK(plan_of(result)["touches"] == true);
-    CHECK(seldinger::read_scene(folder.path / "deep/er/p.toml").vessel.mesh.lexically_normal() ==
-          seldinger::read_scene(folder.path / "m.toml").vessel.mesh.lexically_normal());
-    CHECK(slurp(folder.path / "deep/er/p.toml").find("../../mesh/vessel.stl") != std::string::npos);
-    const AppResult run = run_app(folder, "run deep/er/p.toml -o out");
-    CAPTURE(run.err);
-    CHECK(run.code == 0);
-}
-
-TEST_CASE("property: a tolerance below what the reference is known to is exit 6, says to what it is known, and leaves the reference as a scene") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    folder.write("planned.toml", "what an earlier plan left");
-    const AppResult result = run_app(folder, "plan t.toml --tolerance 0.01um --json");
-    one_line(result, 6, "the reference is known to");
-    CHECK(result.err.find("ask for") != std::string::npos);
-    CHECK(plan_of(result)["status"] == "below-reference");
-    CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
-    CHECK(run_app(folder, "check planned.accurate.toml").code == 0);
-}
-
-TEST_CASE("property: a rate that no model reaches is exit 6 with the nearest on each side beside it, and both run") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --rate 1e8 --json");
-    one_line(result, 6, "no model reaches 1e+08 steps a second here");
-    const auto plan = plan_of(result);
-    CHECK(plan["status"] == "not-both");
-    CHECK(plan["accurate"]["error_high_m"].get<double>() <= 1e-3);
-    CHECK(plan["fast"]["steps_per_second"].get<double>() < 1e8);
-    CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
-    for (const char* side : {"accurate", "fast"}) CHECK(run_app(folder, fmt::format("run planned.{}.toml -o {}", side, side)).code == 0);
-}
-
-TEST_CASE("property: a scene that never touches its wall is planned, and that this says nothing of contact is noted") {
-    const ScratchFolder folder;
-    std::string text = touching_scene();
-    text.replace(text.find("[scene]"), 7, "[scene]\ngravity = [0.0, 0.0, 0.0]");
-    text.replace(text.find("[0.0, 0.0, -0.0035]"), 19, "[0.0, 0.0, 0.0]");
-    text.replace(text.find("[1.0, 0.0, -0.2]"), 16, "[1.0, 0.0, 0.0]");
-    folder.write("t.toml", text);
-    const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --json");
-    REQUIRE(result.code == 0);
-    const auto plan = plan_of(result);
-    CHECK(plan["touches"] == false);
-    CHECK(plan["notes"].dump().find("never touches the wall") != std::string::npos);
-    CHECK(plan["chosen"]["detection"] == "swept");  // what cannot be told is not left out
-}
-
-TEST_CASE("property: a scene that breaks off in every model is exit 4, in one line that names the first and the last") {
-    const ScratchFolder folder;
-    std::string text = free_scene(0.1);
-    text.replace(text.find("position = true"), 15, "position = true\nvelocity_m_s = [0.0, 0.0, 1e160]");
-    folder.write("t.toml", text);
-    const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm");
-    one_line(result, 4, "no model gets through this scene: 17 nodes");
-    CHECK(result.err.find("blow-up") != std::string::npos);
-    CHECK(result.err.find("411 nodes") != std::string::npos);
-    CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
-}
-
-TEST_CASE("property: goals that are no goals are exit 2 before anything is run") {
-    const ScratchFolder folder;
-    folder.write("t.toml", free_scene(0.1));
-    for (const char* goals : {"", "--tolerance 0.2", "--tolerance -1mm", "--tolerance 1mm --rate 0", "--tolerance 1mm --force-tolerance half",
-                              "--tolerance 1mm -o t.toml", "--tolerance 1mm --budget 0"}) {
-        CAPTURE(goals);
-        const AppResult result = run_app(folder, std::string("plan t.toml ") + goals);
-        CHECK(result.code == 2);
-        CHECK(result.error_lines() == 1);
+    TEST_CASE("property: a coarser tolerance is never answered with a finer, dearer model")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        double steps_and_nodes = 0;
+        for (const char* tolerance : {"10mm", "1mm", "0.3mm"}) {
+            const auto plan = plan_of(run_app(folder, std::string("plan t.toml --json --tolerance ") + tolerance));
+            const double work = plan["chosen"]["nodes"].get<double>() / plan["chosen"]["dt_s"].get<double>();
+            CHECK(work >= steps_and_nodes);
+            steps_and_nodes = work;
+        }
     }
-    CHECK(run_app(folder, "plan none.toml --tolerance 1mm").code == 3);
-    CHECK_FALSE(fs::exists(folder.path / "planned.pilots"));
-}
 
-TEST_CASE("property: Ctrl-C ends a plan with exit 130; the same command goes on with the pilots that are there and comes to an end") {
-    const ScratchFolder folder;
-    const fs::path scene = folder.write("t.toml", free_scene(0.5)), pilots = folder.path / "p.pilots";
-    REQUIRE(plan_and_signal(scene, folder.path / "p.toml", pilots, 4, SIGINT) == 130);
-    CHECK_FALSE(fs::exists(folder.path / "p.toml"));
-    const std::string before = slurp(pilots / "runs.csv");
-    const AppResult again = run_app(folder, "plan t.toml --tolerance 0.5mm -o p.toml");
-    CAPTURE(again.err);
-    REQUIRE(again.code == 0);
-    const std::string after = slurp(pilots / "runs.csv");
-    CHECK(after.size() > before.size());
-    CHECK(after.substr(0, before.size()) == before);  // none of it was run again
-    CHECK(run_app(folder, "check p.toml").code == 0);
-}
+    TEST_CASE("property: the scene of a plan in another folder finds its mesh, and runs")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", touching_scene());
+        REQUIRE(run_app(folder, "vessel t.toml -o mesh").code == 0);
+        std::string text = touching_scene();
+        const auto from = text.find("shape = \"tube\""), to = text.find("[contact]");
+        text.replace(from, to - from, "mesh = \"mesh/vessel.stl\"\nunits = \"mm\"\n");
+        folder.write("m.toml", text);
+        const AppResult result = run_app(folder, "plan m.toml --tolerance 2mm --json -o deep/er/p.toml");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        CHECK(plan_of(result)["touches"] == true);
+        CHECK(seldinger::read_scene(folder.path / "deep/er/p.toml").vessel.mesh.lexically_normal() ==
+              seldinger::read_scene(folder.path / "m.toml").vessel.mesh.lexically_normal());
+        CHECK(slurp(folder.path / "deep/er/p.toml").find("../../mesh/vessel.stl") != std::string::npos);
+        const AppResult run = run_app(folder, "run deep/er/p.toml -o out");
+        CAPTURE(run.err);
+        CHECK(run.code == 0);
+    }
 
+    TEST_CASE(
+        "property: a tolerance below what the reference is known to is exit 6, says to what it is known, and leaves the "
+        "reference as a scene")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        folder.write("planned.toml", "what an earlier plan left");
+        const AppResult result = run_app(folder, "plan t.toml --tolerance 0.01um --json");
+        one_line(result, 6, "the reference is known to");
+        CHECK(result.err.find("ask for") != std::string::npos);
+        CHECK(plan_of(result)["status"] == "below-reference");
+        CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
+        CHECK(run_app(folder, "check planned.accurate.toml").code == 0);
+    }
+
+    TEST_CASE("property: a rate that no model reaches is exit 6 with the nearest on each side beside it, and both run")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --rate 1e8 --json");
+        one_line(result, 6, "no model reaches 1e+08 steps a second here");
+        const auto plan = plan_of(result);
+        CHECK(plan["status"] == "not-both");
+        CHECK(plan["accurate"]["error_high_m"].get<double>() <= 1e-3);
+        CHECK(plan["fast"]["steps_per_second"].get<double>() < 1e8);
+        CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
+        for (const char* side : {"accurate", "fast"})
+            CHECK(run_app(folder, fmt::format("run planned.{}.toml -o {}", side, side)).code == 0);
+    }
+
+    TEST_CASE("property: a scene that never touches its wall is planned, and that this says nothing of contact is noted")
+    {
+        const ScratchFolder folder;
+        std::string text = touching_scene();
+        text.replace(text.find("[scene]"), 7, "[scene]\ngravity = [0.0, 0.0, 0.0]");
+        text.replace(text.find("[0.0, 0.0, -0.0035]"), 19, "[0.0, 0.0, 0.0]");
+        text.replace(text.find("[1.0, 0.0, -0.2]"), 16, "[1.0, 0.0, 0.0]");
+        folder.write("t.toml", text);
+        const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm --json");
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result);
+        CHECK(plan["touches"] == false);
+        CHECK(plan["notes"].dump().find("never touches the wall") != std::string::npos);
+        CHECK(plan["chosen"]["detection"] == "swept");  // what cannot be told is not left out
+    }
+
+    TEST_CASE("property: a scene that breaks off in every model is exit 4, in one line that names the first and the last")
+    {
+        const ScratchFolder folder;
+        std::string text = free_scene(0.1);
+        text.replace(text.find("position = true"), 15, "position = true\nvelocity_m_s = [0.0, 0.0, 1e160]");
+        folder.write("t.toml", text);
+        const AppResult result = run_app(folder, "plan t.toml --tolerance 1mm");
+        one_line(result, 4, "no model gets through this scene: 17 nodes");
+        CHECK(result.err.find("blow-up") != std::string::npos);
+        CHECK(result.err.find("411 nodes") != std::string::npos);
+        CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
+    }
+
+    TEST_CASE("property: goals that are no goals are exit 2 before anything is run")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        for (const char* goals :
+             {"", "--tolerance 0.2", "--tolerance -1mm", "--tolerance 1mm --rate 0", "--tolerance 1mm --force-tolerance half",
+              "--tolerance 1mm -o t.toml", "--tolerance 1mm --budget 0"}) {
+            CAPTURE(goals);
+            const AppResult result = run_app(folder, std::string("plan t.toml ") + goals);
+            CHECK(result.code == 2);
+            CHECK(result.error_lines() == 1);
+        }
+        CHECK(run_app(folder, "plan none.toml --tolerance 1mm").code == 3);
+        CHECK_FALSE(fs::exists(folder.path / "planned.pilots"));
+    }
+
+    TEST_CASE(
+        "property: Ctrl-C ends a plan with exit 130; the same command goes on with the pilots that are there and comes to an end")
+    {
+        const ScratchFolder folder;
+        const fs::path scene = folder.write("t.toml", free_scene(0.5)), pilots = folder.path / "p.pilots";
+        REQUIRE(plan_and_signal(scene, folder.path / "p.toml", pilots, 4, SIGINT) == 130);
+        CHECK_FALSE(fs::exists(folder.path / "p.toml"));
+        const std::string before = slurp(pilots / "runs.csv");
+        const AppResult again = run_app(folder, "plan t.toml --tolerance 0.5mm -o p.toml");
+        CAPTURE(again.err);
+        REQUIRE(again.code == 0);
+        const std::string after = slurp(pilots / "runs.csv");
+        CHECK(after.size() > before.size());
+        CHECK(after.substr(0, before.size()) == before);  // none of it was run again
+        CHECK(run_app(folder, "check p.toml").code == 0);
+    }
 }

@@ -26,7 +26,8 @@ void same_run(const fs::path& a, const fs::path& b)
         CAPTURE(file);
         CHECK(slurp(a / file) == slurp(b / file));
     }
-    for (const char* key : {"steps", "contacts_max", "friction_max_n", "overlap_max_m", "newton_max", "energy_j", "hand_force_n"}) {
+    for (const char* key :
+         {"steps", "contacts_max", "friction_max_n", "overlap_max_m", "newton_max", "energy_j", "hand_force_n"}) {
         CAPTURE(key);
         CHECK(summary_of(a)[key] == summary_of(b)[key]);
     }
@@ -34,97 +35,100 @@ void same_run(const fs::path& a, const fs::path& b)
 
 }  // namespace
 
-TEST_SUITE("apps/resume") {
+TEST_SUITE("apps/resume")
+{
+    TEST_CASE("property: SIGINT is exit 130, SIGTERM 75, SIGKILL whatever it is: resumed, all end with the same bits")
+    {
+        const ScratchFolder folder;
+        const fs::path scene = folder.write("t.toml", tube_scene(1.0));
+        REQUIRE(run_app(folder, "run t.toml -o whole").code == 0);
 
-TEST_CASE("property: SIGINT is exit 130, SIGTERM 75, SIGKILL whatever it is: resumed, all end with the same bits") {
-    const ScratchFolder folder;
-    const fs::path scene = folder.write("t.toml", tube_scene(1.0));
-    REQUIRE(run_app(folder, "run t.toml -o whole").code == 0);
+        const fs::path stopped = folder.path / "stopped";
+        REQUIRE(run_and_signal(scene, stopped, 60, SIGINT) == 130);
+        CHECK(summary_of(stopped)["status"] == "interrupted");
+        const long at = summary_of(stopped)["steps"].get<long>();
+        CHECK(at >= 300);
+        CHECK(at < 1000);
+        REQUIRE(run_and_signal(scene, stopped, at / 5 + 30, SIGTERM, true) == 75);
+        CHECK(summary_of(stopped)["status"] == "time-limit");
+        const AppResult end = run_app(folder, "run t.toml -o stopped --resume");
+        CAPTURE(end.err);
+        REQUIRE(end.code == 0);
+        CHECK(summary_of(stopped)["resumes"] == 2);
+        same_run(stopped, folder.path / "whole");
 
-    const fs::path stopped = folder.path / "stopped";
-    REQUIRE(run_and_signal(scene, stopped, 60, SIGINT) == 130);
-    CHECK(summary_of(stopped)["status"] == "interrupted");
-    const long at = summary_of(stopped)["steps"].get<long>();
-    CHECK(at >= 300);
-    CHECK(at < 1000);
-    REQUIRE(run_and_signal(scene, stopped, at / 5 + 30, SIGTERM, true) == 75);
-    CHECK(summary_of(stopped)["status"] == "time-limit");
-    const AppResult end = run_app(folder, "run t.toml -o stopped --resume");
-    CAPTURE(end.err);
-    REQUIRE(end.code == 0);
-    CHECK(summary_of(stopped)["resumes"] == 2);
-    same_run(stopped, folder.path / "whole");
+        const fs::path killed = folder.path / "killed";
+        REQUIRE(run_and_signal(scene, killed, 100, SIGKILL) == -SIGKILL);
+        CHECK_FALSE(fs::exists(killed / "summary.json"));
+        REQUIRE(run_app(folder, "run t.toml -o killed --resume").code == 0);
+        same_run(killed, folder.path / "whole");
 
-    const fs::path killed = folder.path / "killed";
-    REQUIRE(run_and_signal(scene, killed, 100, SIGKILL) == -SIGKILL);
-    CHECK_FALSE(fs::exists(killed / "summary.json"));
-    REQUIRE(run_app(folder, "run t.toml -o killed --resume").code == 0);
-    same_run(killed, folder.path / "whole");
-
-    // a run that is done is not run again
-    const std::string summary = slurp(killed / "summary.json");
-    const AppResult again = run_app(folder, "run t.toml -o killed --resume --json");
-    CHECK(again.code == 0);
-    CHECK(again.out == summary);
-}
-
-TEST_CASE("property: with a short --time-limit and --resume in turn, a run comes to its end") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(30.0, 7));
-    REQUIRE(run_app(folder, "run s.toml -o whole").code == 0);
-    int stops = 0;
-    AppResult result;
-    while ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet")).code == 75 && stops < 200) {
-        ++stops;
-        REQUIRE(result.error_lines() == 1);
-        REQUIRE(result.err.find("--resume") != std::string::npos);
+        // a run that is done is not run again
+        const std::string summary = slurp(killed / "summary.json");
+        const AppResult again = run_app(folder, "run t.toml -o killed --resume --json");
+        CHECK(again.code == 0);
+        CHECK(again.out == summary);
     }
-    CAPTURE(result.err);
-    REQUIRE(result.code == 0);
-    REQUIRE(stops >= 1);
-    CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
-    CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
-    CHECK(slurp(folder.path / "parts/wire.pvd") == slurp(folder.path / "whole/wire.pvd"));
-}
 
-TEST_CASE("property: a settled start is settled once") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(30.0));
-    const std::string set = " --set scene.start=settled ";
-    REQUIRE(run_app(folder, "run s.toml -o whole" + set).code == 0);
-    AppResult result;
-    for (int k = 0; k < 200; ++k)
-        if ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet" + set)).code != 75) break;
-    REQUIRE(result.code == 0);
-    REQUIRE(summary_of(folder.path / "parts")["resumes"].get<int>() >= 1);
-    CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
-    CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
-}
-
-TEST_CASE("property: a damaged checkpoint, a shortened trace and a changed vessel are told, not resumed") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(30.0, 1));
-    REQUIRE(run_app(folder, "run s.toml -o D --time-limit 0.1").code == 75);
-    const std::string checkpoint = slurp(folder.path / "D/checkpoint.bin");
-    const auto refuses = [&](const std::string& names) {
-        const AppResult result = run_app(folder, "run s.toml -o D --resume");
+    TEST_CASE("property: with a short --time-limit and --resume in turn, a run comes to its end")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(30.0, 7));
+        REQUIRE(run_app(folder, "run s.toml -o whole").code == 0);
+        int stops = 0;
+        AppResult result;
+        while ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet")).code == 75 && stops < 200) {
+            ++stops;
+            REQUIRE(result.error_lines() == 1);
+            REQUIRE(result.err.find("--resume") != std::string::npos);
+        }
         CAPTURE(result.err);
-        CHECK(result.code == 3);
-        CHECK(result.error_lines() == 1);
-        CHECK(result.err.find(names) != std::string::npos);
-    };
-    std::string damaged = checkpoint;
-    damaged[damaged.size() / 2] ^= 1;
-    folder.write("D/checkpoint.bin", damaged);
-    refuses("checkpoint.bin");
-    folder.write("D/checkpoint.bin", checkpoint.substr(0, checkpoint.size() / 2));
-    refuses("checkpoint.bin");
-    folder.write("D/checkpoint.bin", checkpoint);
-    const std::string trace = slurp(folder.path / "D/trace.csv");
-    folder.write("D/trace.csv", trace.substr(0, trace.size() / 2));
-    refuses("trace.csv");
-    folder.write("D/trace.csv", trace);
-    CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
-}
+        REQUIRE(result.code == 0);
+        REQUIRE(stops >= 1);
+        CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
+        CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
+        CHECK(slurp(folder.path / "parts/wire.pvd") == slurp(folder.path / "whole/wire.pvd"));
+    }
 
+    TEST_CASE("property: a settled start is settled once")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(30.0));
+        const std::string set = " --set scene.start=settled ";
+        REQUIRE(run_app(folder, "run s.toml -o whole" + set).code == 0);
+        AppResult result;
+        for (int k = 0; k < 200; ++k)
+            if ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet" + set)).code != 75) break;
+        REQUIRE(result.code == 0);
+        REQUIRE(summary_of(folder.path / "parts")["resumes"].get<int>() >= 1);
+        CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
+        CHECK(timeless(folder.path / "parts/trace.csv") == timeless(folder.path / "whole/trace.csv"));
+    }
+
+    TEST_CASE("property: a damaged checkpoint, a shortened trace and a changed vessel are told, not resumed")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(30.0, 1));
+        REQUIRE(run_app(folder, "run s.toml -o D --time-limit 0.1").code == 75);
+        const std::string checkpoint = slurp(folder.path / "D/checkpoint.bin");
+        const auto refuses = [&](const std::string& names) {
+            const AppResult result = run_app(folder, "run s.toml -o D --resume");
+            CAPTURE(result.err);
+            CHECK(result.code == 3);
+            CHECK(result.error_lines() == 1);
+            CHECK(result.err.find(names) != std::string::npos);
+        };
+        std::string damaged = checkpoint;
+        damaged[damaged.size() / 2] ^= 1;
+        folder.write("D/checkpoint.bin", damaged);
+        refuses("checkpoint.bin");
+        folder.write("D/checkpoint.bin", checkpoint.substr(0, checkpoint.size() / 2));
+        refuses("checkpoint.bin");
+        folder.write("D/checkpoint.bin", checkpoint);
+        const std::string trace = slurp(folder.path / "D/trace.csv");
+        folder.write("D/trace.csv", trace.substr(0, trace.size() / 2));
+        refuses("trace.csv");
+        folder.write("D/trace.csv", trace);
+        CHECK(run_app(folder, "run s.toml -o D --resume").code == 0);
+    }
 }

@@ -28,149 +28,164 @@ std::vector<std::vector<std::string>> timeless_trace(const fs::path& dir)
 
 }  // namespace
 
-TEST_SUITE("apps/run") {
+TEST_SUITE("apps/run")
+{
+    TEST_CASE("property: a run in a tube writes every file of the contract, and they agree with each other")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        const AppResult result = run_app(folder, "run t.toml -o D --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        CHECK(result.err.empty());
+        const auto printed = nlohmann::json::parse(result.out);  // one object and nothing else, or this throws
+        const fs::path dir = folder.path / "D";
+        const auto summary = summary_of(dir);
+        CHECK(printed == summary);
+        for (const char* key :
+             {"steps",         "simulated_s",    "wall_s",       "steps_per_s",    "realtime_factor", "inserted_m",
+              "contacts_max",  "friction_max_n", "hand_force_n", "hand_torque_nm", "base_force_n",    "remesh_energy_j",
+              "overlap_max_m", "outside_max_m",  "newton_max",   "energy_j",       "stage_ms",        "state_hash",
+              "model",         "device",         "version"}) {
+            CAPTURE(key);
+            CHECK(summary.contains(key));
+            CHECK_FALSE(summary[key].is_null());
+        }
+        for (const char* stage : {"detect", "evaluate", "reduce", "solve", "wall", "adapt", "record"})
+            CHECK(summary["stage_ms"][stage].is_number());
+        CHECK(summary["steps"] == 300);
+        CHECK(summary["simulated_s"].get<double>() == doctest::Approx(0.3));
+        CHECK(summary["inserted_m"].get<double>() == doctest::Approx(0.08 * 0.3));  // advance since the start
+        CHECK(summary["contacts_max"].get<int>() > 0);                              // it does reach the floor
+        CHECK(summary["warnings"].empty());
 
-TEST_CASE("property: a run in a tube writes every file of the contract, and they agree with each other") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    const AppResult result = run_app(folder, "run t.toml -o D --json");
-    CAPTURE(result.err);
-    REQUIRE(result.code == 0);
-    CHECK(result.err.empty());
-    const auto printed = nlohmann::json::parse(result.out);  // one object and nothing else, or this throws
-    const fs::path dir = folder.path / "D";
-    const auto summary = summary_of(dir);
-    CHECK(printed == summary);
-    for (const char* key : {"steps", "simulated_s", "wall_s", "steps_per_s", "realtime_factor", "inserted_m", "contacts_max", "friction_max_n",
-                            "hand_force_n", "hand_torque_nm", "base_force_n", "remesh_energy_j", "overlap_max_m", "outside_max_m",
-                            "newton_max", "energy_j", "stage_ms", "state_hash", "model", "device", "version"}) {
-        CAPTURE(key);
-        CHECK(summary.contains(key));
-        CHECK_FALSE(summary[key].is_null());
+        const std::string header = slurp(dir / "trace.csv");
+        CHECK(header.starts_with(
+            "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,"
+            "hand_force_n,hand_torque_nm,overlap_m,newton,step_ms"));
+        const auto trace = csv_rows(dir / "trace.csv");
+        REQUIRE(trace.size() == 1 + 300 / 5);
+        double friction = 0;
+        for (std::size_t k = 1; k < trace.size(); ++k) {
+            REQUIRE(trace[k].size() == trace[0].size());
+            CHECK(number(trace, k, "step") == 5.0 * static_cast<double>(k));
+            // sums of the same numbers in another order: rounding only
+            CHECK(number(trace, k, "friction_n") ==
+                  doctest::Approx(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
+            friction = std::max(friction, number(trace, k, "friction_n"));
+        }
+        CHECK(friction > 0);
+        CHECK(summary["friction_max_n"].get<double>() >= friction);  // over every step, not only recorded ones
+        const std::size_t last = trace.size() - 1;
+        CHECK(summary["energy_j"].get<double>() ==
+              doctest::Approx(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") +
+                              number(trace, last, "gravitational_j"))
+                  .epsilon(1e-12));
+
+        const auto wire = csv_rows(dir / "wire.csv");
+        CHECK(wire[0] ==
+              std::vector<std::string>{"s_m", "x_m", "y_m", "z_m", "vx", "vy", "vz", "spin_rad", "fx_n", "fy_n", "fz_n"});
+        REQUIRE(wire.size() == 1 + summary["nodes"].get<std::size_t>());
+        CHECK(number(wire, 1, "s_m") == 0.0);  // tip first
+        CHECK(number(wire, wire.size() - 1, "s_m") == doctest::Approx(0.004 + 0.08 * 0.3).epsilon(1e-3));
+        CHECK(wire.back()[7] == wire[wire.size() - 2][7]);  // spin of the last row repeats
+
+        const auto contacts = csv_rows(dir / "contacts.csv");
+        CHECK(slurp(dir / "contacts.csv").starts_with("edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck"));
+        REQUIRE(contacts.size() == 1 + static_cast<std::size_t>(number(trace, last, "contacts")));
+        double normal = 0;
+        for (std::size_t k = 1; k < contacts.size(); ++k) {
+            normal += number(contacts, k, "normal_n");
+            const double stuck = number(contacts, k, "stuck");
+            CHECK((stuck == 0 || stuck == 1));
+            CHECK(std::hypot(number(contacts, k, "nx"), number(contacts, k, "ny"), number(contacts, k, "nz")) ==
+                  doctest::Approx(1).epsilon(1e-6));
+        }
+        CHECK(normal == doctest::Approx(number(trace, last, "normal_n")).epsilon(1e-9));
     }
-    for (const char* stage : {"detect", "evaluate", "reduce", "solve", "wall", "adapt", "record"}) CHECK(summary["stage_ms"][stage].is_number());
-    CHECK(summary["steps"] == 300);
-    CHECK(summary["simulated_s"].get<double>() == doctest::Approx(0.3));
-    CHECK(summary["inserted_m"].get<double>() == doctest::Approx(0.08 * 0.3));  // advance since the start
-    CHECK(summary["contacts_max"].get<int>() > 0);  // it does reach the floor
-    CHECK(summary["warnings"].empty());
 
-    const std::string header = slurp(dir / "trace.csv");
-    CHECK(header.starts_with("step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,"
-                             "hand_force_n,hand_torque_nm,overlap_m,newton,step_ms"));
-    const auto trace = csv_rows(dir / "trace.csv");
-    REQUIRE(trace.size() == 1 + 300 / 5);
-    double friction = 0;
-    for (std::size_t k = 1; k < trace.size(); ++k) {
-        REQUIRE(trace[k].size() == trace[0].size());
-        CHECK(number(trace, k, "step") == 5.0 * static_cast<double>(k));
-        // sums of the same numbers in another order: rounding only
-        CHECK(number(trace, k, "friction_n") == doctest::Approx(number(trace, k, "sliding_n") + number(trace, k, "static_n")).epsilon(1e-12));
-        friction = std::max(friction, number(trace, k, "friction_n"));
+    TEST_CASE("property: the ParaView series can be read and ends in the final state")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
+        const fs::path dir = folder.path / "D";
+        const std::string pvd = slurp(dir / "wire.pvd");
+        const auto count = [&](const std::string& word) {
+            long found = 0;
+            for (std::size_t at = pvd.find(word); at != std::string::npos; at = pvd.find(word, at + 1)) ++found;
+            return found;
+        };
+        CHECK(count("<DataSet") == 101);  // about 100 frames: every third of 300 steps, and the start
+        CHECK(count("wire_000300.vtp") == 1);
+        const PolyData wire = read_poly_data(dir / "wire_000300.vtp");
+        const auto table = csv_rows(dir / "wire.csv");
+        REQUIRE(wire.points.size() == table.size() - 1);
+        for (std::size_t i = 0; i < wire.points.size(); ++i)
+            for (int d = 0; d < 3; ++d) CHECK(wire.points[i][d] == number(table, i + 1, d == 0 ? "x_m" : d == 1 ? "y_m" : "z_m"));
+        CHECK(wire.lines.offsets.size() == 1);
+        CHECK(wire.point_data.at("radius").values[0] == 0.0004445);
+        CHECK(wire.point_data.at("contact_force").components == 3);
+        const PolyData contacts = read_poly_data(dir / "contacts_000300.vtp");
+        CHECK(contacts.points.size() == csv_rows(dir / "contacts.csv").size() - 1);
+        CHECK(contacts.point_data.at("normal_n").values.size() == contacts.points.size());
+        const PolyData vessel = read_poly_data(dir / "vessel.vtp");
+        REQUIRE(vessel.polys.offsets.size() > 1000);
+        // normals into the lumen: triangle 0's points at the axis (x axis)
+        const auto corner = [&](int k) { return vessel.points[static_cast<std::size_t>(vessel.polys.connectivity[k])]; };
+        const auto a = corner(0), b = corner(1), c = corner(2);
+        const double ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
+        const double nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        CHECK(ny * a[1] + nz * a[2] < 0);
     }
-    CHECK(friction > 0);
-    CHECK(summary["friction_max_n"].get<double>() >= friction);  // over every step, not only recorded ones
-    const std::size_t last = trace.size() - 1;
-    CHECK(summary["energy_j"].get<double>() ==
-          doctest::Approx(number(trace, last, "kinetic_j") + number(trace, last, "elastic_j") + number(trace, last, "gravitational_j")).epsilon(1e-12));
 
-    const auto wire = csv_rows(dir / "wire.csv");
-    CHECK(wire[0] == std::vector<std::string>{"s_m", "x_m", "y_m", "z_m", "vx", "vy", "vz", "spin_rad", "fx_n", "fy_n", "fz_n"});
-    REQUIRE(wire.size() == 1 + summary["nodes"].get<std::size_t>());
-    CHECK(number(wire, 1, "s_m") == 0.0);  // tip first
-    CHECK(number(wire, wire.size() - 1, "s_m") == doctest::Approx(0.004 + 0.08 * 0.3).epsilon(1e-3));
-    CHECK(wire.back()[7] == wire[wire.size() - 2][7]);  // spin of the last row repeats
-
-    const auto contacts = csv_rows(dir / "contacts.csv");
-    CHECK(slurp(dir / "contacts.csv").starts_with("edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck"));
-    REQUIRE(contacts.size() == 1 + static_cast<std::size_t>(number(trace, last, "contacts")));
-    double normal = 0;
-    for (std::size_t k = 1; k < contacts.size(); ++k) {
-        normal += number(contacts, k, "normal_n");
-        const double stuck = number(contacts, k, "stuck");
-        CHECK((stuck == 0 || stuck == 1));
-        CHECK(std::hypot(number(contacts, k, "nx"), number(contacts, k, "ny"), number(contacts, k, "nz")) == doctest::Approx(1).epsilon(1e-6));
+    TEST_CASE("property: the resolved scene, run again elsewhere, gives the same bits")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        REQUIRE(run_app(folder, "run t.toml -o A --set contact.mu_sliding=0.05 --set scene.duration_s=0.2").code == 0);
+        REQUIRE(run_app(folder, "run A/scene.toml -o B/deeper").code == 0);
+        CHECK(summary_of(folder.path / "A")["state_hash"] == summary_of(folder.path / "B/deeper")["state_hash"]);
+        CHECK(timeless_trace(folder.path / "A") == timeless_trace(folder.path / "B/deeper"));
+        CHECK(slurp(folder.path / "A/scene.toml") == slurp(folder.path / "B/deeper/scene.toml"));
+        // and --set was not without effect
+        REQUIRE(run_app(folder, "run t.toml -o C --set scene.duration_s=0.2").code == 0);
+        CHECK(summary_of(folder.path / "A")["state_hash"] != summary_of(folder.path / "C")["state_hash"]);
     }
-    CHECK(normal == doctest::Approx(number(trace, last, "normal_n")).epsilon(1e-9));
-}
 
-TEST_CASE("property: the ParaView series can be read and ends in the final state") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
-    const fs::path dir = folder.path / "D";
-    const std::string pvd = slurp(dir / "wire.pvd");
-    const auto count = [&](const std::string& word) {
-        long found = 0;
-        for (std::size_t at = pvd.find(word); at != std::string::npos; at = pvd.find(word, at + 1)) ++found;
-        return found;
-    };
-    CHECK(count("<DataSet") == 101);  // about 100 frames: every third of 300 steps, and the start
-    CHECK(count("wire_000300.vtp") == 1);
-    const PolyData wire = read_poly_data(dir / "wire_000300.vtp");
-    const auto table = csv_rows(dir / "wire.csv");
-    REQUIRE(wire.points.size() == table.size() - 1);
-    for (std::size_t i = 0; i < wire.points.size(); ++i)
-        for (int d = 0; d < 3; ++d) CHECK(wire.points[i][d] == number(table, i + 1, d == 0 ? "x_m" : d == 1 ? "y_m" : "z_m"));
-    CHECK(wire.lines.offsets.size() == 1);
-    CHECK(wire.point_data.at("radius").values[0] == 0.0004445);
-    CHECK(wire.point_data.at("contact_force").components == 3);
-    const PolyData contacts = read_poly_data(dir / "contacts_000300.vtp");
-    CHECK(contacts.points.size() == csv_rows(dir / "contacts.csv").size() - 1);
-    CHECK(contacts.point_data.at("normal_n").values.size() == contacts.points.size());
-    const PolyData vessel = read_poly_data(dir / "vessel.vtp");
-    REQUIRE(vessel.polys.offsets.size() > 1000);
-    // normals into the lumen: triangle 0's points at the axis (x axis)
-    const auto corner = [&](int k) { return vessel.points[static_cast<std::size_t>(vessel.polys.connectivity[k])]; };
-    const auto a = corner(0), b = corner(1), c = corner(2);
-    const double ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
-    const double nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    CHECK(ny * a[1] + nz * a[2] < 0);
-}
+    TEST_CASE("property: --overwrite leaves nothing of the old run, and nothing else is touched")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(0.05));
+        REQUIRE(run_app(folder, "run s.toml -o D").code == 0);
+        folder.write("D/notes.txt", "mine");
+        REQUIRE(fs::exists(folder.path / "D/wire_000050.vtp"));
+        REQUIRE(run_app(folder, "run s.toml -o D --overwrite --set scene.duration_s=0.02").code == 0);
+        CHECK_FALSE(fs::exists(folder.path / "D/wire_000050.vtp"));
+        CHECK(slurp(folder.path / "D/notes.txt") == "mine");
+        CHECK(summary_of(folder.path / "D")["steps"] == 20);
+    }
 
-TEST_CASE("property: the resolved scene, run again elsewhere, gives the same bits") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    REQUIRE(run_app(folder, "run t.toml -o A --set contact.mu_sliding=0.05 --set scene.duration_s=0.2").code == 0);
-    REQUIRE(run_app(folder, "run A/scene.toml -o B/deeper").code == 0);
-    CHECK(summary_of(folder.path / "A")["state_hash"] == summary_of(folder.path / "B/deeper")["state_hash"]);
-    CHECK(timeless_trace(folder.path / "A") == timeless_trace(folder.path / "B/deeper"));
-    CHECK(slurp(folder.path / "A/scene.toml") == slurp(folder.path / "B/deeper/scene.toml"));
-    // and --set was not without effect
-    REQUIRE(run_app(folder, "run t.toml -o C --set scene.duration_s=0.2").code == 0);
-    CHECK(summary_of(folder.path / "A")["state_hash"] != summary_of(folder.path / "C")["state_hash"]);
-}
+    TEST_CASE("property: the folder is named after the scene when none is given, and quiet is quiet")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene());
+        const AppResult loud = run_app(folder, "run s.toml");
+        CHECK(loud.code == 0);
+        CHECK(loud.err.empty());  // no progress where stderr is no terminal
+        CHECK(loud.out.find("s-run: summary.json, trace.csv") != std::string::npos);
+        CHECK(fs::exists(folder.path / "s-run" / "summary.json"));
+        const AppResult quiet = run_app(folder, "run s.toml --overwrite --quiet");
+        CHECK(quiet.code == 0);
+        CHECK(quiet.out.empty());
+    }
 
-TEST_CASE("property: --overwrite leaves nothing of the old run, and nothing else is touched") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(0.05));
-    REQUIRE(run_app(folder, "run s.toml -o D").code == 0);
-    folder.write("D/notes.txt", "mine");
-    REQUIRE(fs::exists(folder.path / "D/wire_000050.vtp"));
-    REQUIRE(run_app(folder, "run s.toml -o D --overwrite --set scene.duration_s=0.02").code == 0);
-    CHECK_FALSE(fs::exists(folder.path / "D/wire_000050.vtp"));
-    CHECK(slurp(folder.path / "D/notes.txt") == "mine");
-    CHECK(summary_of(folder.path / "D")["steps"] == 20);
-}
-
-TEST_CASE("property: the folder is named after the scene when none is given, and quiet is quiet") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene());
-    const AppResult loud = run_app(folder, "run s.toml");
-    CHECK(loud.code == 0);
-    CHECK(loud.err.empty());  // no progress where stderr is no terminal
-    CHECK(loud.out.find("s-run: summary.json, trace.csv") != std::string::npos);
-    CHECK(fs::exists(folder.path / "s-run" / "summary.json"));
-    const AppResult quiet = run_app(folder, "run s.toml --overwrite --quiet");
-    CHECK(quiet.code == 0);
-    CHECK(quiet.out.empty());
-}
-
-TEST_CASE("analytic: a static scene is one solve; its tip is where the elastica says") {
-    const ScratchFolder folder;
-    // P L^2 / B = 1, clamped base, dead load across the tip: x/L = 1 - 0.05643, z/L = -0.30172 [Mattiasson 1981, table 1,
-    // doi:10.1002/nme.1620170111]; 40 edges are right to about (h/L)^2 / 12 * alpha, well below 1e-3
-    folder.write("e.toml", R"([scene]
+    TEST_CASE("analytic: a static scene is one solve; its tip is where the elastica says")
+    {
+        const ScratchFolder folder;
+        // P L^2 / B = 1, clamped base, dead load across the tip: x/L = 1 - 0.05643, z/L = -0.30172 [Mattiasson 1981, table 1,
+        // doi:10.1002/nme.1620170111]; 40 edges are right to about (h/L)^2 / 12 * alpha, well below 1e-3
+        folder.write("e.toml", R"([scene]
 gravity = [0.0, 0.0, 0.0]
 [wire]
 length_m = 0.1
@@ -191,67 +206,73 @@ spin = true
 at = "tip"
 force_n = [0.0, 0.0, -0.005]
 )");
-    REQUIRE(run_app(folder, "run e.toml -o D").code == 0);
-    const auto wire = csv_rows(folder.path / "D/wire.csv");
-    CHECK(number(wire, 1, "x_m") == doctest::Approx(0.1 * (1 - 0.05643)).epsilon(1e-3));
-    CHECK(number(wire, 1, "z_m") == doctest::Approx(-0.1 * 0.30172).epsilon(1e-3));
-    CHECK(csv_rows(folder.path / "D/trace.csv").size() == 2);
-    CHECK(summary_of(folder.path / "D")["steps"] == 0);
-}
-
-TEST_CASE("property: until = rest stops when the wire rests, not at a turning point and not before the load is on") {
-    const ScratchFolder folder;
-    folder.write("s.toml", free_scene(10.0) + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -0.001]\nramp_s = 0.2\n[integrator]\ndamping_mass_1_s = 60.0\n");
-    REQUIRE(run_app(folder, "run s.toml -o D --set scene.until=rest").code == 0);
-    const auto summary = summary_of(folder.path / "D");
-    CHECK(summary["at_rest"] == true);
-    CHECK(summary["steps"].get<int>() > 200);   // the ramp
-    CHECK(summary["steps"].get<int>() < 5000);  // damped with 1/60 s: at rest long before
-    // where it rests, the base carries weight and load: m g + F, m = rho pi r^2 L
-    const double weight = 6450 * 3.14159265358979 * 4e-8 * 0.1 * 9.81;
-    CHECK(summary["base_force_n"][2].get<double>() == doctest::Approx(weight + 0.001).epsilon(0.01));
-}
-
-TEST_CASE("property: a simulation that cannot go on is exit 4, names a setting, and leaves what is good") {
-    const ScratchFolder folder;
-    // 10 mm inside at the start: straight through the floor of the tube, 0.96 mm beyond, where the wall bears no wire
-    std::string scene = tube_scene();
-    scene.replace(scene.find("advance_m = 0.004"), 17, "advance_m = 0.010");
-    folder.write("t.toml", scene);
-    const AppResult result = run_app(folder, "run t.toml -o D --quiet");
-    CAPTURE(result.err);
-    CHECK(result.code == 4);
-    CHECK(result.error_lines() == 1);
-    CHECK(result.err.find("scene.dt_s") != std::string::npos);
-    CHECK(summary_of(folder.path / "D")["status"] == "stopped");
-    const auto wire = csv_rows(folder.path / "D/wire.csv");
-    REQUIRE(wire.size() > 2);
-    for (std::size_t row = 1; row < wire.size(); ++row)
-        for (const std::string& cell : wire[row]) CHECK(std::isfinite(std::stod(cell)));
-}
-
-TEST_CASE("property: a picture of a run") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene(0.05));
-    REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
-    const AppResult result = run_app(folder, "render D --size 320x180");
-    if (result.code == 5 || result.err.find("no renderer") != std::string::npos) {
-        MESSAGE("nothing to draw with here: skipped");
-        return;
+        REQUIRE(run_app(folder, "run e.toml -o D").code == 0);
+        const auto wire = csv_rows(folder.path / "D/wire.csv");
+        CHECK(number(wire, 1, "x_m") == doctest::Approx(0.1 * (1 - 0.05643)).epsilon(1e-3));
+        CHECK(number(wire, 1, "z_m") == doctest::Approx(-0.1 * 0.30172).epsilon(1e-3));
+        CHECK(csv_rows(folder.path / "D/trace.csv").size() == 2);
+        CHECK(summary_of(folder.path / "D")["steps"] == 0);
     }
-    CAPTURE(result.err);
-    CHECK(result.code == 0);
-    CHECK(fs::file_size(folder.path / "D/picture.png") > 2000);
-    CHECK(run_app(folder, "render D --frames 0:100000").code == 2);
-}
 
-TEST_CASE("property: version, help and devices") {
-    const ScratchFolder folder;
-    CHECK(run_app(folder, "--version").out.starts_with("seldinger 0."));
-    const AppResult help = run_app(folder, "run --help");
-    CHECK(help.code == 0);
-    CHECK(help.out.find("--time-limit") != std::string::npos);
-    CHECK(run_app(folder, "devices").out.starts_with("0: "));
-}
+    TEST_CASE("property: until = rest stops when the wire rests, not at a turning point and not before the load is on")
+    {
+        const ScratchFolder folder;
+        folder.write(
+            "s.toml",
+            free_scene(10.0) +
+                "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, -0.001]\nramp_s = 0.2\n[integrator]\ndamping_mass_1_s = 60.0\n");
+        REQUIRE(run_app(folder, "run s.toml -o D --set scene.until=rest").code == 0);
+        const auto summary = summary_of(folder.path / "D");
+        CHECK(summary["at_rest"] == true);
+        CHECK(summary["steps"].get<int>() > 200);   // the ramp
+        CHECK(summary["steps"].get<int>() < 5000);  // damped with 1/60 s: at rest long before
+        // where it rests, the base carries weight and load: m g + F, m = rho pi r^2 L
+        const double weight = 6450 * 3.14159265358979 * 4e-8 * 0.1 * 9.81;
+        CHECK(summary["base_force_n"][2].get<double>() == doctest::Approx(weight + 0.001).epsilon(0.01));
+    }
 
+    TEST_CASE("property: a simulation that cannot go on is exit 4, names a setting, and leaves what is good")
+    {
+        const ScratchFolder folder;
+        // 10 mm inside at the start: straight through the floor of the tube, 0.96 mm beyond, where the wall bears no wire
+        std::string scene = tube_scene();
+        scene.replace(scene.find("advance_m = 0.004"), 17, "advance_m = 0.010");
+        folder.write("t.toml", scene);
+        const AppResult result = run_app(folder, "run t.toml -o D --quiet");
+        CAPTURE(result.err);
+        CHECK(result.code == 4);
+        CHECK(result.error_lines() == 1);
+        CHECK(result.err.find("scene.dt_s") != std::string::npos);
+        CHECK(summary_of(folder.path / "D")["status"] == "stopped");
+        const auto wire = csv_rows(folder.path / "D/wire.csv");
+        REQUIRE(wire.size() > 2);
+        for (std::size_t row = 1; row < wire.size(); ++row)
+            for (const std::string& cell : wire[row]) CHECK(std::isfinite(std::stod(cell)));
+    }
+
+    TEST_CASE("property: a picture of a run")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.05));
+        REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
+        const AppResult result = run_app(folder, "render D --size 320x180");
+        if (result.code == 5 || result.err.find("no renderer") != std::string::npos) {
+            MESSAGE("nothing to draw with here: skipped");
+            return;
+        }
+        CAPTURE(result.err);
+        CHECK(result.code == 0);
+        CHECK(fs::file_size(folder.path / "D/picture.png") > 2000);
+        CHECK(run_app(folder, "render D --frames 0:100000").code == 2);
+    }
+
+    TEST_CASE("property: version, help and devices")
+    {
+        const ScratchFolder folder;
+        CHECK(run_app(folder, "--version").out.starts_with("seldinger 0."));
+        const AppResult help = run_app(folder, "run --help");
+        CHECK(help.code == 0);
+        CHECK(help.out.find("--time-limit") != std::string::npos);
+        CHECK(run_app(folder, "devices").out.starts_with("0: "));
+    }
 }

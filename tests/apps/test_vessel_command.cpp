@@ -6,68 +6,72 @@
 
 using namespace seldinger::test;
 
-TEST_SUITE("apps/vessel") {
-
-TEST_CASE("analytic: the report of a generated tube") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    const AppResult result = run_app(folder, "vessel t.toml --json");
-    REQUIRE(result.code == 0);
-    const auto report = nlohmann::json::parse(result.out);
-    for (const char* key : {"triangles_read", "triangles", "vertices", "repairs", "loops", "centreline", "inlets"}) CHECK(report.contains(key));
-    CHECK(report["triangles"].get<int>() > 1500);
-    CHECK(report["triangles"].get<int>() < 2500);
-    REQUIRE(report["loops"].size() == 2);
-    CHECK(report["loops"][0]["radius"].get<double>() == doctest::Approx(0.005).epsilon(0.01));
-    CHECK(std::abs(report["loops"][0]["inward"][0].get<double>()) == doctest::Approx(1));
-    CHECK(report["centreline"]["length_m"].get<double>() == doctest::Approx(0.1));
-    CHECK(report["centreline"]["radius"]["p50"].get<double>() == doctest::Approx(0.005));
-    CHECK(report["centreline"]["ends"].size() == 2);
-    CHECK(report["inlets"].size() == 2);
-}
-
-TEST_CASE("property: what -o writes can be read back and is the same vessel") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
-    const auto made = nlohmann::json::parse(run_app(folder, "vessel t.toml --json").out);
-    for (const char* name : {"vessel.stl", "vessel.vtp"}) {
-        CAPTURE(name);
-        const AppResult again = run_app(folder, fmt::format("vessel V/{} --units mm --json", name));
-        REQUIRE(again.code == 0);
-        const auto report = nlohmann::json::parse(again.out);
-        CHECK(report["triangles"] == made["triangles"]);
-        CHECK(report["vertices"] == made["vertices"]);
-        CHECK(report["loops"].size() == 2);
-        CHECK(report["repairs"]["flipped"] == 0);
-        // extracted, not exact: within a tenth of the radius
-        CHECK(report["centreline"]["radius"]["max"].get<double>() == doctest::Approx(0.005).epsilon(0.1));
+TEST_SUITE("apps/vessel")
+{
+    TEST_CASE("analytic: the report of a generated tube")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        const AppResult result = run_app(folder, "vessel t.toml --json");
+        REQUIRE(result.code == 0);
+        const auto report = nlohmann::json::parse(result.out);
+        for (const char* key : {"triangles_read", "triangles", "vertices", "repairs", "loops", "centreline", "inlets"})
+            CHECK(report.contains(key));
+        CHECK(report["triangles"].get<int>() > 1500);
+        CHECK(report["triangles"].get<int>() < 2500);
+        REQUIRE(report["loops"].size() == 2);
+        CHECK(report["loops"][0]["radius"].get<double>() == doctest::Approx(0.005).epsilon(0.01));
+        CHECK(std::abs(report["loops"][0]["inward"][0].get<double>()) == doctest::Approx(1));
+        CHECK(report["centreline"]["length_m"].get<double>() == doctest::Approx(0.1));
+        CHECK(report["centreline"]["radius"]["p50"].get<double>() == doctest::Approx(0.005));
+        CHECK(report["centreline"]["ends"].size() == 2);
+        CHECK(report["inlets"].size() == 2);
     }
-    CHECK(fs::exists(folder.path / "V/centreline.vtp"));
-}
 
-TEST_CASE("property: inlet = auto enters through an opening, and the run goes into the tube") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene(0.05));
-    std::string scene = tube_scene(0.05);
-    const std::size_t at = scene.find("point = "), end = scene.find("keys = ");
-    scene.replace(at, end - at, "inlet = \"auto\"\n");
-    folder.write("auto.toml", scene);
-    CHECK(run_app(folder, "check auto.toml").out.find("ok") != std::string::npos);
-    REQUIRE(run_app(folder, "run auto.toml -o D").code == 0);
-    const auto wire = csv_rows(folder.path / "D/wire.csv");
-    const double base = std::stod(wire.back()[1]), tip = std::stod(wire[1][1]);
-    CHECK((std::abs(base) < 1e-9 || std::abs(base - 0.1) < 1e-9));  // the tube runs from x = 0 to x = 0.1
-    CHECK(tip > 0);
-    CHECK(tip < 0.1);
-}
+    TEST_CASE("property: what -o writes can be read back and is the same vessel")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        REQUIRE(run_app(folder, "vessel t.toml -o V").code == 0);
+        const auto made = nlohmann::json::parse(run_app(folder, "vessel t.toml --json").out);
+        for (const char* name : {"vessel.stl", "vessel.vtp"}) {
+            CAPTURE(name);
+            const AppResult again = run_app(folder, fmt::format("vessel V/{} --units mm --json", name));
+            REQUIRE(again.code == 0);
+            const auto report = nlohmann::json::parse(again.out);
+            CHECK(report["triangles"] == made["triangles"]);
+            CHECK(report["vertices"] == made["vertices"]);
+            CHECK(report["loops"].size() == 2);
+            CHECK(report["repairs"]["flipped"] == 0);
+            // extracted, not exact: within a tenth of the radius
+            CHECK(report["centreline"]["radius"]["max"].get<double>() == doctest::Approx(0.005).epsilon(0.1));
+        }
+        CHECK(fs::exists(folder.path / "V/centreline.vtp"));
+    }
 
-TEST_CASE("property: a scene's vessel has its unit already; a scene without one has nothing to inspect") {
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    folder.write("s.toml", free_scene());
-    CHECK(run_app(folder, "vessel t.toml --units mm").code == 2);
-    CHECK(run_app(folder, "vessel s.toml").code == 2);
-}
+    TEST_CASE("property: inlet = auto enters through an opening, and the run goes into the tube")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.05));
+        std::string scene = tube_scene(0.05);
+        const std::size_t at = scene.find("point = "), end = scene.find("keys = ");
+        scene.replace(at, end - at, "inlet = \"auto\"\n");
+        folder.write("auto.toml", scene);
+        CHECK(run_app(folder, "check auto.toml").out.find("ok") != std::string::npos);
+        REQUIRE(run_app(folder, "run auto.toml -o D").code == 0);
+        const auto wire = csv_rows(folder.path / "D/wire.csv");
+        const double base = std::stod(wire.back()[1]), tip = std::stod(wire[1][1]);
+        CHECK((std::abs(base) < 1e-9 || std::abs(base - 0.1) < 1e-9));  // the tube runs from x = 0 to x = 0.1
+        CHECK(tip > 0);
+        CHECK(tip < 0.1);
+    }
 
+    TEST_CASE("property: a scene's vessel has its unit already; a scene without one has nothing to inspect")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        folder.write("s.toml", free_scene());
+        CHECK(run_app(folder, "vessel t.toml --units mm").code == 2);
+        CHECK(run_app(folder, "vessel s.toml").code == 2);
+    }
 }

@@ -33,30 +33,32 @@ print(read(os.path.join(folder, "vessel.vtp")).GetNumberOfPolys())
 
 }  // namespace
 
-TEST_SUITE("apps/vtk_opens") {
-
-TEST_CASE("property: VTK opens the wire's and the contacts' series and the vessel, with as many nodes and triangles as the run says") {
-    if (std::system("/usr/bin/python3 -c 'import vtk' >/dev/null 2>&1") != 0) {
-        MESSAGE("skipped: /usr/bin/python3 has no vtk (Debian package python3-vtk9)");
-        return;
+TEST_SUITE("apps/vtk_opens")
+{
+    TEST_CASE(
+        "property: VTK opens the wire's and the contacts' series and the vessel, with as many nodes and triangles as the run "
+        "says")
+    {
+        if (std::system("/usr/bin/python3 -c 'import vtk' >/dev/null 2>&1") != 0) {
+            MESSAGE("skipped: /usr/bin/python3 has no vtk (Debian package python3-vtk9)");
+            return;
+        }
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
+        const fs::path script = folder.write("opener.py", opener);
+        const std::string command = fmt::format("/usr/bin/python3 '{}' '{}' >'{}' 2>&1", script.string(),
+                                                (folder.path / "D").string(), (folder.path / "seen").string());
+        const int status = std::system(command.c_str());
+        std::stringstream seen(slurp(folder.path / "seen"));
+        INFO(seen.str());
+        REQUIRE(status == 0);
+        long frames = 0, nodes = 0, contact_frames = 0, contacts = 0, triangles = 0;
+        seen >> frames >> nodes >> contact_frames >> contacts >> triangles;
+        const auto summary = summary_of(folder.path / "D");
+        CHECK(nodes == summary["nodes"].get<long>());
+        CHECK(contacts == static_cast<long>(csv_rows(folder.path / "D" / "contacts.csv").size()) - 1);
+        CHECK(triangles == summary["vessel"]["triangles"].get<long>());
+        CHECK(contact_frames == frames);
     }
-    const ScratchFolder folder;
-    folder.write("t.toml", tube_scene());
-    REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
-    const fs::path script = folder.write("opener.py", opener);
-    const std::string command =
-        fmt::format("/usr/bin/python3 '{}' '{}' >'{}' 2>&1", script.string(), (folder.path / "D").string(), (folder.path / "seen").string());
-    const int status = std::system(command.c_str());
-    std::stringstream seen(slurp(folder.path / "seen"));
-    INFO(seen.str());
-    REQUIRE(status == 0);
-    long frames = 0, nodes = 0, contact_frames = 0, contacts = 0, triangles = 0;
-    seen >> frames >> nodes >> contact_frames >> contacts >> triangles;
-    const auto summary = summary_of(folder.path / "D");
-    CHECK(nodes == summary["nodes"].get<long>());
-    CHECK(contacts == static_cast<long>(csv_rows(folder.path / "D" / "contacts.csv").size()) - 1);
-    CHECK(triangles == summary["vessel"]["triangles"].get<long>());
-    CHECK(contact_frames == frames);
-}
-
 }

@@ -50,8 +50,8 @@ inline std::vector<Push> pushes_of(device::Context& context, const WorldSetup& s
 inline Push push_of(device::Context& context, const WorldSetup& setup) { return pushes_of(context, setup)[0]; }
 
 /// Contact of wires in these poses, which do not feel each other: one evaluation at rest, nothing moves.
-inline std::vector<Push> push_at(device::Context& context, const WallMesh& mesh, const Centreline& centreline, Detection detection,
-                          const std::vector<Pose>& poses)
+inline std::vector<Push> push_at(device::Context& context, const WallMesh& mesh, const Centreline& centreline,
+                                 Detection detection, const std::vector<Pose>& poses)
 {
     constexpr int nodes = 21;
     WorldSetup setup;

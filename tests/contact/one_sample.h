@@ -14,7 +14,7 @@ struct OneSample {
     SampleModel model{};
     SamplePlace place{0, 0, 0.3, 0.3, 5, 0, 0};
     TouchState touches[2] = {};
-    HardState hard[2] = {};  // of the laws that read it
+    HardState hard[2] = {};                        // of the laws that read it
     vec3 start = {0, 0, 0}, along = {2e-3, 0, 0};  // of the sample at the start of the step; of the edge
     double theta0 = 0.4;
 
@@ -44,9 +44,9 @@ struct OneSample {
         nodes(start, hi_t0, lo_t0);
         const double theta[2] = {q[3], 0}, theta_t0[2] = {theta0, 0};
         TouchState scratch[2];
-        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.nodes.data(), soup.vertices.data(),
-                               soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(), lo_t0.data(), theta_t0, touches,
-                               out ? out : scratch, hard);
+        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.nodes.data(),
+                               soup.vertices.data(), soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(), lo_t0.data(),
+                               theta_t0, touches, out ? out : scratch, hard);
     }
     /// Accepts q as the start of the next step.
     void accept(std::array<double, 4> q)

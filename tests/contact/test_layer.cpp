@@ -73,7 +73,7 @@ SampleModel linear_law(double weight)
 
 struct Pairs {
     std::uint32_t count = 0;
-    double force = 0;  // normal to the floor [N]
+    double force = 0;   // normal to the floor [N]
     real touching = 0;  // L' [m]
 };
 
@@ -89,8 +89,8 @@ Pairs layer_pairs(const Floor& floor, vec3 a, vec3 b)
     e.model = linear_law(1e-3);
     std::vector<std::uint32_t> found(4000);
     Pairs out;
-    out.count = find_pairs(e, edge.hi.data(), edge.lo.data(), floor.tree.nodes.data(), floor.tree.vertices.data(), 4000, found.data(),
-                           &out.touching);
+    out.count = find_pairs(e, edge.hi.data(), edge.lo.data(), floor.tree.nodes.data(), floor.tree.vertices.data(), 4000,
+                           found.data(), &out.touching);
     const double theta[2] = {0, 0};
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;
@@ -118,13 +118,11 @@ double capsule_force(const Floor& floor, vec3 a, vec3 b)
         SamplePlace place{0, 0, (k + 0.5) / samples, (k + 0.5) / samples, 5, 0, 0};
         const TouchState t0[2] = {};
         TouchState t1[2];
-        force +=
-            evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
-                            static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.nodes.data(), floor.soup.vertices.data(),
-                            floor.soup.rims.data(),
-                            edge.hi.data(), edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, t0, t1,
-                            nullptr)
-                .force[2];
+        force += evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
+                                 static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.nodes.data(),
+                                 floor.soup.vertices.data(), floor.soup.rims.data(), edge.hi.data(), edge.lo.data(), theta,
+                                 edge.hi.data(), edge.lo.data(), theta, t0, t1, nullptr)
+                     .force[2];
     }
     return force;
 }

@@ -157,8 +157,8 @@ TEST_SUITE("contact/normal_laws")
             }
     }
 
-    // v- -> 0: floored so that a contact under the wire's own weight is damped just critically, at a rate of sqrt(n g / depth). The law
-    // being weaker in shallower contact, a wire laid down still swings over once, by what
+    // v- -> 0: floored so that a contact under the wire's own weight is damped just critically, at a rate of sqrt(n g / depth).
+    // The law being weaker in shallower contact, a wire laid down still swings over once, by what
     //     d'' = 1 - d^n (1 + 2 sqrt(n) d'),    d in depths, t in sqrt(depth / g)
     // does, solved here by fourth-order steps, and comes to rest
     TEST_CASE("analytic: a wire laid down without speed sinks as the floored law says, and rests at the depth of its weight")
@@ -168,7 +168,8 @@ TEST_SUITE("contact/normal_laws")
         const auto push = [&](double d, double v) { return 1 - std::pow(std::max(d, 0.0), n) * (1 + 2 * std::sqrt(n) * v); };
         for (double t = 0; t < 20; t += small) {
             const double v1 = v, a1 = push(d, v), v2 = v + small / 2 * a1, a2 = push(d + small / 2 * v1, v2);
-            const double v3 = v + small / 2 * a2, a3 = push(d + small / 2 * v2, v3), v4 = v + small * a3, a4 = push(d + small * v3, v4);
+            const double v3 = v + small / 2 * a2, a3 = push(d + small / 2 * v2, v3), v4 = v + small * a3,
+                         a4 = push(d + small * v3, v4);
             d += small / 6 * (v1 + 2 * v2 + 2 * v3 + v4), v += small / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
             swing = std::max(swing, d);
         }

@@ -130,7 +130,8 @@ TEST_SUITE("contact/sliding")
     // pi w dt/2 = 0.4 %; the tip's own law (D6c), which a block has not, lets parts yield before others.
     TEST_CASE("analytic: pulled by a spring it sticks and slips with the period and stroke of the mass-spring model")
     {
-        constexpr double dt = 2.5e-5, length = 0.05, k = 10, mass = 1e-3, load = 0.02, speed = 0.005, mu_static = 0.48, mu_sliding = 0.3;
+        constexpr double dt = 2.5e-5, length = 0.05, k = 10, mass = 1e-3, load = 0.02, speed = 0.005, mu_static = 0.48,
+                         mu_sliding = 0.3;
         const double amplitude = (mu_static - mu_sliding) * load / k, w = std::sqrt(k / mass);
         const double period = 2 / w * (std::numbers::pi - std::atan(amplitude * w / speed)) + 2 * amplitude / speed;
         const double stroke = period * speed;

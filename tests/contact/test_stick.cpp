@@ -38,7 +38,8 @@ TEST_SUITE("contact/stick")
                 const SampleForce f = s.at({0.6 * part * to_yield, 0.8 * part * to_yield, radius - depth, s.theta0}, now);
                 const double ft = std::hypot(f.force[0], f.force[1]);
                 CHECK(((now[0].flags & SEL_TOUCH_STUCK) != 0) == (part < 1));
-                CHECK(std::abs(ft - std::min(part, 1.0) * s.model.mu_static * fn) <= 1e-6 * fn);  // 5e-20 m of rounding in 1e-9 of depth, and margin
+                CHECK(std::abs(ft - std::min(part, 1.0) * s.model.mu_static * fn) <=
+                      1e-6 * fn);  // 5e-20 m of rounding in 1e-9 of depth, and margin
             }
         }
     }
@@ -102,7 +103,8 @@ TEST_SUITE("contact/stick")
                 if (row.stuck && row.point.x() < 0) ++stuck;  // the half away from the tip
             fewest_stuck = std::min(fewest_stuck, stuck);
         }
-        MESSAGE(changes << " steps with a change of nodes, base moved by " << 1e9 * (world.rod(0).pos(world.rod(0).n - 1) - base).norm() << " nm");
+        MESSAGE(changes << " steps with a change of nodes, base moved by "
+                        << 1e9 * (world.rod(0).pos(world.rod(0).n - 1) - base).norm() << " nm");
         REQUIRE(changes > 6);
         CHECK(fewest_stuck > 0.9 * 0.15 / radius);
         // elastic slip under half the cone: 0.125 w / k_t = 80 nm, here and gone again

@@ -352,8 +352,12 @@ TEST_SUITE("contact/touch")
         std::vector<std::uint32_t> all = {0};
         const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
         NearList list;
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 0, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list).outside == 1);
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 1, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list).found == 0);
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 0, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(),
+                            soup.rims.data(), &list)
+                  .outside == 1);
+        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 1, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(),
+                            soup.rims.data(), &list)
+                  .found == 0);
     }
 
     TEST_CASE("property: facets without area beside real ones change nothing")

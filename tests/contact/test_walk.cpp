@@ -45,114 +45,129 @@ struct Everything {
 };
 
 template <class T>
-bool same_bits(const T& a, const T& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(const T& a, const T& b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 bool same(const Touch& a, const Touch& b)
 {
     if (a.found != b.found) return false;
-    return !a.found || (same_bits(a.normal, b.normal) && same_bits(a.depth, b.depth) && same_bits(a.bend, b.bend) && a.triangle == b.triangle &&
-                        a.outside == b.outside && same_bits(a.to_wall, b.to_wall));
+    return !a.found || (same_bits(a.normal, b.normal) && same_bits(a.depth, b.depth) && same_bits(a.bend, b.bend) &&
+                        a.triangle == b.triangle && a.outside == b.outside && same_bits(a.to_wall, b.to_wall));
 }
 
 }  // namespace
 
-TEST_SUITE("contact/walk") {
-
-// Wide and narrow lumens, in front of the wall and behind it, with a hint and without, the list found where the sample was a slack away.
-TEST_CASE("property: walking the cells gives the same touches, bit by bit, as looking at every triangle") {
-    Random draw;
-    int found = 0, opposite = 0, outside = 0;
-    for (const double radius : {0.5e-3, 0.003}) {
-        const WallMesh mesh = bumpy_tube(radius < 1e-3 ? 3000 : 12000, radius);
-        const WallTree tree = build_wall_tree(mesh);
-        const Everything all(tree.triangle_count());
-        const std::vector<uint> rims(tree.triangle_count(), 0);
-        std::vector<uint> cells(tree.triangle_count());
-        for (int k = 0; k < 300; ++k) {
-            const double a = draw(0, 6.283), rho = radius - r * draw(-0.3, 1.15), slack = 0.4 * r;
-            const vec3 origin = v3(static_cast<float>(draw(-0.01, 0.01)), static_cast<float>(rho * std::cos(a)), static_cast<float>(rho * std::sin(a)));
-            const vec3 p = v3(draw(-1e-5, 1e-5), draw(-1e-5, 1e-5), 0);
-            const vec3 then = p + v3(draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack);
-            const uint count = find_cells(then, origin, r + reach + slack, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(),
-                                          static_cast<uint>(cells.size()), cells.data());
-            Touch touches[2][2];
-            for (const bool walked : {false, true}) {
-                const uint* list = walked ? cells.data() : all.cells.data();
-                const uint n = walked ? count : static_cast<uint>(all.cells.size());
-                const TreeNode* nodes = walked ? tree.nodes.data() : all.nodes.data();
-                NearList near, none;
-                none.count = SEL_NEAR_MOST + 1;  // the reference goes without the list as well
-                const double hint = walked && k % 2 && touches[0][0].found
-                                        ? triangle_distance2(p, origin, touches[0][0].triangle, tree.vertices.data()) : 1e30;
-                Touch& first = touches[walked][0];
-                first = nearest_touch(p, origin, r, reach, 0.002, 0, hint, list, n, nodes, tree.vertices.data(), rims.data(), &near);
-                if (first.outside)
-                    first = nearest_touch(p, origin, r, reach, 0.002, k % 3 == 0, hint, list, n, nodes, tree.vertices.data(), rims.data(), &near);
-                touches[walked][1] = blend_and_oppose(&first, p, origin, r, reach, 0.002, list, n, nodes, tree.vertices.data(), rims.data(),
-                                                      walked ? &near : &none);
+TEST_SUITE("contact/walk")
+{
+    // Wide and narrow lumens, in front of the wall and behind it, with a hint and without, the list found where the sample was a
+    // slack away.
+    TEST_CASE("property: walking the cells gives the same touches, bit by bit, as looking at every triangle")
+    {
+        Random draw;
+        int found = 0, opposite = 0, outside = 0;
+        for (const double radius : {0.5e-3, 0.003}) {
+            const WallMesh mesh = bumpy_tube(radius < 1e-3 ? 3000 : 12000, radius);
+            const WallTree tree = build_wall_tree(mesh);
+            const Everything all(tree.triangle_count());
+            const std::vector<uint> rims(tree.triangle_count(), 0);
+            std::vector<uint> cells(tree.triangle_count());
+            for (int k = 0; k < 300; ++k) {
+                const double a = draw(0, 6.283), rho = radius - r * draw(-0.3, 1.15), slack = 0.4 * r;
+                const vec3 origin = v3(static_cast<float>(draw(-0.01, 0.01)), static_cast<float>(rho * std::cos(a)),
+                                       static_cast<float>(rho * std::sin(a)));
+                const vec3 p = v3(draw(-1e-5, 1e-5), draw(-1e-5, 1e-5), 0);
+                const vec3 then = p + v3(draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack);
+                const uint count = find_cells(then, origin, r + reach + slack, SEL_CELL_SIZE * r, tree.nodes.data(),
+                                              tree.vertices.data(), static_cast<uint>(cells.size()), cells.data());
+                Touch touches[2][2];
+                for (const bool walked : {false, true}) {
+                    const uint* list = walked ? cells.data() : all.cells.data();
+                    const uint n = walked ? count : static_cast<uint>(all.cells.size());
+                    const TreeNode* nodes = walked ? tree.nodes.data() : all.nodes.data();
+                    NearList near, none;
+                    none.count = SEL_NEAR_MOST + 1;  // the reference goes without the list as well
+                    const double hint = walked && k % 2 && touches[0][0].found
+                                            ? triangle_distance2(p, origin, touches[0][0].triangle, tree.vertices.data())
+                                            : 1e30;
+                    Touch& first = touches[walked][0];
+                    first = nearest_touch(p, origin, r, reach, 0.002, 0, hint, list, n, nodes, tree.vertices.data(), rims.data(),
+                                          &near);
+                    if (first.outside)
+                        first = nearest_touch(p, origin, r, reach, 0.002, k % 3 == 0, hint, list, n, nodes, tree.vertices.data(),
+                                              rims.data(), &near);
+                    touches[walked][1] = blend_and_oppose(&first, p, origin, r, reach, 0.002, list, n, nodes,
+                                                          tree.vertices.data(), rims.data(), walked ? &near : &none);
+                }
+                CAPTURE(k);
+                CAPTURE(radius);
+                CHECK(same(touches[0][0], touches[1][0]));
+                CHECK(same(touches[0][1], touches[1][1]));
+                found += touches[0][0].found;
+                opposite += touches[0][1].found;
+                outside += touches[0][0].found && touches[0][0].outside;
             }
-            CAPTURE(k);
-            CAPTURE(radius);
-            CHECK(same(touches[0][0], touches[1][0]));
-            CHECK(same(touches[0][1], touches[1][1]));
-            found += touches[0][0].found;
-            opposite += touches[0][1].found;
-            outside += touches[0][0].found && touches[0][0].outside;
         }
+        REQUIRE(found > 300);
+        REQUIRE(opposite > 30);
+        REQUIRE(outside > 30);
     }
-    REQUIRE(found > 300);
-    REQUIRE(opposite > 30);
-    REQUIRE(outside > 30);
-}
 
-TEST_CASE("property: a leaf's slab holds its triangles, and is thin where the wall is flat") {
-    Random draw;
-    const WallTree tree = build_wall_tree(subdivide_loop(bumpy_tube(6000, 0.003)));
-    int leaves = 0, thin = 0;
-    for (const TreeNode& node : tree.nodes) {
-        if (node.count == 0) continue;
-        ++leaves;
-        if (!(node.count >> 23)) continue;  // none
-        thin += (node.count >> 23) < SEL_SLAB_STEPS / 4;
-        const vec3 origin = v3(node.lo[0], node.lo[1], node.lo[2]), p = v3(draw(-1e-3, 1e-3), draw(-1e-3, 1e-3), draw(-1e-3, 1e-3));
-        double nearest2 = 1e30;
-        for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k)
-            nearest2 = std::min(nearest2, triangle_distance2(p, origin, node.left_or_first + k, tree.vertices.data()));
-        REQUIRE(slab_distance2(p, node, origin) <= nearest2 * (1 + 1e-12));
-        REQUIRE(box_near2(p, node, origin) <= nearest2 * (1 + 1e-12));
-    }
-    REQUIRE(leaves > 3000);
-    // triangles of 0.2 mm in a lumen of 3 mm: a leaf of two stands 0.2^2 / (8 x 3) = 2 um high on a diagonal of 0.3 mm; slivers of large boxes aside
-    CHECK(thin > 0.9 * leaves);
-}
-
-TEST_CASE("property: a wall that is sixteen times as dense is not looked at sixteen times as much") {
-    WallMesh mesh = bumpy_tube(6000, 0.003);
-    double work[2] = {0, 0};
-    for (const int round : {0, 1}) {
-        if (round == 1) mesh = subdivide_loop(subdivide_loop(mesh));
-        const WallTree tree = build_wall_tree(mesh);
-        std::vector<uint> cells(4096);
-        double most = 0;
-        for (int k = 0; k < 200; ++k) {
-            const double a = 0.03 * k, rho = 0.003 - r - 2e-6;
-            const vec3 origin = v3(-0.005 + 5e-5 * k, rho * std::cos(a), rho * std::sin(a)), p = v3(0, 0, 0);
-            const uint count = find_cells(p, origin, 1.5 * r, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(), 4096, cells.data());
-            most = std::max(most, static_cast<double>(count));
-            // triangles of the leaves that a walk to the nearest reaches, once something near is known
-            const TreeHit hit = nearest_on_wall(tree, tree.centre + Vec3(origin.x, origin.y, origin.z));
-            const double range2 = shell_distance2(std::sqrt(hit.distance2), r, 0.002);
-            Walk walk;
-            walk.top = walk.next = 0;
-            TreeNode leaf;
-            while (next_leaf(&walk, cells.data(), count, tree.nodes.data(), p, origin, range2, range2, p, &leaf)) work[round] += leaf.count;
+    TEST_CASE("property: a leaf's slab holds its triangles, and is thin where the wall is flat")
+    {
+        Random draw;
+        const WallTree tree = build_wall_tree(subdivide_loop(bumpy_tube(6000, 0.003)));
+        int leaves = 0, thin = 0;
+        for (const TreeNode& node : tree.nodes) {
+            if (node.count == 0) continue;
+            ++leaves;
+            if (!(node.count >> 23)) continue;  // none
+            thin += (node.count >> 23) < SEL_SLAB_STEPS / 4;
+            const vec3 origin = v3(node.lo[0], node.lo[1], node.lo[2]),
+                       p = v3(draw(-1e-3, 1e-3), draw(-1e-3, 1e-3), draw(-1e-3, 1e-3));
+            double nearest2 = 1e30;
+            for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k)
+                nearest2 = std::min(nearest2, triangle_distance2(p, origin, node.left_or_first + k, tree.vertices.data()));
+            REQUIRE(slab_distance2(p, node, origin) <= nearest2 * (1 + 1e-12));
+            REQUIRE(box_near2(p, node, origin) <= nearest2 * (1 + 1e-12));
         }
-        // cells are some two radii long and cover a disc of 1.1 radii round the foot
-        CHECK(most < 40);
+        REQUIRE(leaves > 3000);
+        // triangles of 0.2 mm in a lumen of 3 mm: a leaf of two stands 0.2^2 / (8 x 3) = 2 um high on a diagonal of 0.3 mm;
+        // slivers of large boxes aside
+        CHECK(thin > 0.9 * leaves);
     }
-    REQUIRE(work[0] > 0);
-    // boxes that reach within d of the point lie within sqrt(2 d s) of its foot, s their size: 2 d/s of them, four times as many at a quarter of s
-    CHECK(work[1] < 4 * work[0]);
-}
 
+    TEST_CASE("property: a wall that is sixteen times as dense is not looked at sixteen times as much")
+    {
+        WallMesh mesh = bumpy_tube(6000, 0.003);
+        double work[2] = {0, 0};
+        for (const int round : {0, 1}) {
+            if (round == 1) mesh = subdivide_loop(subdivide_loop(mesh));
+            const WallTree tree = build_wall_tree(mesh);
+            std::vector<uint> cells(4096);
+            double most = 0;
+            for (int k = 0; k < 200; ++k) {
+                const double a = 0.03 * k, rho = 0.003 - r - 2e-6;
+                const vec3 origin = v3(-0.005 + 5e-5 * k, rho * std::cos(a), rho * std::sin(a)), p = v3(0, 0, 0);
+                const uint count = find_cells(p, origin, 1.5 * r, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(),
+                                              4096, cells.data());
+                most = std::max(most, static_cast<double>(count));
+                // triangles of the leaves that a walk to the nearest reaches, once something near is known
+                const TreeHit hit = nearest_on_wall(tree, tree.centre + Vec3(origin.x, origin.y, origin.z));
+                const double range2 = shell_distance2(std::sqrt(hit.distance2), r, 0.002);
+                Walk walk;
+                walk.top = walk.next = 0;
+                TreeNode leaf;
+                while (next_leaf(&walk, cells.data(), count, tree.nodes.data(), p, origin, range2, range2, p, &leaf))
+                    work[round] += leaf.count;
+            }
+            // cells are some two radii long and cover a disc of 1.1 radii round the foot
+            CHECK(most < 40);
+        }
+        REQUIRE(work[0] > 0);
+        // boxes that reach within d of the point lie within sqrt(2 d s) of its foot, s their size: 2 d/s of them, four times as
+        // many at a quarter of s
+        CHECK(work[1] < 4 * work[0]);
+    }
 }

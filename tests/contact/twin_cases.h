@@ -182,11 +182,10 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
     Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        out.forces[k] =
-            evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
-                            s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
-                            s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data(),
-                            s.hard.data());
+        out.forces[k] = evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots,
+                                        found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(),
+                                        s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
+                                        s.touches_t0.data(), out.touches.data(), s.hard.data());
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -210,8 +209,8 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<HardState> hard(context, lane, s.hard);
     Guarded<TreeNode> nodes(context, lane, s.nodes);
     kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                  nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(), lo_t0.buffer(),
-                  theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer());
+                  nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(),
+                  lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer());
     (void)candidates.read();
     return {forces.read(), barys.read(), t1.read()};
 }
@@ -253,7 +252,8 @@ Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uin
     Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
     Guarded<real> lo(context, lane, s.lo);
     Guarded<TreeNode> nodes(context, lane, s.nodes);
-    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)), counts(context, lane, std::vector<uint>(edges.size()));
+    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)),
+        counts(context, lane, std::vector<uint>(edges.size()));
     Guarded<real> touching(context, lane, std::vector<real>(edges.size()));
     kernel.launch(lane, edges.size(), par, list.buffer(), hi.buffer(), lo.buffer(), nodes.buffer(), vertices.buffer(),
                   candidates.buffer(), counts.buffer(), touching.buffer());
@@ -402,7 +402,8 @@ void evaluate_hard_case()
 void multipliers_case()
 {
     sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel start(context, "contact/hard.cl", "contact_start"), next(context, "contact/hard.cl", "contact_multipliers");
+    sel_device::Kernel start(context, "contact/hard.cl", "contact_start"),
+        next(context, "contact/hard.cl", "contact_multipliers");
     std::size_t changed = 0, stiffened = 0;
     for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE})
         for (const std::size_t n : counts_to_try) {
@@ -422,7 +423,8 @@ void multipliers_case()
                     started[side] = hard_start(s.touches_t0[side], s.places[k].stamp, s.models[k], s.par);
                     TouchState touch = touches[side];
                     if (counts[k] == 0) touch.flags = 0;
-                    after[side] = hard_next(s.hard[side], touch, s.touches_t0[side], s.places[k].stamp, s.models[k], s.par, &ratio);
+                    after[side] =
+                        hard_next(s.hard[side], touch, s.touches_t0[side], s.places[k].stamp, s.models[k], s.par, &ratio);
                     stiffened += after[side].stiffness > s.hard[side].stiffness;
                 }
                 ratios[k] = ratio;
@@ -451,7 +453,8 @@ void multipliers_case()
 void sweep_case()
 {
     sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel clearance(context, "contact/hard.cl", "contact_clearance"), sweep(context, "contact/hard.cl", "contact_sweep");
+    sel_device::Kernel clearance(context, "contact/hard.cl", "contact_clearance"),
+        sweep(context, "contact/hard.cl", "contact_sweep");
     std::size_t stopped = 0, near_wall = 0;
     for (const std::size_t n : counts_to_try) {
         const Lane lane = n % 2 ? Lane::Light : Lane::Heavy;
@@ -468,14 +471,14 @@ void sweep_case()
             const AxisPoint was = axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data());
             gaps[k] = sample_gap(now, s.models[at], s.par, s.touches_t0[2 * at], s.touches_t0[2 * at + 1], p.stamp, candidates,
                                  found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data());
-            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.nodes.data(), s.wall.vertices.data(),
-                                   s.wall.rims.data());
+            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.nodes.data(),
+                                   s.wall.vertices.data(), s.wall.rims.data());
             near_wall += gaps[k] < s.models[at].reach;
             stopped += ways[k] > 0 && ways[k] < 1;
         }
         s.par.item_count = static_cast<uint>(n);
-        Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates), counts(context, lane, found.counts),
-            rims(context, lane, s.wall.rims);
+        Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates),
+            counts(context, lane, found.counts), rims(context, lane, s.wall.rims);
         Guarded<SampleModel> models(context, lane, s.models);
         Guarded<SamplePlace> places(context, lane, s.places);
         Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
@@ -484,9 +487,11 @@ void sweep_case()
         Guarded<TouchState> t0(context, lane, s.touches_t0);
         Guarded<TreeNode> nodes(context, lane, s.nodes);
         clearance.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(), gap_out.buffer());
+                         nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(),
+                         gap_out.buffer());
         sweep.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                     nodes.buffer(), vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(), way_out.buffer());
+                     nodes.buffer(), vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(),
+                     way_out.buffer());
         CAPTURE(n);
         CHECK(first_difference(gap_out.read(), gaps) == -1);
         CHECK(first_difference(way_out.read(), ways) == -1);
@@ -609,15 +614,16 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X) \
-    X(SampleModel, length) X(SampleModel, reach) X(SampleModel, roll_force) X(SampleModel, restitution) X(SampleModel, hard_most) \
-    X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness) \
-    X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle) \
-    X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags) \
-    X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) \
-    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) X(ContactParams, normal_law) \
-    X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) \
-    X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                        \
+    X(SampleModel, length)                                                                                                   \
+    X(SampleModel, reach) X(SampleModel, roll_force) X(SampleModel, restitution) X(SampleModel, hard_most)                   \
+        X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness)    \
+            X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle)       \
+                X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, flags)      \
+                    X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) X(EdgeForce, length) \
+                        X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) X(ContactParams, normal_law)   \
+                            X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first)               \
+                                X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {

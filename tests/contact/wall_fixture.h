@@ -76,15 +76,15 @@ inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach,
     const auto count = static_cast<std::uint32_t>(order.size());
     Touches t;
     NearList list;
-    t.first = nearest_touch(p, origin, radius, reach, blend, 0, 1e30, order.data(), count, soup.nodes.data(), soup.vertices.data(),
-                            soup.rims.data(), &list);
+    t.first = nearest_touch(p, origin, radius, reach, blend, 0, 1e30, order.data(), count, soup.nodes.data(),
+                            soup.vertices.data(), soup.rims.data(), &list);
     t.first.side = side;
-    t.second =
-        blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(), soup.vertices.data(), soup.rims.data(), &list);
+    t.second = blend_and_oppose(&t.first, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(),
+                                soup.vertices.data(), soup.rims.data(), &list);
     list.count = SEL_NEAR_MOST + 1;  // it was of the first
     if (t.second.found)
-        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(), soup.vertices.data(),
-                               soup.rims.data(), &list);
+        (void)blend_and_oppose(&t.second, p, origin, radius, reach, blend, order.data(), count, soup.nodes.data(),
+                               soup.vertices.data(), soup.rims.data(), &list);
     return t;
 }
 inline Touches touches_at(const Soup& soup, vec3 p, double radius, double reach = 1e-4, double blend = 0.002)

@@ -105,57 +105,62 @@ const std::string ascii = "format=\"ascii\"", binary = "format=\"binary\"";
 
 }  // namespace
 
-TEST_SUITE("core/vtp_read") {
-TEST_CASE("twin: ascii, base64 and appended arrays of both header widths read alike") {
-    check_triangle(file("", {ascii, ascii, ascii}, {"0 0 0\n1.5 0 0\n 0 -2.25 1e-3", "0 1 2", "3"}));
+TEST_SUITE("core/vtp_read")
+{
+    TEST_CASE("twin: ascii, base64 and appended arrays of both header widths read alike")
+    {
+        check_triangle(file("", {ascii, ascii, ascii}, {"0 0 0\n1.5 0 0\n 0 -2.25 1e-3", "0 1 2", "3"}));
 
-    std::array<std::string, 3> together, apart, at;
-    std::string tail, tail64;
-    for (int k = 0; k < 3; ++k) {
-        together[k] = "\n  " + base64(head<std::uint32_t>({blocks[k].size()}) + blocks[k]) + "\n";
-        apart[k] = base64(head<std::uint64_t>({blocks[k].size()})) + base64(blocks[k]);
-        at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail.size());
-        tail += head<std::uint32_t>({blocks[k].size()}) + blocks[k];
+        std::array<std::string, 3> together, apart, at;
+        std::string tail, tail64;
+        for (int k = 0; k < 3; ++k) {
+            together[k] = "\n  " + base64(head<std::uint32_t>({blocks[k].size()}) + blocks[k]) + "\n";
+            apart[k] = base64(head<std::uint64_t>({blocks[k].size()})) + base64(blocks[k]);
+            at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail.size());
+            tail += head<std::uint32_t>({blocks[k].size()}) + blocks[k];
+        }
+        check_triangle(file("", {binary, binary, binary}, together));
+        check_triangle(file("header_type=\"UInt64\"", {binary, binary, binary}, apart));
+        check_triangle(file("", at, {}, "<AppendedData encoding=\"raw\">_" + tail + "</AppendedData>"));
+        for (int k = 0; k < 3; ++k) {
+            at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail64.size());
+            tail64 += base64(head<std::uint64_t>({blocks[k].size()}) + blocks[k]);
+        }
+        check_triangle(
+            file("header_type=\"UInt64\"", at, {}, "<AppendedData encoding=\"base64\">\n _" + tail64 + "</AppendedData>"));
     }
-    check_triangle(file("", {binary, binary, binary}, together));
-    check_triangle(file("header_type=\"UInt64\"", {binary, binary, binary}, apart));
-    check_triangle(file("", at, {}, "<AppendedData encoding=\"raw\">_" + tail + "</AppendedData>"));
-    for (int k = 0; k < 3; ++k) {
-        at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail64.size());
-        tail64 += base64(head<std::uint64_t>({blocks[k].size()}) + blocks[k]);
-    }
-    check_triangle(file("header_type=\"UInt64\"", at, {}, "<AppendedData encoding=\"base64\">\n _" + tail64 + "</AppendedData>"));
-}
 
-TEST_CASE("twin: zlib-compressed arrays read alike, inline and appended") {
-    std::array<std::string, 3> text, at;
-    std::string tail;
-    for (int k = 0; k < 3; ++k) {
-        std::string body;
-        const std::string header = packed_head_and_body<std::uint32_t>(blocks[k], body);
-        text[k] = base64(header) + base64(body);
-        at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail.size());
-        tail += header + body;
+    TEST_CASE("twin: zlib-compressed arrays read alike, inline and appended")
+    {
+        std::array<std::string, 3> text, at;
+        std::string tail;
+        for (int k = 0; k < 3; ++k) {
+            std::string body;
+            const std::string header = packed_head_and_body<std::uint32_t>(blocks[k], body);
+            text[k] = base64(header) + base64(body);
+            at[k] = fmt::format("format=\"appended\" offset=\"{}\"", tail.size());
+            tail += header + body;
+        }
+        const std::string root = "compressor=\"vtkZLibDataCompressor\"";
+        check_triangle(file(root, {binary, binary, binary}, text));
+        check_triangle(file(root, at, {}, "<AppendedData encoding=\"raw\">_" + tail + "</AppendedData>"));
     }
-    const std::string root = "compressor=\"vtkZLibDataCompressor\"";
-    check_triangle(file(root, {binary, binary, binary}, text));
-    check_triangle(file(root, at, {}, "<AppendedData encoding=\"raw\">_" + tail + "</AppendedData>"));
-}
 
-TEST_CASE("regression: damage is named and never read past") {
-    const std::array<std::string, 3> good = {"0 0 0 1.5 0 0 0 -2.25 1e-3", "0 1 2", "3"};
-    check_damaged("", "not a VTK XML file");
-    check_damaged("<VTKFile type=\"UnstructuredGrid\"/>", "not PolyData");
-    check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5", good[1], good[2]}), "expected 3 x 3");
-    check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5 zero", good[1], good[2]}), "\"zero");
-    check_damaged(file("", {ascii, ascii, ascii}, {good[0], "0 1 7", good[2]}), "a point that is not there");
-    check_damaged(file("", {ascii, ascii, ascii}, {good[0], good[1], "9"}), "damaged");
-    check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, ascii}, good), "vtkLZ4DataCompressor");
-    const std::string far = "format=\"appended\" offset=\"100000\"";
-    check_damaged(file("", {far, ascii, ascii}, good, "<AppendedData encoding=\"raw\">_xx</AppendedData>"), "beyond the end");
-    const std::string cut = base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 66));
-    const std::string huge = base64(head<std::uint32_t>({4000000000u}));
-    check_damaged(file("", {binary, ascii, ascii}, {cut, good[1], good[2]}), "cut short");
-    check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "longer than the file");
-}
+    TEST_CASE("regression: damage is named and never read past")
+    {
+        const std::array<std::string, 3> good = {"0 0 0 1.5 0 0 0 -2.25 1e-3", "0 1 2", "3"};
+        check_damaged("", "not a VTK XML file");
+        check_damaged("<VTKFile type=\"UnstructuredGrid\"/>", "not PolyData");
+        check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5", good[1], good[2]}), "expected 3 x 3");
+        check_damaged(file("", {ascii, ascii, ascii}, {"0 0 0 1.5 zero", good[1], good[2]}), "\"zero");
+        check_damaged(file("", {ascii, ascii, ascii}, {good[0], "0 1 7", good[2]}), "a point that is not there");
+        check_damaged(file("", {ascii, ascii, ascii}, {good[0], good[1], "9"}), "damaged");
+        check_damaged(file("compressor=\"vtkLZ4DataCompressor\"", {ascii, ascii, ascii}, good), "vtkLZ4DataCompressor");
+        const std::string far = "format=\"appended\" offset=\"100000\"";
+        check_damaged(file("", {far, ascii, ascii}, good, "<AppendedData encoding=\"raw\">_xx</AppendedData>"), "beyond the end");
+        const std::string cut = base64(head<std::uint32_t>({72}) + blocks[0].substr(0, 66));
+        const std::string huge = base64(head<std::uint32_t>({4000000000u}));
+        check_damaged(file("", {binary, ascii, ascii}, {cut, good[1], good[2]}), "cut short");
+        check_damaged(file("", {binary, ascii, ascii}, {huge, good[1], good[2]}), "longer than the file");
+    }
 }

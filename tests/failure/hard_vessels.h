@@ -39,7 +39,8 @@ inline WallMesh box_channel(double length, double y0, double y1, double z0, doub
 /// The same with walls of squares about `edge` wide.
 inline WallMesh fine_channel(double length, double y0, double y1, double z0, double z1, double edge)
 {
-    const int ny = std::max(1, static_cast<int>(std::lround((y1 - y0) / edge))), nz = std::max(1, static_cast<int>(std::lround((z1 - z0) / edge)));
+    const int ny = std::max(1, static_cast<int>(std::lround((y1 - y0) / edge))),
+              nz = std::max(1, static_cast<int>(std::lround((z1 - z0) / edge)));
     std::vector<std::vector<Vec3>> sections;
     const int rows = static_cast<int>(std::lround(length / edge));
     for (int k = 0; k <= rows; ++k) {
@@ -104,7 +105,8 @@ inline WallMesh bifurcation(int triangles = 8000)
     return mesh_lumen(SweptLumen(std::move(tubes), 0.0015), ends, triangles);
 }
 
-/// A wire fed along the floor into a bend of 90 degrees, 30 mm to the axis, in a lumen of 3 mm: it meets the wall head on, then lies along it.
+/// A wire fed along the floor into a bend of 90 degrees, 30 mm to the axis, in a lumen of 3 mm: it meets the wall head on, then
+/// lies along it.
 inline WorldSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41)
 {
     WorldSetup setup;

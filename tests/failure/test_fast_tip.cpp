@@ -13,8 +13,8 @@ using namespace seldinger::test;
 namespace {
 
 struct Shot {
-    double nearest = 1;   // of the wire's axis to the wall, nodes and shaft, at the end of any step [m]
-    double overlap = 0;   // deepest [m]
+    double nearest = 1;    // of the wire's axis to the wall, nodes and shaft, at the end of any step [m]
+    double overlap = 0;    // deepest [m]
     bool touched = false;  // or has lost speed in a touch within a step
 };
 
@@ -87,7 +87,8 @@ TEST_SUITE("failure/fast_tip")
             }
     }
 
-    TEST_CASE("property: F4: the published method loses a wire at half a metre a second and more in the first step, the default none")
+    TEST_CASE(
+        "property: F4: the published method loses a wire at half a metre a second and more in the first step, the default none")
     {
         for (const double speed : {0.5, 5.0, 20.0}) {
             CAPTURE(speed);

@@ -25,7 +25,8 @@ double laid_down(const SampleModel& m, double least_approach, double time, doubl
             // v- is the speed at which contact began: that of the first step
             const double from = std::max(approach > 0 ? approach : (next - d) / dt, least_approach);
             const double f = next > 0 ? normal_law(next, (next - d) / dt, from, 1 / dt, m, &slope) : 0;
-            const double change = (m.line_mass * (((next - d) / dt - v) / dt - weight_gravity) + f) / (m.line_mass / dt / dt + slope);
+            const double change =
+                (m.line_mass * (((next - d) / dt - v) / dt - weight_gravity) + f) / (m.line_mass / dt / dt + slope);
             next -= change;
             if (std::abs(change) <= 1e-15 * radius) break;
         }
@@ -48,7 +49,9 @@ Method with_friction(FrictionLaw law)
 TEST_SUITE("failure/laws")
 {
     // f = k d^n (1 + (beta / v-) d'): with v- -> 0 the wire hangs in its own damping
-    TEST_CASE("property: F7: without a floor of v- a wire laid down without speed hangs above its depth for seconds; with it, it is down at once")
+    TEST_CASE(
+        "property: F7: without a floor of v- a wire laid down without speed hangs above its depth for seconds; with it, it is "
+        "down at once")
     {
         WireSection wire = steel_wire(1, 2).shaft;
         for (const NormalLaw law : {NormalLaw::LankaraniNikravesh, NormalLaw::HuntCrossley}) {
@@ -60,14 +63,16 @@ TEST_SUITE("failure/laws")
             const double depth = depth_under(m.line_mass * weight_gravity, m.stiffness, m.exponent);
             // contact begins in a step of 0.1 us, at v- = 0.98 um/s, where 2.6 mm/s are the speed of a fall of the depth itself
             const double bare = laid_down(m, 0, 0.02, 1e-7) / depth, floored = laid_down(m, m.speed_floor, 0.02, 1e-7) / depth;
-            MESSAGE("F7: after 20 ms " << bare << " of the static depth without a floor, " << floored << " with it, v- floored at "
-                                       << m.speed_floor << " m/s");
+            MESSAGE("F7: after 20 ms " << bare << " of the static depth without a floor, " << floored
+                                       << " with it, v- floored at " << m.speed_floor << " m/s");
             CHECK(bare < 0.9);
             CHECK(floored == about(1).epsilon(1e-3));
         }
     }
 
-    TEST_CASE("property: F8: ten minutes at half the friction cone: sticking sticks, a regularised law creeps half a metre, a sharp one a micrometre")
+    TEST_CASE(
+        "property: F8: ten minutes at half the friction cone: sticking sticks, a regularised law creeps half a metre, a sharp "
+        "one a micrometre")
     {
         const double angle = std::atan(0.1);  // of mu_sliding 0.2, mu_static 0.25
         VesselSpec plane;
@@ -96,14 +101,17 @@ TEST_SUITE("failure/laws")
         CHECK(creep(FrictionLaw::Sign) == about(0.6e-6).epsilon(0.01));
     }
 
-    TEST_CASE("property: F15: push, pull, push: the default's force returns along its loop and every cycle dissipates; the published one's does not")
+    TEST_CASE(
+        "property: F15: push, pull, push: the default's force returns along its loop and every cycle dissipates; the published "
+        "one's does not")
     {
         WorldSetup setup = fed_into_bend(0, 0.12, 49);
         constexpr double speed = 0.05, inside = 0.07, stroke = 0.008, half = stroke / speed, dt = 1e-3;
         std::vector<FeedKey>& keys = setup.wires[0].feed.keys;
         keys = {{0, 0, 0}, {inside / speed, inside, 0}};
         for (int k = 1; k <= 6; ++k) keys.push_back({inside / speed + k * half, inside - (k % 2 ? stroke : 0), 0});
-        const int before = static_cast<int>(std::lround(inside / speed / dt)), cycle = static_cast<int>(std::lround(2 * half / dt));
+        const int before = static_cast<int>(std::lround(inside / speed / dt)),
+                  cycle = static_cast<int>(std::lround(2 * half / dt));
         const auto loop_error = [&](const Method& method) {
             WatchedRun run(setup, method, dt);
             std::vector<double> force;
@@ -115,7 +123,8 @@ TEST_SUITE("failure/laws")
                     force.push_back(now.hand_force);
                     work[(step - before - 1) / cycle] += 0.5 * (now.hand_force + last) * (now.inserted - advance);
                 }
-                if (step >= before && (step - before) % cycle == 0) stored[(step - before) / cycle] = now.kinetic + now.elastic + now.gravitational;
+                if (step >= before && (step - before) % cycle == 0)
+                    stored[(step - before) / cycle] = now.kinetic + now.elastic + now.gravitational;
                 last = now.hand_force;
                 advance = now.inserted;
                 return true;
@@ -125,8 +134,8 @@ TEST_SUITE("failure/laws")
             double off = 0;
             for (int k = 0; k < cycle; ++k) off = std::max(off, std::abs(*(third + k) - *(second + k)));
             const double error = off / (*high - *low), lost = work[2] - (stored[3] - stored[2]);
-            MESSAGE("F15, " << std::string(method.name) << ": third loop off the second by " << 100 * error << " %, lost in it " << lost << " J; "
-                            << tell(run.outcomes()));
+            MESSAGE("F15, " << std::string(method.name) << ": third loop off the second by " << 100 * error << " %, lost in it "
+                            << lost << " J; " << tell(run.outcomes()));
             if (method.scheme == Scheme::Newton) {
                 CHECK(run.outcomes().outcome() == Outcome::Hold);
                 CHECK(lost > 0);

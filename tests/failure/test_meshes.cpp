@@ -1,5 +1,5 @@
-// F5 triangles larger than the wire and bends tighter than its nodes, F6 damaged meshes, F13 a thin wall between two lumens, F14 a mesh far
-// from the origin.
+// F5 triangles larger than the wire and bends tighter than its nodes, F6 damaged meshes, F13 a thin wall between two lumens, F14
+// a mesh far from the origin.
 
 #include "contact/held_wire.h"
 #include "failure/hard_vessels.h"
@@ -26,9 +26,9 @@ WallMesh damaged(const WallMesh& mesh)
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto [a, b, c] = mesh.triangles[t];
         const unsigned kind = rng() % 60;
-        if (kind == 0) continue;  // missing
+        if (kind == 0) continue;                           // missing
         if (kind < 4) out.triangles.push_back({a, c, b});  // turned round
-        else if (kind < 7) {  // cut at a point a thousandth of an edge off its end: a sliver
+        else if (kind < 7) {                               // cut at a point a thousandth of an edge off its end: a sliver
             const auto d = static_cast<std::int32_t>(out.vertices.size());
             out.vertices.push_back(mesh.vertices[a] + 1e-3 * (mesh.vertices[b] - mesh.vertices[a]));
             out.triangles.push_back({a, d, c});
@@ -41,10 +41,7 @@ WallMesh damaged(const WallMesh& mesh)
     return out;
 }
 
-Centreline straight_axis(double length, double lumen_radius)
-{
-    return make_tube(tube(lumen_radius, length, 400)).centreline;
-}
+Centreline straight_axis(double length, double lumen_radius) { return make_tube(tube(lumen_radius, length, 400)).centreline; }
 
 }  // namespace
 
@@ -82,7 +79,9 @@ TEST_SUITE("failure/meshes")
     }
 
     // Held at a fixed depth, where the force tells stiffness. A free wire's total is its weight, whatever the mesh.
-    TEST_CASE("property: F6: triangles turned round, doubled, slivers and missing ones change the published force, repaired the default's by nothing")
+    TEST_CASE(
+        "property: F6: triangles turned round, doubled, slivers and missing ones change the published force, repaired the "
+        "default's by nothing")
     {
         device::Context context(-1);
         const WallMesh clean = fine_channel(0.1, -0.003, 0.003, -0.003, 0.003, 0.75e-3);
@@ -98,9 +97,9 @@ TEST_SUITE("failure/meshes")
         const auto layer_broken = push_at(context, broken, axis, Detection::Layer, poses);
         double worst = 0;
         for (std::size_t w = 0; w < poses.size(); ++w) {
-            MESSAGE("F6: default " << ours[w].normal << " N, repaired " << ours_repaired[w].normal << " N; layer " << layer[w].normal << " N, as read "
-                                   << layer_broken[w].normal << " N, " << broken.triangles.size() << " triangles, " << repaired.triangles.size()
-                                   << " after repair");
+            MESSAGE("F6: default " << ours[w].normal << " N, repaired " << ours_repaired[w].normal << " N; layer "
+                                   << layer[w].normal << " N, as read " << layer_broken[w].normal << " N, "
+                                   << broken.triangles.size() << " triangles, " << repaired.triangles.size() << " after repair");
             REQUIRE(ours[w].normal > 0.01);
             // float32 vertices: 2e-10 m of 5e-6, to the power 1.5
             CHECK(ours_repaired[w].normal == about(ours[w].normal).epsilon(1e-3));
@@ -134,11 +133,12 @@ TEST_SUITE("failure/meshes")
             overlap[septum][1] = theirs.verdict().readings.overlap;
         }
         CHECK(overlap[1][0] == about(overlap[0][0]).epsilon(1e-3));
-        CHECK(overlap[1][1] > radius);                // the published pairs of the far wall are a whole diameter deep
+        CHECK(overlap[1][1] > radius);  // the published pairs of the far wall are a whole diameter deep
         CHECK(overlap[1][1] > 10 * overlap[0][1]);
     }
 
-    // float32 at a metre is 60 nm coarse, at ten 0.95 um: twice what the wire's own weight sinks in. The mesh is centred before it is rounded.
+    // float32 at a metre is 60 nm coarse, at ten 0.95 um: twice what the wire's own weight sinks in. The mesh is centred before
+    // it is rounded.
     TEST_CASE("property: F14: a mesh one and ten metres away from the origin: the force of a held wire stays")
     {
         device::Context context(-1);

@@ -21,11 +21,13 @@ WireSpec thick_wire()
 
 }  // namespace
 
-// A known reproducer of tunnelling: two capsules of 1.2 mm in a channel of 8 x 8 mm, pushed hard at 240 steps a second. Wires do not touch
-// each other here, so it is each of them against the channel.
+// A known reproducer of tunnelling: two capsules of 1.2 mm in a channel of 8 x 8 mm, pushed hard at 240 steps a second. Wires do
+// not touch each other here, so it is each of them against the channel.
 TEST_SUITE("failure/reproducers")
 {
-    TEST_CASE("property: two wires of 1.2 mm in a channel of 8 x 8 mm, tips held, bases driven in by 0.83 mm a step of 1/240 s, stay inside")
+    TEST_CASE(
+        "property: two wires of 1.2 mm in a channel of 8 x 8 mm, tips held, bases driven in by 0.83 mm a step of 1/240 s, stay "
+        "inside")
     {
         WorldSetup setup;
         use_mesh(setup, box_channel(0.16, -0.004, 0.004, -0.004, 0.004, 16));
@@ -58,8 +60,8 @@ TEST_SUITE("failure/reproducers")
         }
     }
 
-    // The corners of the channel's end are where three walls meet at right angles: which of them are one side of the lumen and which the
-    // other must not hang on rounding.
+    // The corners of the channel's end are where three walls meet at right angles: which of them are one side of the lumen and
+    // which the other must not hang on rounding.
     TEST_CASE("regression: both are fed head on into the channel's closed end and pile up in its corners without a step given up")
     {
         WorldSetup setup;

@@ -1,5 +1,5 @@
-// F9 the tip on a carina, F10 buckling inside the lumen, F12 a stenosis narrower than the wire, F16 folds near 180 degrees and spin beyond
-// pi in an edge.
+// F9 the tip on a carina, F10 buckling inside the lumen, F12 a stenosis narrower than the wire, F16 folds near 180 degrees and
+// spin beyond pi in an edge.
 
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
@@ -129,7 +129,8 @@ TEST_SUITE("failure/shapes")
             WatchedRun run(setup, method, dt);
             double torque = 0, turned = 0;
             run.work = [&](World& world) {
-                const double now = world.readings(0).hand_torque, angle = 4.0 * std::min<long>(world.step_count(), 60), work = 0.5 * (torque + now) * (angle - turned);
+                const double now = world.readings(0).hand_torque, angle = 4.0 * std::min<long>(world.step_count(), 60),
+                             work = 0.5 * (torque + now) * (angle - turned);
                 torque = now;
                 turned = angle;
                 return work;
@@ -137,7 +138,8 @@ TEST_SUITE("failure/shapes")
             run.run(150);
             const Outcomes o = run.outcomes();
             const RodView rod = run.world.rod(0);
-            MESSAGE("F16, " << std::string(method.name) << ": base " << rod.theta[19] << " rad, tip " << rod.theta[0] << " rad; " << tell(o));
+            MESSAGE("F16, " << std::string(method.name) << ": base " << rod.theta[19] << " rad, tip " << rod.theta[0] << " rad; "
+                            << tell(o));
             if (method.scheme != Scheme::Newton) {
                 CHECK(o.verdict().had(Outcome::Escape));
                 continue;

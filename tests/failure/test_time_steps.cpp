@@ -1,4 +1,5 @@
-// F1 explicit steps, F2 one Newton step, F3 stiffness of the wall, F11 stiffness ratios of the wire, F17 load that reverses every step.
+// F1 explicit steps, F2 one Newton step, F3 stiffness of the wall, F11 stiffness ratios of the wire, F17 load that reverses every
+// step.
 
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
@@ -27,7 +28,8 @@ WorldSetup cantilever()
 
 TEST_SUITE("failure/time_steps")
 {
-    // w_max = 2 c / l of a chain of equal masses and springs, c^2 = EA / (rho A): symplectic Euler holds for dt < 2 / w_max = l / c
+    // w_max = 2 c / l of a chain of equal masses and springs, c^2 = EA / (rho A): symplectic Euler holds for dt < 2 / w_max = l /
+    // c
     TEST_CASE("analytic: F1: explicit steps blow up just above the axial wave's limit; implicit ones do not know it")
     {
         const WorldSetup setup = cantilever();
@@ -42,7 +44,8 @@ TEST_SUITE("failure/time_steps")
         CHECK(watch_row("F1", setup, standard, 1.0 / 60, 60).outcome() == Outcome::Hold);
     }
 
-    TEST_CASE("property: F2: fed into a bend at 60 steps a second, one Newton step jams or leaves the vessel, a converged one holds")
+    TEST_CASE(
+        "property: F2: fed into a bend at 60 steps a second, one Newton step jams or leaves the vessel, a converged one holds")
     {
         for (const double stiffness : {1.0, 100.0}) {
             CAPTURE(stiffness);
@@ -62,7 +65,9 @@ TEST_SUITE("failure/time_steps")
         }
     }
 
-    TEST_CASE("property: F3: a wall from a tenth to a thousand times as stiff: the default holds with the same force, the published method does not")
+    TEST_CASE(
+        "property: F3: a wall from a tenth to a thousand times as stiff: the default holds with the same force, the published "
+        "method does not")
     {
         double least = INFINITY, most = 0;
         for (const double stiffness : {0.1, 1.0, 10.0, 100.0, 1000.0}) {
@@ -111,7 +116,7 @@ TEST_SUITE("failure/time_steps")
             wire.holds = {base};
             setup.wires = {wire};
             for (const Method& method : {published, standard}) {
-                    WatchedRun run(setup, method, dt);
+                WatchedRun run(setup, method, dt);
                 double height = 0;
                 Vec3 force = Vec3::Zero();
                 run.work = [&](World& world) {

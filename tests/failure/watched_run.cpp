@@ -135,7 +135,8 @@ Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& metho
     WatchedRun run(setup, method, dt);
     // a method that is jammed is not worth the hundreds of sub-steps with which it goes on: the third such step is its last
     int left = 3;
-    run.run(steps, [&](World& world) { return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0; });
+    run.run(steps,
+            [&](World& world) { return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0; });
     const Outcomes outcomes = run.outcomes();
     MESSAGE(std::string(row) << ", " << std::string(method.name) << ", dt " << 1e3 * dt << " ms: " << tell(outcomes));
     return outcomes;

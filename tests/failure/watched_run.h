@@ -29,7 +29,8 @@ inline constexpr Method standard{"default", Scheme::Newton, Detection::Swept, No
 /// Single pieces of the published method beside the rest of the default, where a row of the table is about that piece alone.
 inline constexpr Method one_newton_step{"one Newton step", Scheme::Linearised, Detection::Swept, NormalLaw::HuntCrossley,
                                         FrictionLaw::StickSlip};
-inline constexpr Method at_nodes{"contact at nodes", Scheme::Newton, Detection::Nodes, NormalLaw::HuntCrossley, FrictionLaw::StickSlip};
+inline constexpr Method at_nodes{"contact at nodes", Scheme::Newton, Detection::Nodes, NormalLaw::HuntCrossley,
+                                 FrictionLaw::StickSlip};
 inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::Capsule, NormalLaw::HuntCrossley,
                                        FrictionLaw::StickSlip};
 

@@ -18,7 +18,9 @@ using test::about;
 struct OwnedTrial {
     std::vector<double> x, y, z, theta;
     explicit OwnedTrial(const RodView& rod)
-        : x(rod.x.begin(), rod.x.end()), y(rod.y.begin(), rod.y.end()), z(rod.z.begin(), rod.z.end()),
+        : x(rod.x.begin(), rod.x.end()),
+          y(rod.y.begin(), rod.y.end()),
+          z(rod.z.begin(), rod.z.end()),
           theta(rod.theta.begin(), rod.theta.end())
     {
     }

@@ -98,109 +98,109 @@ double bend(double s)
 
 }  // namespace
 
-TEST_SUITE("rod/adapt") {
-
-// On a circle the moment is constant: only the first two terms of e(h) are left, and e(h) = edge_error gives h in closed form.
-TEST_CASE("analytic: the longest edge on a circle")
+TEST_SUITE("rod/adapt")
 {
-    const double kappa = 30, lever = 0.03;
-    CurvedWire wire(301, [&](double) { return kappa; });
-    for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent}) {
-        wire.rod.curvature = measure;
-        const double a = measure == CurvatureMeasure::Angle ? 0 : 1.0 / 12;
-        const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
-        const double expected = std::cbrt(wire.spec.edge_error / (kappa * kappa / 24 + a * lever * kappa * kappa * kappa));
-        // curvature phi/h or 2 tan(phi/2)/h of nodes on the circle: (kappa h)^2/24 relative and less, 4e-5 at h = 1 mm
-        for (int j = 40; j < 298; ++j) CHECK(longest[j] == about(expected).epsilon(1e-4));
-        CHECK(expected > wire.spec.min_edge);
-        CHECK(expected < wire.spec.max_edge);
-    }
-}
-
-// A moment that is linear from a force at one node: only the jump of shear there counts, D = F.
-TEST_CASE("analytic: the longest edge beside a force")
-{
-    const double force = 0.05, stiffness = 5e-4, step = 0.002;
-    // kappa = F (0.1 - |s - 0.15|)/(2 B), F/2 of shear on either side
-    CurvedWire wire(151, [&](double s) { return std::max(0.0, force * (0.1 - std::abs(s - 0.15)) / (2 * stiffness)); });
-    const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
-    // Curvature is the mean over a cell, which rounds the peak off: the node at the force sees (1 - 1/4) of it, its neighbours 1/8
-    // each; an edge has one of either.
-    const double jump = 0.5 * (0.75 + 0.125) * force;
-    const double by_force = std::sqrt(wire.spec.edge_error * 12 * stiffness / (0.03 * jump));
-    const double kappa = force * 0.1 / (2 * stiffness);
-    const double by_curvature = std::cbrt(wire.spec.edge_error / (kappa * kappa / 24));
-    REQUIRE(by_force < by_curvature);
-    // node 75 is the peak; moments are known where nodes are, to step of 0.1
-    CHECK(longest[74] == about(by_force).epsilon(2 * step / 0.1));
-    CHECK(longest[75] == about(longest[74]).epsilon(1e-3));
-}
-
-TEST_CASE("property: edges stay within their bounds and their ratio, and a wire that stands still comes to rest in its nodes")
-{
-    for (const int n : {31, 61, 151, 281}) {
-        CAPTURE(n);
-        CurvedWire wire(n, bend);
-        const Vec3 before = wire.momentum();
-        const int calls = wire.settle();
-        REQUIRE(calls >= 0);
-        wire.check_edges();
-        CHECK((wire.momentum() - before).norm() <= 1e-12 * before.norm());  // rounding of at most a few hundred changes
-        // the bend is finer than the straight parts, whose edges are nearly the longest
-        double in_bend = 0;
-        int edges_in_bend = 0;
-        for (int j = 0; j < wire.rod.n - 1; ++j) {
-            const double s = 0.5 * (wire.rod.material_s[j] + wire.rod.material_s[j + 1]);
-            if (s < 0.135 || s > 0.165) continue;
-            in_bend += wire.rod.rest_length[j];
-            ++edges_in_bend;
+    // On a circle the moment is constant: only the first two terms of e(h) are left, and e(h) = edge_error gives h in closed
+    // form.
+    TEST_CASE("analytic: the longest edge on a circle")
+    {
+        const double kappa = 30, lever = 0.03;
+        CurvedWire wire(301, [&](double) { return kappa; });
+        for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent}) {
+            wire.rod.curvature = measure;
+            const double a = measure == CurvatureMeasure::Angle ? 0 : 1.0 / 12;
+            const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
+            const double expected = std::cbrt(wire.spec.edge_error / (kappa * kappa / 24 + a * lever * kappa * kappa * kappa));
+            // curvature phi/h or 2 tan(phi/2)/h of nodes on the circle: (kappa h)^2/24 relative and less, 4e-5 at h = 1 mm
+            for (int j = 40; j < 298; ++j) CHECK(longest[j] == about(expected).epsilon(1e-4));
+            CHECK(expected > wire.spec.min_edge);
+            CHECK(expected < wire.spec.max_edge);
         }
-        REQUIRE(edges_in_bend > 0);
-        CHECK(in_bend / edges_in_bend < 0.5 * wire.rod.rest_length[wire.rod.n / 8]);
-        CHECK(wire.settle() == 0);
     }
-}
 
-TEST_CASE("property: on a straight wire every node goes that nothing needs")
-{
-    CurvedWire wire(281, [](double) { return 0.0; });
-    REQUIRE(wire.settle() >= 0);
-    wire.check_edges();
-    // two neighbours always come to more than max_edge
-    for (int j = 1; j < wire.rod.n - 1; ++j)
-        CHECK(wire.rod.rest_length[j - 1] + wire.rod.rest_length[j] > wire.spec.max_edge / edge_ratio_limit);
-    CHECK(wire.rod.n < 60);
-    CHECK(std::abs(wire.added) < 1e-15);  // chords are arcs here
-}
+    // A moment that is linear from a force at one node: only the jump of shear there counts, D = F.
+    TEST_CASE("analytic: the longest edge beside a force")
+    {
+        const double force = 0.05, stiffness = 5e-4, step = 0.002;
+        // kappa = F (0.1 - |s - 0.15|)/(2 B), F/2 of shear on either side
+        CurvedWire wire(151, [&](double s) { return std::max(0.0, force * (0.1 - std::abs(s - 0.15)) / (2 * stiffness)); });
+        const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
+        // Curvature is the mean over a cell, which rounds the peak off: the node at the force sees (1 - 1/4) of it, its
+        // neighbours 1/8 each; an edge has one of either.
+        const double jump = 0.5 * (0.75 + 0.125) * force;
+        const double by_force = std::sqrt(wire.spec.edge_error * 12 * stiffness / (0.03 * jump));
+        const double kappa = force * 0.1 / (2 * stiffness);
+        const double by_curvature = std::cbrt(wire.spec.edge_error / (kappa * kappa / 24));
+        REQUIRE(by_force < by_curvature);
+        // node 75 is the peak; moments are known where nodes are, to step of 0.1
+        CHECK(longest[74] == about(by_force).epsilon(2 * step / 0.1));
+        CHECK(longest[75] == about(longest[74]).epsilon(1e-3));
+    }
 
-TEST_CASE("property: nodes at holds, loads and boundaries of sections stay, and boundaries get theirs")
-{
-    WireSection soft = uniform_spec(0.3, 1e-5, 8e-6, 1e4).shaft;
-    CurvedWire wire(281, bend, {{0.0, 0.0305, soft}});
-    const std::vector<double> kept = {wire.rod.material_s[57], wire.rod.material_s[140], wire.rod.material_s[222]};
-    NodeDemands demands;
-    demands.kept = kept;
-    REQUIRE(wire.settle(demands) >= 0);
-    REQUIRE(wire.rod.n < 200);  // others did go
-    // material_s moves by the debts, some micrometres
-    for (const double s : kept) CHECK(wire.nearest_node(s) < 1e-5);
-    CHECK(wire.nearest_node(0.0305) < 1e-3);  // a node that was nearer than min_edge serves
-    CurvedWire coarse(31, bend, {{0.0, 0.0345, soft}});
-    REQUIRE(coarse.settle() >= 0);
-    CHECK(coarse.nearest_node(0.0345) < 1e-5);
-}
+    TEST_CASE("property: edges stay within their bounds and their ratio, and a wire that stands still comes to rest in its nodes")
+    {
+        for (const int n : {31, 61, 151, 281}) {
+            CAPTURE(n);
+            CurvedWire wire(n, bend);
+            const Vec3 before = wire.momentum();
+            const int calls = wire.settle();
+            REQUIRE(calls >= 0);
+            wire.check_edges();
+            CHECK((wire.momentum() - before).norm() <= 1e-12 * before.norm());  // rounding of at most a few hundred changes
+            // the bend is finer than the straight parts, whose edges are nearly the longest
+            double in_bend = 0;
+            int edges_in_bend = 0;
+            for (int j = 0; j < wire.rod.n - 1; ++j) {
+                const double s = 0.5 * (wire.rod.material_s[j] + wire.rod.material_s[j + 1]);
+                if (s < 0.135 || s > 0.165) continue;
+                in_bend += wire.rod.rest_length[j];
+                ++edges_in_bend;
+            }
+            REQUIRE(edges_in_bend > 0);
+            CHECK(in_bend / edges_in_bend < 0.5 * wire.rod.rest_length[wire.rod.n / 8]);
+            CHECK(wire.settle() == 0);
+        }
+    }
 
-TEST_CASE("property: a wire of constant length pays its debt exactly")
-{
-    CurvedWire wire(31, bend);
-    const double length = wire.rod.material_s[30];
-    REQUIRE(wire.settle() >= 0);
-    REQUIRE(wire.added > 1e-7);  // splits on the bend
-    const double mass = std::accumulate(wire.rod.mass.begin(), wire.rod.mass.end(), 0.0);
-    shorten_evenly(wire.rod, wire.spec, wire.added, false);
-    CHECK(wire.rod.material_s[wire.rod.n - 1] == about(length).epsilon(1e-14));
-    const double shorter = std::accumulate(wire.rod.mass.begin(), wire.rod.mass.end(), 0.0);
-    CHECK(shorter == about(mass * length / (length + wire.added)).epsilon(1e-12));
-}
+    TEST_CASE("property: on a straight wire every node goes that nothing needs")
+    {
+        CurvedWire wire(281, [](double) { return 0.0; });
+        REQUIRE(wire.settle() >= 0);
+        wire.check_edges();
+        // two neighbours always come to more than max_edge
+        for (int j = 1; j < wire.rod.n - 1; ++j)
+            CHECK(wire.rod.rest_length[j - 1] + wire.rod.rest_length[j] > wire.spec.max_edge / edge_ratio_limit);
+        CHECK(wire.rod.n < 60);
+        CHECK(std::abs(wire.added) < 1e-15);  // chords are arcs here
+    }
 
+    TEST_CASE("property: nodes at holds, loads and boundaries of sections stay, and boundaries get theirs")
+    {
+        WireSection soft = uniform_spec(0.3, 1e-5, 8e-6, 1e4).shaft;
+        CurvedWire wire(281, bend, {{0.0, 0.0305, soft}});
+        const std::vector<double> kept = {wire.rod.material_s[57], wire.rod.material_s[140], wire.rod.material_s[222]};
+        NodeDemands demands;
+        demands.kept = kept;
+        REQUIRE(wire.settle(demands) >= 0);
+        REQUIRE(wire.rod.n < 200);  // others did go
+        // material_s moves by the debts, some micrometres
+        for (const double s : kept) CHECK(wire.nearest_node(s) < 1e-5);
+        CHECK(wire.nearest_node(0.0305) < 1e-3);  // a node that was nearer than min_edge serves
+        CurvedWire coarse(31, bend, {{0.0, 0.0345, soft}});
+        REQUIRE(coarse.settle() >= 0);
+        CHECK(coarse.nearest_node(0.0345) < 1e-5);
+    }
+
+    TEST_CASE("property: a wire of constant length pays its debt exactly")
+    {
+        CurvedWire wire(31, bend);
+        const double length = wire.rod.material_s[30];
+        REQUIRE(wire.settle() >= 0);
+        REQUIRE(wire.added > 1e-7);  // splits on the bend
+        const double mass = std::accumulate(wire.rod.mass.begin(), wire.rod.mass.end(), 0.0);
+        shorten_evenly(wire.rod, wire.spec, wire.added, false);
+        CHECK(wire.rod.material_s[wire.rod.n - 1] == about(length).epsilon(1e-14));
+        const double shorter = std::accumulate(wire.rod.mass.begin(), wire.rod.mass.end(), 0.0);
+        CHECK(shorter == about(mass * length / (length + wire.added)).epsilon(1e-12));
+    }
 }

@@ -12,12 +12,12 @@ namespace {
 // Lengths, stiffnesses and angles of order 1, so that finite differences lose few digits.
 struct Shape {
     std::string name;
-    double turning;    // largest turning angle between edges [rad]
-    double smallest;   // smallest
-    double angles;     // theta is drawn from [-angles, angles] [rad]
-    bool rest;         // natural curvature and twist
-    double stretch;    // edges are drawn within 1 +- stretch of their rest length
-    double step;       // of the finite differences: near a fold the energy varies over the distance to it
+    double turning;   // largest turning angle between edges [rad]
+    double smallest;  // smallest
+    double angles;    // theta is drawn from [-angles, angles] [rad]
+    bool rest;        // natural curvature and twist
+    double stretch;   // edges are drawn within 1 +- stretch of their rest length
+    double step;      // of the finite differences: near a fold the energy varies over the distance to it
 };
 
 const Shape shapes[] = {
@@ -190,114 +190,113 @@ std::vector<std::vector<RodClamp>> clamp_sets(const OneWire& wire)
 
 }  // namespace
 
-TEST_SUITE("rod/elastic") {
-
-TEST_CASE("derivative: gradient and Hessian match central differences on any shape, with any clamps")
+TEST_SUITE("rod/elastic")
 {
-    for (const Shape& shape : shapes)
-        for (unsigned seed = 1; seed <= 4; ++seed) {
-            CAPTURE(shape.name);
-            CAPTURE(seed);
-            OneWire wire = random_wire(shape, 6, seed, seed < 3 ? CurvatureMeasure::Angle : CurvatureMeasure::Tangent);
-            const auto sets = clamp_sets(wire);
-            for (std::size_t k = 0; k < sets.size(); ++k) {
-                CAPTURE(k);
-                wire.clamps = sets[k];
-                check_gradient(wire, shape.step);
-                check_hessian(wire, shape.step);
-                check_safe(wire);
+    TEST_CASE("derivative: gradient and Hessian match central differences on any shape, with any clamps")
+    {
+        for (const Shape& shape : shapes)
+            for (unsigned seed = 1; seed <= 4; ++seed) {
+                CAPTURE(shape.name);
+                CAPTURE(seed);
+                OneWire wire = random_wire(shape, 6, seed, seed < 3 ? CurvatureMeasure::Angle : CurvatureMeasure::Tangent);
+                const auto sets = clamp_sets(wire);
+                for (std::size_t k = 0; k < sets.size(); ++k) {
+                    CAPTURE(k);
+                    wire.clamps = sets[k];
+                    check_gradient(wire, shape.step);
+                    check_hessian(wire, shape.step);
+                    check_safe(wire);
+                }
             }
+    }
+
+    TEST_CASE("derivative: the Hessian is that of the energy, by second differences")
+    {
+        for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent})
+            for (const Shape& shape : shapes) {
+                if (shape.smallest > 2.5) continue;  // too few digits in second differences near a fold
+                CAPTURE(shape.name);
+                OneWire wire = random_wire(shape, 5, 11, measure);
+                const auto sets = clamp_sets(wire);
+                for (const std::size_t k : {std::size_t(0), std::size_t(3), std::size_t(4)}) {
+                    CAPTURE(k);
+                    wire.clamps = sets[k];
+                    check_hessian_from_energy(wire, 4e-3);
+                }
+            }
+    }
+
+    // Away from the accepted state the energy's derivative is the force plus the torque times the spin that transport from
+    // the accepted tangent t0 adds: (t x t0).dt/(1 + t0.t) (see add_elastic).
+    TEST_CASE("derivative: at a trial away from the accepted state force and energy differ by torque times holonomy")
+    {
+        OneWire wire = random_wire(shapes[5], 6, 21);
+        wire.clamps = {random_clamp(wire, 5, true, true, 1)};
+        OwnedTrial away(wire.rod);
+        std::mt19937 rng(5);
+        std::uniform_real_distribution<double> move(-0.3, 0.3);
+        for (int q = 0; q < 4 * wire.rod.n - 1; ++q) away[q] += move(rng);
+
+        REQUIRE(wire.update(away));
+        Eigen::VectorXd g = wire.gradient();
+        const double scale = std::max(1.0, g.lpNorm<Eigen::Infinity>());
+        double largest = 0;
+        for (int j = 0; j < wire.rod.n - 1; ++j) {
+            const Vec3 t0 = wire.rod.tangent(j), t = wire.frames.tangent[j];
+            const Vec3 spin = t.cross(t0) / (one_plus_cos(t0, t) * wire.frames.edge_length[j]) * g[4 * j + 3];
+            g.segment<3>(4 * j) -= spin;
+            g.segment<3>(4 * (j + 1)) += spin;
+            largest = std::max(largest, spin.norm());
         }
-}
-
-TEST_CASE("derivative: the Hessian is that of the energy, by second differences")
-{
-    for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent})
-    for (const Shape& shape : shapes) {
-        if (shape.smallest > 2.5) continue;  // too few digits in second differences near a fold
-        CAPTURE(shape.name);
-        OneWire wire = random_wire(shape, 5, 11, measure);
-        const auto sets = clamp_sets(wire);
-        for (const std::size_t k : {std::size_t(0), std::size_t(3), std::size_t(4)}) {
-            CAPTURE(k);
-            wire.clamps = sets[k];
-            check_hessian_from_energy(wire, 4e-3);
+        REQUIRE(largest > 1e-2 * scale);  // the term is there to be seen
+        for (int q = 0; q < 4 * wire.rod.n - 1; ++q) {
+            const double numeric = central(
+                [&](double h) {
+                    OwnedTrial trial = away;
+                    trial[q] += h;
+                    return wire.energy_at(trial);
+                },
+                1e-3);
+            CAPTURE(q);
+            CHECK(std::abs(numeric - g[q]) < 1e-8 * scale);
         }
     }
-}
 
-// Away from the accepted state the energy's derivative is the force plus the torque times the spin that transport from
-// the accepted tangent t0 adds: (t x t0).dt/(1 + t0.t) (see add_elastic).
-TEST_CASE("derivative: at a trial away from the accepted state force and energy differ by torque times holonomy")
-{
-    OneWire wire = random_wire(shapes[5], 6, 21);
-    wire.clamps = {random_clamp(wire, 5, true, true, 1)};
-    OwnedTrial away(wire.rod);
-    std::mt19937 rng(5);
-    std::uniform_real_distribution<double> move(-0.3, 0.3);
-    for (int q = 0; q < 4 * wire.rod.n - 1; ++q) away[q] += move(rng);
-
-    REQUIRE(wire.update(away));
-    Eigen::VectorXd g = wire.gradient();
-    const double scale = std::max(1.0, g.lpNorm<Eigen::Infinity>());
-    double largest = 0;
-    for (int j = 0; j < wire.rod.n - 1; ++j) {
-        const Vec3 t0 = wire.rod.tangent(j), t = wire.frames.tangent[j];
-        const Vec3 spin = t.cross(t0) / (one_plus_cos(t0, t) * wire.frames.edge_length[j]) * g[4 * j + 3];
-        g.segment<3>(4 * j) -= spin;
-        g.segment<3>(4 * (j + 1)) += spin;
-        largest = std::max(largest, spin.norm());
-    }
-    REQUIRE(largest > 1e-2 * scale);  // the term is there to be seen
-    for (int q = 0; q < 4 * wire.rod.n - 1; ++q) {
-        const double numeric = central(
-            [&](double h) {
-                OwnedTrial trial = away;
-                trial[q] += h;
-                return wire.energy_at(trial);
-            },
-            1e-3);
-        CAPTURE(q);
-        CHECK(std::abs(numeric - g[q]) < 1e-8 * scale);
-    }
-}
-
-TEST_CASE("property: in the rest shape Safe is exact")
-{
-    for (const unsigned k : {0u, 3u, 7u}) {
-        OneWire wire = random_wire(shapes[k], 6, 31);
-        const RodView& rod = wire.rod;
-        REQUIRE(wire.update());
-        for (int i = 0; i < rod.n; ++i) {
-            rod.rest_kappa1[i] = wire.frames.kappa1[i];
-            rod.rest_kappa2[i] = wire.frames.kappa2[i];
-            rod.rest_twist[i] = wire.frames.twist[i];
-            if (i < rod.n - 1) rod.rest_length[i] = wire.frames.edge_length[i];
+    TEST_CASE("property: in the rest shape Safe is exact")
+    {
+        for (const unsigned k : {0u, 3u, 7u}) {
+            OneWire wire = random_wire(shapes[k], 6, 31);
+            const RodView& rod = wire.rod;
+            REQUIRE(wire.update());
+            for (int i = 0; i < rod.n; ++i) {
+                rod.rest_kappa1[i] = wire.frames.kappa1[i];
+                rod.rest_kappa2[i] = wire.frames.kappa2[i];
+                rod.rest_twist[i] = wire.frames.twist[i];
+                if (i < rod.n - 1) rod.rest_length[i] = wire.frames.edge_length[i];
+            }
+            CHECK(wire.energy() < 1e-28);
+            const Eigen::MatrixXd exact = wire.hessian(HessianMode::Exact), safe = wire.hessian(HessianMode::Safe);
+            CHECK((exact - safe).lpNorm<Eigen::Infinity>() < 1e-12 * exact.lpNorm<Eigen::Infinity>());
         }
-        CHECK(wire.energy() < 1e-28);
-        const Eigen::MatrixXd exact = wire.hessian(HessianMode::Exact), safe = wire.hessian(HessianMode::Safe);
-        CHECK((exact - safe).lpNorm<Eigen::Infinity>() < 1e-12 * exact.lpNorm<Eigen::Infinity>());
     }
-}
 
-// no outer forces: forces sum to zero, and so do moments, those about the edges included
-TEST_CASE("property: a free wire pulls on itself with no net force and no net moment")
-{
-    for (const Shape& shape : shapes) {
-        CAPTURE(shape.name);
-        OneWire wire = random_wire(shape, 8, 41);
-        REQUIRE(wire.update());
-        const Eigen::VectorXd g = wire.gradient();
-        Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-        for (int i = 0; i < wire.rod.n; ++i) {
-            force += g.segment<3>(4 * i);
-            moment += wire.rod.pos(i).cross(g.segment<3>(4 * i));
-            if (i < wire.rod.n - 1) moment += g[4 * i + 3] * wire.rod.tangent(i);
+    // no outer forces: forces sum to zero, and so do moments, those about the edges included
+    TEST_CASE("property: a free wire pulls on itself with no net force and no net moment")
+    {
+        for (const Shape& shape : shapes) {
+            CAPTURE(shape.name);
+            OneWire wire = random_wire(shape, 8, 41);
+            REQUIRE(wire.update());
+            const Eigen::VectorXd g = wire.gradient();
+            Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+            for (int i = 0; i < wire.rod.n; ++i) {
+                force += g.segment<3>(4 * i);
+                moment += wire.rod.pos(i).cross(g.segment<3>(4 * i));
+                if (i < wire.rod.n - 1) moment += g[4 * i + 3] * wire.rod.tangent(i);
+            }
+            const double scale = 1 + g.norm() * 8;  // the wire is 8 long
+            CHECK(force.norm() < 1e-13 * scale);
+            CHECK(moment.norm() < 1e-13 * scale);
         }
-        const double scale = 1 + g.norm() * 8;  // the wire is 8 long
-        CHECK(force.norm() < 1e-13 * scale);
-        CHECK(moment.norm() < 1e-13 * scale);
     }
-}
-
 }

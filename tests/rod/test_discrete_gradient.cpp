@@ -101,7 +101,8 @@ struct Step {
         energy = wire.energy() - start;
         for (int j = 0; j < n; ++j) turned.push_back(change[4 * j + 3]);
         force.setZero();
-        add_discrete_gradient(wire.rod, wire.clamps, before, wire.frames, turned, {force.data(), static_cast<std::size_t>(4 * n)});
+        add_discrete_gradient(wire.rod, wire.clamps, before, wire.frames, turned,
+                              {force.data(), static_cast<std::size_t>(4 * n)});
     }
 };
 
@@ -109,73 +110,71 @@ struct Step {
 
 TEST_SUITE("rod/discrete_gradient")
 {
-
-TEST_CASE("property: work is the change of energy, for any step, with any clamps, curved and twisted")
-{
-    for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent})
-        for (const Nature nature : {Nature::Straight, Nature::Curved})
-            for (unsigned seed = 1; seed <= 4; ++seed) {
-                OneWire wire = random_wire(7, seed, nature, measure);
-                const auto sets = clamp_sets(wire);
-                for (std::size_t k = 0; k < sets.size(); ++k)
-                    for (const double size : {1e-9, 1e-3, 0.1, 0.3}) {
-                        CAPTURE(k);
-                        CAPTURE(seed);
-                        CAPTURE(size);
-                        wire.clamps = sets[k];
-                        const Step step(wire, size, 10 * seed);
-                        // rounding of energies of order 10 and of forces times moves
-                        CHECK(std::abs(step.force.dot(step.change) - step.energy) < 1e-13 * (10 + step.force.norm()));
-                        if (size >= 0.1) REQUIRE(std::abs(step.energy) > 1e-3);
-                    }
-            }
-}
-
-// E differs from its chord by the third derivative: the mean of the end forces by h^2/12 of it, so both agree to second order
-TEST_CASE("property: it is the elastic force, to second order at the middle of the step")
-{
-    for (const Nature nature : {Nature::Straight, Nature::Curved}) {
-        double error[2];
-        for (int k : {0, 1}) {
-            OneWire wire = random_wire(7, 3, nature, CurvatureMeasure::Angle);
-            wire.clamps = {random_clamp(wire, 6, true, true, 1), random_clamp(wire, 0, true, false, 3)};
-            const Step step(wire, k == 0 ? 2e-3 : 1e-3, 5);
-            OwnedTrial middle(wire.rod);
-            for (int q = 0; q < 4 * wire.rod.n - 1; ++q) middle[q] += 0.5 * step.change[q];
-            REQUIRE(wire.accept(middle));
-            REQUIRE(wire.update());
-            error[k] = (step.force - wire.gradient()).norm() / wire.gradient().norm();
-        }
-        CAPTURE(error[1]);
-        CHECK(error[1] < 1e-4);
-        CHECK(std::log2(error[0] / error[1]) == about(2).epsilon(0.05));
-    }
-}
-
-TEST_CASE("property: no net force on a free wire, and no net moment about the mean positions but what spins take up")
-{
-    for (const Nature nature : {Nature::Straight, Nature::Curved})
-        for (const double size : {1e-3, 0.3}) {
-            CAPTURE(size);
-            OneWire wire = random_wire(7, 2, nature, CurvatureMeasure::Angle);
-            if (nature == Nature::Straight)  // and not twisted: no torque anywhere
-                std::fill(wire.rod.twist_stiffness.begin(), wire.rod.twist_stiffness.end(), 0.0);
-            const Step step(wire, size, 9);
-            Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-            for (int i = 0; i < wire.rod.n; ++i) {
-                const Vec3 f = step.force.segment<3>(4 * i), moved = step.change.segment<3>(4 * i);
-                force += f;
-                moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
-                if (i < wire.rod.n - 1) {
-                    const Vec3 mean = 0.5 * (step.before.tangent[i] + wire.frames.tangent[i]);
-                    moment += step.force[4 * i + 3] * mean.normalized();
+    TEST_CASE("property: work is the change of energy, for any step, with any clamps, curved and twisted")
+    {
+        for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent})
+            for (const Nature nature : {Nature::Straight, Nature::Curved})
+                for (unsigned seed = 1; seed <= 4; ++seed) {
+                    OneWire wire = random_wire(7, seed, nature, measure);
+                    const auto sets = clamp_sets(wire);
+                    for (std::size_t k = 0; k < sets.size(); ++k)
+                        for (const double size : {1e-9, 1e-3, 0.1, 0.3}) {
+                            CAPTURE(k);
+                            CAPTURE(seed);
+                            CAPTURE(size);
+                            wire.clamps = sets[k];
+                            const Step step(wire, size, 10 * seed);
+                            // rounding of energies of order 10 and of forces times moves
+                            CHECK(std::abs(step.force.dot(step.change) - step.energy) < 1e-13 * (10 + step.force.norm()));
+                            if (size >= 0.1) REQUIRE(std::abs(step.energy) > 1e-3);
+                        }
                 }
-            }
-            CHECK(force.norm() < 1e-14 * step.force.norm() * wire.rod.n);
-            // directors: the moment times an edge's change of length, relative, and what tan(turn/2) differs from turn/2 by
-            const double allowed = nature == Nature::Straight ? 1e-14 : size * size + 0.5 * size * size;
-            CHECK(moment.norm() < 8 * allowed * step.force.norm());
-        }
-}
+    }
 
+    // E differs from its chord by the third derivative: the mean of the end forces by h^2/12 of it, so both agree to second order
+    TEST_CASE("property: it is the elastic force, to second order at the middle of the step")
+    {
+        for (const Nature nature : {Nature::Straight, Nature::Curved}) {
+            double error[2];
+            for (int k : {0, 1}) {
+                OneWire wire = random_wire(7, 3, nature, CurvatureMeasure::Angle);
+                wire.clamps = {random_clamp(wire, 6, true, true, 1), random_clamp(wire, 0, true, false, 3)};
+                const Step step(wire, k == 0 ? 2e-3 : 1e-3, 5);
+                OwnedTrial middle(wire.rod);
+                for (int q = 0; q < 4 * wire.rod.n - 1; ++q) middle[q] += 0.5 * step.change[q];
+                REQUIRE(wire.accept(middle));
+                REQUIRE(wire.update());
+                error[k] = (step.force - wire.gradient()).norm() / wire.gradient().norm();
+            }
+            CAPTURE(error[1]);
+            CHECK(error[1] < 1e-4);
+            CHECK(std::log2(error[0] / error[1]) == about(2).epsilon(0.05));
+        }
+    }
+
+    TEST_CASE("property: no net force on a free wire, and no net moment about the mean positions but what spins take up")
+    {
+        for (const Nature nature : {Nature::Straight, Nature::Curved})
+            for (const double size : {1e-3, 0.3}) {
+                CAPTURE(size);
+                OneWire wire = random_wire(7, 2, nature, CurvatureMeasure::Angle);
+                if (nature == Nature::Straight)  // and not twisted: no torque anywhere
+                    std::fill(wire.rod.twist_stiffness.begin(), wire.rod.twist_stiffness.end(), 0.0);
+                const Step step(wire, size, 9);
+                Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+                for (int i = 0; i < wire.rod.n; ++i) {
+                    const Vec3 f = step.force.segment<3>(4 * i), moved = step.change.segment<3>(4 * i);
+                    force += f;
+                    moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
+                    if (i < wire.rod.n - 1) {
+                        const Vec3 mean = 0.5 * (step.before.tangent[i] + wire.frames.tangent[i]);
+                        moment += step.force[4 * i + 3] * mean.normalized();
+                    }
+                }
+                CHECK(force.norm() < 1e-14 * step.force.norm() * wire.rod.n);
+                // directors: the moment times an edge's change of length, relative, and what tan(turn/2) differs from turn/2 by
+                const double allowed = nature == Nature::Straight ? 1e-14 : size * size + 0.5 * size * size;
+                CHECK(moment.norm() < 8 * allowed * step.force.norm());
+            }
+    }
 }

@@ -1,7 +1,7 @@
 // Splitting and merging edges: nothing that the wire carries may jump.
 
-#include "rod/split.h"
 #include "rod/rod_fixture.h"
+#include "rod/split.h"
 
 #include <doctest/doctest.h>
 
@@ -84,153 +84,151 @@ struct ArcWire : OneWire {
 
 }  // namespace
 
-TEST_SUITE("rod/split") {
-
-TEST_CASE("property: axial force, momentum and spin momentum stay as they were")
+TEST_SUITE("rod/split")
 {
-    for (const int edge : {0, 4, 9})
-        for (const double fraction : {0.5, 0.3}) {
-            CAPTURE(edge);
-            CAPTURE(fraction);
+    TEST_CASE("property: axial force, momentum and spin momentum stay as they were")
+    {
+        for (const int edge : {0, 4, 9})
+            for (const double fraction : {0.5, 0.3}) {
+                CAPTURE(edge);
+                CAPTURE(fraction);
+                ArcWire wire(10, true);
+                const double force = axial(wire.rod, edge), length = wire.rod.material_s[10];
+                const Vec3 momentum = wire.momentum();
+                const double spin = wire.spin_momentum();
+                const double arc = wire.rod.rest_length[edge];
+                const SplitResult result = split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+                wire.node_moved(1);
+                REQUIRE(wire.rod.n == 12);
+                CHECK(axial(wire.rod, edge) == about(force).epsilon(1e-10));
+                CHECK(axial(wire.rod, edge + 1) == about(force).epsilon(1e-10));
+                CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
+                CHECK(std::abs(wire.spin_momentum() - spin) < 1e-14 * spin);
+                CHECK(wire.rod.material_s[11] - length == about(result.rest_length_added).epsilon(1e-9));
+                // the arc's excess over its chords: (1 - f^3 - (1-f)^3) h (kappa h)^2/24, at the tip with curvature falling to 0
+                const double excess = (1 - std::pow(fraction, 3) - std::pow(1 - fraction, 3)) * std::pow(arc, 3) / 24;
+                if (edge > 0) CHECK(result.rest_length_added == about(excess).epsilon(0.1));
+                else CHECK(std::abs(result.rest_length_added) < excess);
+            }
+    }
+
+    // curvature on an arc is exact at even nodes but for O(h^2) of the discrete kappa itself
+    TEST_CASE("property: moment and torque change by O(h^2) only, at the base edge and inside")
+    {
+        for (const bool base : {true, false})
+            for (const double fraction : {0.5, 0.35}) {
+                double curvature[3], twist[3];
+                for (int k = 0; k < 3; ++k) {
+                    const int edges = 8 << k;
+                    ArcWire wire(edges);
+                    split_edge(wire.arrays, 0, base ? edges - 1 : edges / 2, fraction, wire.spec, wire.clamps);
+                    wire.node_moved(1);
+                    std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
+                }
+                CAPTURE(base);
+                CAPTURE(fraction);
+                CAPTURE(curvature[0]);
+                CAPTURE(twist[0]);
+                // the chord's middle instead of the cubic would leave 1/3
+                CHECK(curvature[0] < 0.5 / 64);
+                CHECK(curvature[1] < 0.3 * curvature[0]);  // a factor 4 each, with room
+                CHECK(curvature[2] < 0.3 * curvature[1]);
+                CHECK(twist[0] < 0.5 / 64);
+                CHECK(twist[2] < 0.1 * twist[0]);
+            }
+    }
+
+    TEST_CASE("property: split, then merge, returns to where it was")
+    {
+        for (const bool base : {true, false}) {
             ArcWire wire(10, true);
-            const double force = axial(wire.rod, edge), length = wire.rod.material_s[10];
-            const Vec3 momentum = wire.momentum();
-            const double spin = wire.spin_momentum();
-            const double arc = wire.rod.rest_length[edge];
-            const SplitResult result = split_edge(wire.arrays, 0, edge, fraction, wire.spec, wire.clamps);
+            const ArcWire start(10, true);
+            const int edge = base ? 9 : 3;
+            const SplitResult split = base ? split_base_edge(wire.arrays, 0, 0.4, wire.spec, wire.clamps)
+                                           : split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
             wire.node_moved(1);
-            REQUIRE(wire.rod.n == 12);
-            CHECK(axial(wire.rod, edge) == about(force).epsilon(1e-10));
-            CHECK(axial(wire.rod, edge + 1) == about(force).epsilon(1e-10));
+            const SplitResult merge = base ? merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps)
+                                           : merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
+            wire.node_moved(-1);
+            REQUIRE(wire.rod.n == 11);
+            CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-14);
+            for (int i = 0; i < 11; ++i) {
+                CHECK((wire.rod.pos(i) - start.rod.pos(i)).norm() < 1e-15);
+                CHECK(std::abs(wire.rod.material_s[i] - start.rod.material_s[i]) < 1e-13);
+                CHECK((wire.rod.vel(i) - start.rod.vel(i)).norm() < 1e-3);  // momentum of the middle goes to its neighbours
+                if (i == 10) continue;
+                CHECK((wire.rod.ref_d1(i) - start.rod.ref_d1(i)).norm() < 1e-14);
+                CHECK(std::abs(wire.rod.theta[i] - start.rod.theta[i]) < 1e-2 * ArcWire::twist_rate * 0.1);
+                CHECK(wire.rod.spin_rate[i] == about(start.rod.spin_rate[i]).epsilon(1e-12));
+                CHECK(axial(wire.rod, i) == about(axial(start.rod, i)).epsilon(1e-9));
+            }
+            CHECK((wire.momentum() - start.momentum()).norm() < 1e-13);
+        }
+    }
+
+    TEST_CASE("property: merging keeps force and momentum, and curvature to O(h^2)")
+    {
+        double curvature[3], twist[3];
+        for (int k = 0; k < 3; ++k) {
+            const int edges = 8 << k;
+            ArcWire wire(edges);
+            const Vec3 momentum = wire.momentum();
+            const double spin = wire.spin_momentum(), force = axial(wire.rod, edges / 2);
+            merge_edges(wire.arrays, 0, edges / 2, wire.spec, wire.clamps);
+            wire.node_moved(-1);
+            CHECK(axial(wire.rod, edges / 2 - 1) == about(force).epsilon(1e-10));
             CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
             CHECK(std::abs(wire.spin_momentum() - spin) < 1e-14 * spin);
-            CHECK(wire.rod.material_s[11] - length == about(result.rest_length_added).epsilon(1e-9));
-            // the arc's excess over its chords: (1 - f^3 - (1-f)^3) h (kappa h)^2/24, at the tip with curvature falling to 0
-            const double excess = (1 - std::pow(fraction, 3) - std::pow(1 - fraction, 3)) * std::pow(arc, 3) / 24;
-            if (edge > 0) CHECK(result.rest_length_added == about(excess).epsilon(0.1));
-            else CHECK(std::abs(result.rest_length_added) < excess);
+            std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
         }
-}
-
-// curvature on an arc is exact at even nodes but for O(h^2) of the discrete kappa itself
-TEST_CASE("property: moment and torque change by O(h^2) only, at the base edge and inside")
-{
-    for (const bool base : {true, false})
-        for (const double fraction : {0.5, 0.35}) {
-            double curvature[3], twist[3];
-            for (int k = 0; k < 3; ++k) {
-                const int edges = 8 << k;
-                ArcWire wire(edges);
-                split_edge(wire.arrays, 0, base ? edges - 1 : edges / 2, fraction, wire.spec, wire.clamps);
-                wire.node_moved(1);
-                std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
-            }
-            CAPTURE(base);
-            CAPTURE(fraction);
-            CAPTURE(curvature[0]);
-            CAPTURE(twist[0]);
-            // the chord's middle instead of the cubic would leave 1/3
-            CHECK(curvature[0] < 0.5 / 64);
-            CHECK(curvature[1] < 0.3 * curvature[0]);  // a factor 4 each, with room
-            CHECK(curvature[2] < 0.3 * curvature[1]);
-            CHECK(twist[0] < 0.5 / 64);
-            CHECK(twist[2] < 0.1 * twist[0]);
-        }
-}
-
-TEST_CASE("property: split, then merge, returns to where it was")
-{
-    for (const bool base : {true, false}) {
-        ArcWire wire(10, true);
-        const ArcWire start(10, true);
-        const int edge = base ? 9 : 3;
-        const SplitResult split = base ? split_base_edge(wire.arrays, 0, 0.4, wire.spec, wire.clamps)
-                                       : split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
-        wire.node_moved(1);
-        const SplitResult merge = base ? merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps)
-                                       : merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
-        wire.node_moved(-1);
-        REQUIRE(wire.rod.n == 11);
-        CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-14);
-        for (int i = 0; i < 11; ++i) {
-            CHECK((wire.rod.pos(i) - start.rod.pos(i)).norm() < 1e-15);
-            CHECK(std::abs(wire.rod.material_s[i] - start.rod.material_s[i]) < 1e-13);
-            CHECK((wire.rod.vel(i) - start.rod.vel(i)).norm() < 1e-3);  // momentum of the middle goes to its neighbours
-            if (i == 10) continue;
-            CHECK((wire.rod.ref_d1(i) - start.rod.ref_d1(i)).norm() < 1e-14);
-            CHECK(std::abs(wire.rod.theta[i] - start.rod.theta[i]) < 1e-2 * ArcWire::twist_rate * 0.1);
-            CHECK(wire.rod.spin_rate[i] == about(start.rod.spin_rate[i]).epsilon(1e-12));
-            CHECK(axial(wire.rod, i) == about(axial(start.rod, i)).epsilon(1e-9));
-        }
-        CHECK((wire.momentum() - start.momentum()).norm() < 1e-13);
+        CHECK(curvature[0] < 1.0 / 64);
+        CHECK(curvature[2] < 0.1 * curvature[0]);
+        CHECK(twist[0] < 1.0 / 64);
+        CHECK(twist[2] < 0.1 * twist[0]);
     }
-}
 
-TEST_CASE("property: merging keeps force and momentum, and curvature to O(h^2)")
-{
-    double curvature[3], twist[3];
-    for (int k = 0; k < 3; ++k) {
-        const int edges = 8 << k;
-        ArcWire wire(edges);
-        const Vec3 momentum = wire.momentum();
-        const double spin = wire.spin_momentum(), force = axial(wire.rod, edges / 2);
-        merge_edges(wire.arrays, 0, edges / 2, wire.spec, wire.clamps);
-        wire.node_moved(-1);
-        CHECK(axial(wire.rod, edges / 2 - 1) == about(force).epsilon(1e-10));
-        CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
-        CHECK(std::abs(wire.spin_momentum() - spin) < 1e-14 * spin);
-        std::tie(curvature[k], twist[k]) = wire.worst_curvature_and_twist();
-    }
-    CHECK(curvature[0] < 1.0 / 64);
-    CHECK(curvature[2] < 0.1 * curvature[0]);
-    CHECK(twist[0] < 1.0 / 64);
-    CHECK(twist[2] < 0.1 * twist[0]);
-}
-
-TEST_CASE("property: many turns stored between tip and clamp survive a split")
-{
-    ArcWire wire(10);
-    const double turns = 40;
-    for (int j = 0; j < 10; ++j) wire.rod.theta[j] += turns * 0.5 * (wire.rod.material_s[j] + wire.rod.material_s[j + 1]);
-    wire.clamps[0].turns += turns * wire.rod.material_s[10];
-    wire.clamps[0].director = turned(wire.clamps[0].director, wire.clamps[0].tangent, turns * wire.rod.material_s[10]);
-    REQUIRE(wire.accept(OwnedTrial(wire.rod)));
-    REQUIRE(wire.update());
-    const double torque = clamp_torque(wire.rod, wire.clamps, wire.frames, 0);
-    CHECK(torque == about(twist_stiffness * (turns + ArcWire::twist_rate)).epsilon(1e-3));
-    for (const int edge : {9, 4}) {
-        split_edge(wire.arrays, 0, edge, 0.5, wire.spec, wire.clamps);
-        wire.node_moved(1);
+    TEST_CASE("property: many turns stored between tip and clamp survive a split")
+    {
+        ArcWire wire(10);
+        const double turns = 40;
+        for (int j = 0; j < 10; ++j) wire.rod.theta[j] += turns * 0.5 * (wire.rod.material_s[j] + wire.rod.material_s[j + 1]);
+        wire.clamps[0].turns += turns * wire.rod.material_s[10];
+        wire.clamps[0].director = turned(wire.clamps[0].director, wire.clamps[0].tangent, turns * wire.rod.material_s[10]);
+        REQUIRE(wire.accept(OwnedTrial(wire.rod)));
         REQUIRE(wire.update());
-        // the lengths that twist is counted over change by (kappa h)^2/32 = 3e-4
-        CHECK(clamp_torque(wire.rod, wire.clamps, wire.frames, 0) == about(torque).epsilon(1e-3));
-        for (int i = 1; i < wire.rod.n - 1; ++i)
-            CHECK(wire.frames.twist[i] / wire.rod.voronoi_length(i)
-                  == about(turns + ArcWire::twist_rate).epsilon(2e-3));
-    }
-}
-
-TEST_CASE("property: a wire whose rest shape is its placed one keeps its total rest curvature")
-{
-    ArcWire wire(10);
-    set_rest_shape(wire.rod, wire.spec, true);
-    const auto total = [&] {
-        double sum[2] = {0, 0};
-        for (int i = 0; i < wire.rod.n; ++i) {
-            sum[0] += std::hypot(wire.rod.rest_kappa1[i], wire.rod.rest_kappa2[i]);
-            sum[1] += wire.rod.rest_twist[i];
+        const double torque = clamp_torque(wire.rod, wire.clamps, wire.frames, 0);
+        CHECK(torque == about(twist_stiffness * (turns + ArcWire::twist_rate)).epsilon(1e-3));
+        for (const int edge : {9, 4}) {
+            split_edge(wire.arrays, 0, edge, 0.5, wire.spec, wire.clamps);
+            wire.node_moved(1);
+            REQUIRE(wire.update());
+            // the lengths that twist is counted over change by (kappa h)^2/32 = 3e-4
+            CHECK(clamp_torque(wire.rod, wire.clamps, wire.frames, 0) == about(torque).epsilon(1e-3));
+            for (int i = 1; i < wire.rod.n - 1; ++i)
+                CHECK(wire.frames.twist[i] / wire.rod.voronoi_length(i) == about(turns + ArcWire::twist_rate).epsilon(2e-3));
         }
-        return std::pair(sum[0], sum[1]);
-    };
-    const auto before = total();
-    REQUIRE(before.first > 0.9);
-    split_edge(wire.arrays, 0, 4, 0.3, wire.spec, wire.clamps, true);
-    wire.node_moved(1);
-    CHECK(total().first == about(before.first).epsilon(1e-2));  // lengths of 2-vectors that differ in direction
-    CHECK(total().second == about(before.second).epsilon(1e-12));
-    merge_edges(wire.arrays, 0, 5, wire.spec, wire.clamps, true);
-    wire.node_moved(-1);
-    CHECK(total().second == about(before.second).epsilon(1e-12));
-}
+    }
 
+    TEST_CASE("property: a wire whose rest shape is its placed one keeps its total rest curvature")
+    {
+        ArcWire wire(10);
+        set_rest_shape(wire.rod, wire.spec, true);
+        const auto total = [&] {
+            double sum[2] = {0, 0};
+            for (int i = 0; i < wire.rod.n; ++i) {
+                sum[0] += std::hypot(wire.rod.rest_kappa1[i], wire.rod.rest_kappa2[i]);
+                sum[1] += wire.rod.rest_twist[i];
+            }
+            return std::pair(sum[0], sum[1]);
+        };
+        const auto before = total();
+        REQUIRE(before.first > 0.9);
+        split_edge(wire.arrays, 0, 4, 0.3, wire.spec, wire.clamps, true);
+        wire.node_moved(1);
+        CHECK(total().first == about(before.first).epsilon(1e-2));  // lengths of 2-vectors that differ in direction
+        CHECK(total().second == about(before.second).epsilon(1e-12));
+        merge_edges(wire.arrays, 0, 5, wire.spec, wire.clamps, true);
+        wire.node_moved(-1);
+        CHECK(total().second == about(before.second).epsilon(1e-12));
+    }
 }

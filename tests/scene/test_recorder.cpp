@@ -9,11 +9,11 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <unistd.h>
 
 using namespace seldinger;
 
@@ -49,118 +49,123 @@ position = true
 
 }  // namespace
 
-TEST_SUITE("scene/recorder") {
+TEST_SUITE("scene/recorder")
+{
+    TEST_CASE("twin: what VtpWriter writes, the reader of the pictures reads, bit for bit")
+    {
+        const std::vector<Vec3> points = {{0.1, -2e-9, 3}, {1.0 / 3, 5, 6}, {7, 8, 9}, {1e300, 0, -0.0}};
+        VtpWriter out(points);
+        out.set_verts();
+        out.set_line();
+        const std::vector<std::array<std::int32_t, 3>> triangles = {{0, 1, 2}, {2, 1, 3}};
+        out.set_polys(triangles);
+        const std::vector<double> scalar = {1, 2, 3, 0.1};
+        out.add_point_data("radius", 1, scalar);
+        out.add_point_vectors("force", points);
+        const PolyData data = parse_poly_data(out.bytes(), "test");
+        REQUIRE(data.points.size() == 4);
+        for (std::size_t i = 0; i < 4; ++i)
+            for (int d = 0; d < 3; ++d) CHECK(data.points[i][d] == points[i][d]);
+        CHECK(data.verts.offsets == std::vector<std::int64_t>{1, 2, 3, 4});
+        CHECK(data.lines.connectivity == std::vector<std::int64_t>{0, 1, 2, 3});
+        CHECK(data.lines.offsets == std::vector<std::int64_t>{4});
+        CHECK(data.polys.connectivity == std::vector<std::int64_t>{0, 1, 2, 2, 1, 3});
+        CHECK(data.polys.offsets == std::vector<std::int64_t>{3, 6});
+        CHECK(data.point_data.at("radius").values == scalar);
+        CHECK(data.point_data.at("force").components == 3);
+        CHECK(parse_poly_data(VtpWriter(std::vector<Vec3>{}).bytes(), "empty").points.empty());
+    }
 
-TEST_CASE("twin: what VtpWriter writes, the reader of the pictures reads, bit for bit") {
-    const std::vector<Vec3> points = {{0.1, -2e-9, 3}, {1.0 / 3, 5, 6}, {7, 8, 9}, {1e300, 0, -0.0}};
-    VtpWriter out(points);
-    out.set_verts();
-    out.set_line();
-    const std::vector<std::array<std::int32_t, 3>> triangles = {{0, 1, 2}, {2, 1, 3}};
-    out.set_polys(triangles);
-    const std::vector<double> scalar = {1, 2, 3, 0.1};
-    out.add_point_data("radius", 1, scalar);
-    out.add_point_vectors("force", points);
-    const PolyData data = parse_poly_data(out.bytes(), "test");
-    REQUIRE(data.points.size() == 4);
-    for (std::size_t i = 0; i < 4; ++i)
-        for (int d = 0; d < 3; ++d) CHECK(data.points[i][d] == points[i][d]);
-    CHECK(data.verts.offsets == std::vector<std::int64_t>{1, 2, 3, 4});
-    CHECK(data.lines.connectivity == std::vector<std::int64_t>{0, 1, 2, 3});
-    CHECK(data.lines.offsets == std::vector<std::int64_t>{4});
-    CHECK(data.polys.connectivity == std::vector<std::int64_t>{0, 1, 2, 2, 1, 3});
-    CHECK(data.polys.offsets == std::vector<std::int64_t>{3, 6});
-    CHECK(data.point_data.at("radius").values == scalar);
-    CHECK(data.point_data.at("force").components == 3);
-    CHECK(parse_poly_data(VtpWriter(std::vector<Vec3>{}).bytes(), "empty").points.empty());
-}
+    TEST_CASE("property: a wall of 30,000 triangles stays below 3 MB")
+    {
+        // as many vertices as a closed surface has: V = T / 2 + 2
+        WallMesh mesh;
+        mesh.vertices.assign(15002, Vec3(0.1, 0.2, 0.3));
+        mesh.triangles.assign(30000, {0, 1, 2});
+        VtpWriter out(mesh.vertices);
+        out.set_polys(mesh.triangles);
+        CHECK(out.bytes().size() < 3'000'000);
+    }
 
-TEST_CASE("property: a wall of 30,000 triangles stays below 3 MB") {
-    // as many vertices as a closed surface has: V = T / 2 + 2
-    WallMesh mesh;
-    mesh.vertices.assign(15002, Vec3(0.1, 0.2, 0.3));
-    mesh.triangles.assign(30000, {0, 1, 2});
-    VtpWriter out(mesh.vertices);
-    out.set_polys(mesh.triangles);
-    CHECK(out.bytes().size() < 3'000'000);
-}
+    TEST_CASE("property: a checkpoint comes back as it was, and one damaged byte anywhere is found")
+    {
+        const TempFolder folder;
+        const auto file = folder.path / "checkpoint.bin";
+        Checkpoint saved;
+        saved.version = version();
+        saved.device = "some device";
+        saved.vessel_hash = 77;
+        saved.status = RunStatus::Interrupted;
+        saved.tally.steps = 123;
+        saved.tally.friction_max = 0.25;
+        saved.trace_bytes = 4567;
+        saved.wire_frames = {{0, 0.0}, {3, 0.003}};
+        saved.state = {1, 2, 3, 255};
+        write_checkpoint(file, saved);
+        const Checkpoint read = read_checkpoint(file);
+        CHECK(read.device == saved.device);
+        CHECK(read.vessel_hash == 77);
+        CHECK(read.status == RunStatus::Interrupted);
+        CHECK(std::memcmp(&read.tally, &saved.tally, sizeof(RunTally)) == 0);
+        CHECK(read.trace_bytes == 4567);
+        REQUIRE(read.wire_frames.size() == 2);
+        CHECK(read.wire_frames[1].step == 3);
+        CHECK(read.contact_frames.empty());
+        CHECK(read.state == saved.state);
 
-TEST_CASE("property: a checkpoint comes back as it was, and one damaged byte anywhere is found") {
-    const TempFolder folder;
-    const auto file = folder.path / "checkpoint.bin";
-    Checkpoint saved;
-    saved.version = version();
-    saved.device = "some device";
-    saved.vessel_hash = 77;
-    saved.status = RunStatus::Interrupted;
-    saved.tally.steps = 123;
-    saved.tally.friction_max = 0.25;
-    saved.trace_bytes = 4567;
-    saved.wire_frames = {{0, 0.0}, {3, 0.003}};
-    saved.state = {1, 2, 3, 255};
-    write_checkpoint(file, saved);
-    const Checkpoint read = read_checkpoint(file);
-    CHECK(read.device == saved.device);
-    CHECK(read.vessel_hash == 77);
-    CHECK(read.status == RunStatus::Interrupted);
-    CHECK(std::memcmp(&read.tally, &saved.tally, sizeof(RunTally)) == 0);
-    CHECK(read.trace_bytes == 4567);
-    REQUIRE(read.wire_frames.size() == 2);
-    CHECK(read.wire_frames[1].step == 3);
-    CHECK(read.contact_frames.empty());
-    CHECK(read.state == saved.state);
-
-    const std::string good = read_file(file);
-    for (std::size_t i = 0; i < good.size(); ++i) {
-        std::string bad = good;
-        bad[i] = static_cast<char>(bad[i] ^ 0x10);
-        write_file(file, bad);
-        CAPTURE(i);
+        const std::string good = read_file(file);
+        for (std::size_t i = 0; i < good.size(); ++i) {
+            std::string bad = good;
+            bad[i] = static_cast<char>(bad[i] ^ 0x10);
+            write_file(file, bad);
+            CAPTURE(i);
+            CHECK_THROWS_AS((void)read_checkpoint(file), Error);
+        }
+        for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{20}, good.size() - 1}) {
+            write_file(file, good.substr(0, size));
+            CHECK_THROWS_AS((void)read_checkpoint(file), Error);
+        }
+        saved.version = "0.0.0-other";
+        write_checkpoint(file, saved);
         CHECK_THROWS_AS((void)read_checkpoint(file), Error);
     }
-    for (const std::size_t size : {std::size_t{0}, std::size_t{7}, std::size_t{20}, good.size() - 1}) {
-        write_file(file, good.substr(0, size));
-        CHECK_THROWS_AS((void)read_checkpoint(file), Error);
+
+    TEST_CASE("property: a number that is not finite is an empty field and a null, and the summary says so")
+    {
+        const TempFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        World world(make_setup(scene));
+        const RepairReport none;
+        Recorder recorder(scene, none, world, folder.path / "run");
+        for (int k = 0; k < 4; ++k) {
+            const StepReport report = step(world, scene.dt);
+            REQUIRE_FALSE(report.failed());
+            if (k == 3) world.rod(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
+            recorder.stepped(world, report, 0.001);
+        }
+        const auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Stopped, 0.1));
+        const std::string table = read_file(folder.path / "run" / "wire.csv");
+        const std::size_t row = table.find('\n') + 1;
+        CHECK(table.substr(row, 3) == "0,,");
+        CHECK(table.find("nan") == std::string::npos);
+        REQUIRE(summary["warnings"].size() == 1);
+        CHECK(summary["warnings"][0].get<std::string>().find("2 numbers were not finite") !=
+              std::string::npos);  // in the trace and in wire.csv
+        CHECK(summary["status"] == "stopped");
     }
-    saved.version = "0.0.0-other";
-    write_checkpoint(file, saved);
-    CHECK_THROWS_AS((void)read_checkpoint(file), Error);
-}
 
-TEST_CASE("property: a number that is not finite is an empty field and a null, and the summary says so") {
-    const TempFolder folder;
-    const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
-    World world(make_setup(scene));
-    const RepairReport none;
-    Recorder recorder(scene, none, world, folder.path / "run");
-    for (int k = 0; k < 4; ++k) {
-        const StepReport report = step(world, scene.dt);
-        REQUIRE_FALSE(report.failed());
-        if (k == 3) world.rod(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
-        recorder.stepped(world, report, 0.001);
+    TEST_CASE("property: the last step is recorded even when it is not due")
+    {
+        const TempFolder folder;
+        const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
+        World world(make_setup(scene));
+        const RepairReport none;
+        Recorder recorder(scene, none, world, folder.path / "run");
+        for (int k = 0; k < 10; ++k) recorder.stepped(world, step(world, scene.dt), 0.001);
+        (void)recorder.finish(world, RunStatus::Done, 0.1);
+        const std::string trace = read_file(folder.path / "run" / "trace.csv");
+        CHECK(std::count(trace.begin(), trace.end(), '\n') == 4);  // header, steps 4, 8 and 10
+        CHECK(trace.find("\n10,") != std::string::npos);
+        CHECK(read_checkpoint(folder.path / "run" / "checkpoint.bin").status == RunStatus::Done);
     }
-    const auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Stopped, 0.1));
-    const std::string table = read_file(folder.path / "run" / "wire.csv");
-    const std::size_t row = table.find('\n') + 1;
-    CHECK(table.substr(row, 3) == "0,,");
-    CHECK(table.find("nan") == std::string::npos);
-    REQUIRE(summary["warnings"].size() == 1);
-    CHECK(summary["warnings"][0].get<std::string>().find("2 numbers were not finite") != std::string::npos);  // in the trace and in wire.csv
-    CHECK(summary["status"] == "stopped");
-}
-
-TEST_CASE("property: the last step is recorded even when it is not due") {
-    const TempFolder folder;
-    const Scene scene = read_scene_text(hanging, folder.path / "scene-file.toml");
-    World world(make_setup(scene));
-    const RepairReport none;
-    Recorder recorder(scene, none, world, folder.path / "run");
-    for (int k = 0; k < 10; ++k) recorder.stepped(world, step(world, scene.dt), 0.001);
-    (void)recorder.finish(world, RunStatus::Done, 0.1);
-    const std::string trace = read_file(folder.path / "run" / "trace.csv");
-    CHECK(std::count(trace.begin(), trace.end(), '\n') == 4);  // header, steps 4, 8 and 10
-    CHECK(trace.find("\n10,") != std::string::npos);
-    CHECK(read_checkpoint(folder.path / "run" / "checkpoint.bin").status == RunStatus::Done);
-}
-
 }

@@ -147,15 +147,16 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"output.wire_every=-1"}, "output.wire_every: expected"});
         check_mistake({good, {"integrator.conserve=1"}, "integrator.conserve: expected true or false"});
         check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: is Newmark's"});
-        check_mistake({good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
+        check_mistake(
+            {good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
     }
 
     TEST_CASE("property: a word that is none of the choices is answered with the choices")
     {
         check_mistake(
             {good, {"contact.detection=rays"}, "expected one of \"swept\", \"capsule\", \"layer\", \"nodes\", got 'rays'"});
-        for (const auto key : {"scene.until", "scene.start", "wire.rest", "wire.curvature", "integrator.scheme", "integrator.spins", "contact.normal",
-                               "contact.friction", "vessel.shape"})
+        for (const auto key : {"scene.until", "scene.start", "wire.rest", "wire.curvature", "integrator.scheme",
+                               "integrator.spins", "contact.normal", "contact.friction", "vessel.shape"})
             check_mistake({good, {std::string(key) + "=nonsense"}, std::string(key) + ": expected one of"});
         check_mistake({good, {"contact.stiffness=soft"}, "contact.stiffness: expected \"from-wall\" or a number"});
         check_mistake({good, {"wire.nodes=some"}, "wire.nodes: expected a whole number"});
@@ -241,8 +242,10 @@ TEST_SUITE("scene/scene_errors")
                 check_mistake({good, {asked, "integrator.scheme=" + scheme}, key + " is solved by Newton's method"});
         }
         check_mistake({good, {"contact.overlap_m=0"}, "contact.overlap_m: expected a number above 0"});
-        check_mistake({good, {"contact.overlap_m=0.001"}, "contact.overlap_m: 0.001 m is more than a quarter of the wire's radius"});
-        check_mistake({good, {"contact.barrier_distance_m=0.001"},
+        check_mistake(
+            {good, {"contact.overlap_m=0.001"}, "contact.overlap_m: 0.001 m is more than a quarter of the wire's radius"});
+        check_mistake({good,
+                       {"contact.barrier_distance_m=0.001"},
                        "contact.barrier_distance_m: 0.001 m is more than a tenth of the wire's radius"});
     }
 

@@ -49,7 +49,8 @@ nodes = 21
 [feed]
 {}
 keys = [ {{t_s = 0.0, advance_m = 0.0}}, {{t_s = 1.0, advance_m = 0.02}} ]
-)", vessel, feed);
+)",
+                       vessel, feed);
 }
 
 std::string message_of(const std::string& text)
@@ -67,83 +68,91 @@ const char* const arc = "shape = \"arc\"\nradius_m = 0.005\nbend_radius_m = 0.04
 
 }  // namespace
 
-TEST_SUITE("scene/scene_setup") {
-
-TEST_CASE("property: a mesh in the wrong unit is refused with the one that fits") {
-    for (const std::string right : {"m", "mm", "um"})
-        for (const std::string said : {"m", "mm", "um"}) {
-            CAPTURE(right);
-            CAPTURE(said);
-            const TubeFile file(right);
-            const std::string message =
-                message_of(scene_text(fmt::format("mesh = \"{}\"\nunits = \"{}\"", file.path.string(), said), "inlet = \"auto\""));
-            if (said == right) {
-                CHECK(message == "");
-                continue;
+TEST_SUITE("scene/scene_setup")
+{
+    TEST_CASE("property: a mesh in the wrong unit is refused with the one that fits")
+    {
+        for (const std::string right : {"m", "mm", "um"})
+            for (const std::string said : {"m", "mm", "um"}) {
+                CAPTURE(right);
+                CAPTURE(said);
+                const TubeFile file(right);
+                const std::string message = message_of(
+                    scene_text(fmt::format("mesh = \"{}\"\nunits = \"{}\"", file.path.string(), said), "inlet = \"auto\""));
+                if (said == right) {
+                    CHECK(message == "");
+                    continue;
+                }
+                CHECK(message.find("vessel.units") != std::string::npos);
+                CHECK(message.find(fmt::format("units = \"{}\" would fit", right)) != std::string::npos);
             }
-            CHECK(message.find("vessel.units") != std::string::npos);
-            CHECK(message.find(fmt::format("units = \"{}\" would fit", right)) != std::string::npos);
-        }
-}
+    }
 
-TEST_CASE("property: a generated vessel of impossible size names its radius") {
-    CHECK(message_of(scene_text("shape = \"tube\"\nradius_m = 5.0\nlength_m = 60.0", "inlet = \"auto\"")).find("vessel.radius_m") != std::string::npos);
-}
+    TEST_CASE("property: a generated vessel of impossible size names its radius")
+    {
+        CHECK(message_of(scene_text("shape = \"tube\"\nradius_m = 5.0\nlength_m = 60.0", "inlet = \"auto\""))
+                  .find("vessel.radius_m") != std::string::npos);
+    }
 
-TEST_CASE("analytic: the distance of a feed point outside the lumen is named") {
-    // 2.5 mm beyond a wall of 5 mm; the facets of 20,000 triangles lie inside it by under 10 um
-    const std::string message = message_of(scene_text(arc, "point = [0.01, 0.0, 0.0075]\ndirection = [1.0, 0.0, 0.0]"));
-    CAPTURE(message);
-    CHECK(message.find("feed.point") != std::string::npos);
-    CHECK(message.find("2.5 mm outside the lumen") != std::string::npos);
-    const std::string before = message_of(scene_text(arc, "point = [-0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
-    CHECK(before.find("beyond opening") != std::string::npos);
-}
+    TEST_CASE("analytic: the distance of a feed point outside the lumen is named")
+    {
+        // 2.5 mm beyond a wall of 5 mm; the facets of 20,000 triangles lie inside it by under 10 um
+        const std::string message = message_of(scene_text(arc, "point = [0.01, 0.0, 0.0075]\ndirection = [1.0, 0.0, 0.0]"));
+        CAPTURE(message);
+        CHECK(message.find("feed.point") != std::string::npos);
+        CHECK(message.find("2.5 mm outside the lumen") != std::string::npos);
+        const std::string before = message_of(scene_text(arc, "point = [-0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]"));
+        CHECK(before.find("beyond opening") != std::string::npos);
+    }
 
-TEST_CASE("property: a point inside, on an opening, or beside a plane is accepted") {
-    for (const char* point : {"[0.01, 0.0, 0.0]", "[0.0, 0.0, 0.0]", "[0.0, 0.002, -0.003]"})
-        CHECK(message_of(scene_text(arc, fmt::format("point = {}\ndirection = [1.0, 0.0, 0.0]", point))) == "");
-    CHECK(message_of(scene_text("shape = \"plane\"\nsize_m = 1.0", "point = [0.0, 0.0, -0.3]\ndirection = [1.0, 0.0, 0.0]")) == "");
-}
+    TEST_CASE("property: a point inside, on an opening, or beside a plane is accepted")
+    {
+        for (const char* point : {"[0.01, 0.0, 0.0]", "[0.0, 0.0, 0.0]", "[0.0, 0.002, -0.003]"})
+            CHECK(message_of(scene_text(arc, fmt::format("point = {}\ndirection = [1.0, 0.0, 0.0]", point))) == "");
+        CHECK(message_of(
+                  scene_text("shape = \"plane\"\nsize_m = 1.0", "point = [0.0, 0.0, -0.3]\ndirection = [1.0, 0.0, 0.0]")) == "");
+    }
 
-TEST_CASE("property: inlet = auto lies in the lumen and points into it") {
-    const WorldSetup setup = make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"));
-    const FeedSpec& feed = setup.wires[0].feed;
-    CHECK(feed.direction.norm() == doctest::Approx(1));
-    RepairReport report;
-    (void)make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"), -1, &report);
-    REQUIRE(report.loops.size() == 2);
-    const LumenQuery lumen(setup.mesh, report.loops);
-    CHECK(lumen.inside(feed.point));
-    CHECK(lumen.signed_distance(feed.point + 0.005 * feed.direction) > 0.0045);
-    CHECK_FALSE(lumen.inside(feed.point - 0.005 * feed.direction));
-}
+    TEST_CASE("property: inlet = auto lies in the lumen and points into it")
+    {
+        const WorldSetup setup = make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"));
+        const FeedSpec& feed = setup.wires[0].feed;
+        CHECK(feed.direction.norm() == doctest::Approx(1));
+        RepairReport report;
+        (void)make_setup(read_scene_text(scene_text(arc, "inlet = \"auto\""), "/tmp/case.toml"), -1, &report);
+        REQUIRE(report.loops.size() == 2);
+        const LumenQuery lumen(setup.mesh, report.loops);
+        CHECK(lumen.inside(feed.point));
+        CHECK(lumen.signed_distance(feed.point + 0.005 * feed.direction) > 0.0045);
+        CHECK_FALSE(lumen.inside(feed.point - 0.005 * feed.direction));
+    }
 
-
-TEST_CASE("property: a wire placed through the wall is refused, with the node and its depth") {
-    const auto placed = [](const std::string& vessel, const std::string& place) {
-        std::string text = scene_text(vessel, "");
-        text = text.substr(0, text.find("[feed]"));
-        const std::string nodes = "nodes = 21\n";
-        text.insert(text.find(nodes) + nodes.size(), "place = " + place + "\n");
-        return message_of(text);
-    };
-    const std::string tube = "shape = \"tube\"\nradius_m = 0.005\nlength_m = 0.2\ntriangles = 4000";
-    CHECK(placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
-    // out through the far opening: free
-    CHECK(placed(tube, "{ shape = \"straight\", base = [0.15, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
-    // the tip, 0.1 m on at 1 : 10, is some 10 mm up, 5 mm beyond the wall
-    const std::string through = placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.1] }");
-    CAPTURE(through);
-    CHECK(through.find("wire.place: node 0, 0 mm from the tip") != std::string::npos);
-    CHECK(through.find(" is 4.9") != std::string::npos);
-    CHECK(through.find("mm beyond the wall") != std::string::npos);
-    const std::string plane = "shape = \"plane\"\norigin = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.3\ntriangles = 400";
-    CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, 0.001], direction = [1.0, 0.0, 0.0] }").empty());
-    CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, -0.001], direction = [1.0, 0.0, 0.0] }").find("1 mm beyond the wall") !=
-          std::string::npos);
-    // beside and below the plane's edge there is no wall
-    CHECK(placed(plane, "{ shape = \"straight\", base = [0.2, 0.0, -0.01], direction = [1.0, 0.0, 0.0] }").empty());
-}
-
+    TEST_CASE("property: a wire placed through the wall is refused, with the node and its depth")
+    {
+        const auto placed = [](const std::string& vessel, const std::string& place) {
+            std::string text = scene_text(vessel, "");
+            text = text.substr(0, text.find("[feed]"));
+            const std::string nodes = "nodes = 21\n";
+            text.insert(text.find(nodes) + nodes.size(), "place = " + place + "\n");
+            return message_of(text);
+        };
+        const std::string tube = "shape = \"tube\"\nradius_m = 0.005\nlength_m = 0.2\ntriangles = 4000";
+        CHECK(placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
+        // out through the far opening: free
+        CHECK(placed(tube, "{ shape = \"straight\", base = [0.15, 0.0, 0.0], direction = [1.0, 0.0, 0.0] }").empty());
+        // the tip, 0.1 m on at 1 : 10, is some 10 mm up, 5 mm beyond the wall
+        const std::string through =
+            placed(tube, "{ shape = \"straight\", base = [0.05, 0.0, 0.0], direction = [1.0, 0.0, 0.1] }");
+        CAPTURE(through);
+        CHECK(through.find("wire.place: node 0, 0 mm from the tip") != std::string::npos);
+        CHECK(through.find(" is 4.9") != std::string::npos);
+        CHECK(through.find("mm beyond the wall") != std::string::npos);
+        const std::string plane =
+            "shape = \"plane\"\norigin = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.3\ntriangles = 400";
+        CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, 0.001], direction = [1.0, 0.0, 0.0] }").empty());
+        CHECK(placed(plane, "{ shape = \"straight\", base = [0.0, 0.0, -0.001], direction = [1.0, 0.0, 0.0] }")
+                  .find("1 mm beyond the wall") != std::string::npos);
+        // beside and below the plane's edge there is no wall
+        CHECK(placed(plane, "{ shape = \"straight\", base = [0.2, 0.0, -0.01], direction = [1.0, 0.0, 0.0] }").empty());
+    }
 }

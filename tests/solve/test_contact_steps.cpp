@@ -133,90 +133,95 @@ Run push_over_floor(double mu, double limit, double h, int steps)
 
 }  // namespace
 
-TEST_SUITE("solve/contact_steps") {
-
-// contact is evaluated as rarely with much friction as with little
-TEST_CASE("property: pushing over a rough floor takes a few evaluations a step, whatever the friction") {
-    for (const double mu : {0.0, 0.1, 0.48}) {
-        CAPTURE(mu);
-        const Run run = push_over_floor(mu, std::numeric_limits<double>::infinity(), 1e-3, 200);
-        MESSAGE("mu " << mu << ": " << run.mean_evaluations << " evaluations a step, at most " << run.worst);
-        CHECK(run.mean_evaluations < 4);
-        CHECK(run.worst < 20);
-        CHECK(run.tip.x() == about(0.11).epsilon(0.01));
+TEST_SUITE("solve/contact_steps")
+{
+    // contact is evaluated as rarely with much friction as with little
+    TEST_CASE("property: pushing over a rough floor takes a few evaluations a step, whatever the friction")
+    {
+        for (const double mu : {0.0, 0.1, 0.48}) {
+            CAPTURE(mu);
+            const Run run = push_over_floor(mu, std::numeric_limits<double>::infinity(), 1e-3, 200);
+            MESSAGE("mu " << mu << ": " << run.mean_evaluations << " evaluations a step, at most " << run.worst);
+            CHECK(run.mean_evaluations < 4);
+            CHECK(run.worst < 20);
+            CHECK(run.tip.x() == about(0.11).epsilon(0.01));
+        }
     }
-}
 
-TEST_CASE("property: a limit on the move of one update changes the path of the solve, not its result") {
-    const Run free = push_over_floor(0.1, std::numeric_limits<double>::infinity(), 1e-3, 30);
-    const Run limited = push_over_floor(0.1, 1e-5, 1e-3, 30);
-    CHECK(limited.mean_evaluations > free.mean_evaluations + 1);
-    // both are within the tolerance of the same equations: 1e-6 of the weight on what bends under it
-    CHECK((free.tip - limited.tip).norm() < 1e-7);
-}
-
-// 1 m/s down: the predictor is 1 mm deep and forbidden, the state found is not
-TEST_CASE("property: a forbidden trial is backed out of, and the wire comes to rest above the limit") {
-    Rig rig(nitinol(0.1), 21);
-    for (int i = 0; i < 21; ++i) {
-        rig.rod().set_vel(i, {0, 0, -1});
-        rig.rod().set_pos(i, rig.rod().pos(i) + Vec3(0, 0, 2e-4));
+    TEST_CASE("property: a limit on the move of one update changes the path of the solve, not its result")
+    {
+        const Run free = push_over_floor(0.1, std::numeric_limits<double>::infinity(), 1e-3, 30);
+        const Run limited = push_over_floor(0.1, 1e-5, 1e-3, 30);
+        CHECK(limited.mean_evaluations > free.mean_evaluations + 1);
+        // both are within the tolerance of the same equations: 1e-6 of the weight on what bends under it
+        CHECK((free.tip - limited.tip).norm() < 1e-7);
     }
-    rig.integrate_with({}, {0, 0, -9.81});
-    Floor floor(rig.rods, 0.1);
-    floor.deepest = 2e-4;
-    for (int k = 0; k < 100; ++k) {
+
+    // 1 m/s down: the predictor is 1 mm deep and forbidden, the state found is not
+    TEST_CASE("property: a forbidden trial is backed out of, and the wire comes to rest above the limit")
+    {
+        Rig rig(nitinol(0.1), 21);
+        for (int i = 0; i < 21; ++i) {
+            rig.rod().set_vel(i, {0, 0, -1});
+            rig.rod().set_pos(i, rig.rod().pos(i) + Vec3(0, 0, 2e-4));
+        }
+        rig.integrate_with({}, {0, 0, -9.81});
+        Floor floor(rig.rods, 0.1);
+        floor.deepest = 2e-4;
+        for (int k = 0; k < 100; ++k) {
+            REQUIRE(rig.step(1e-3, &floor));
+            floor.commit();
+            for (int i = 0; i < 21; ++i) REQUIRE(rig.rod().z[i] >= -2e-4);
+        }
+        CHECK(rig.rod().z[10] > -2e-4);
+    }
+
+    /// Forces that jump at every evaluation: no residual is ever small.
+    class Noise : public ContactTerm {
+    public:
+        void evaluate(const TrialState&, double, std::span<const std::uint8_t>) override { sign_ = -sign_; }
+        bool admissible(int) const override { return true; }
+        bool unsymmetric(int) const override { return false; }
+        double largest_force(int) const override { return 0; }
+        double move_limit(int) const override { return INFINITY; }
+        void add(int, std::span<double> gradient, BandMatrix*, bool) const override { gradient[22] += sign_ * 1e-3; }
+
+    private:
+        double sign_ = 1;
+    };
+
+    TEST_CASE("regression: a step that ends at its best effort says so, and the next one is solved as ever")
+    {
+        Rig rig(nitinol(0.1), 21);
+        rig.hold({clamp_base()});
+        rig.integrate_with({}, {0, 0, -9.81});
+        Noise noise;
+        CHECK_FALSE(rig.step(1e-3, &noise));
+        rig.solver->set_best_effort(true);
+        CHECK(rig.step(1e-3, &noise));
+        CHECK(rig.reports[0].best_effort);
+        CHECK(rig.reports[0].residual > rig.reports[0].tolerance);
+        rig.solver->set_best_effort(false);
+        CHECK(rig.step(1e-3));
+        CHECK_FALSE(rig.reports[0].best_effort);
+        CHECK(rig.reports[0].residual <= rig.reports[0].tolerance);
+    }
+
+    // weight per metre over the floor's stiffness: (rho A g l/k)^(2/3) under every inner node of a wire too soft to carry the
+    // ends' half nodes further than (4 B l/k')^(1/4) = 1.4 mm, k' = 1.5 k sqrt(depth)
+    TEST_CASE("analytic: at rest every node carries its own weight")
+    {
+        WireSpec soft = nitinol(0.1);
+        soft.shaft.bend_stiffness = soft.shaft.twist_stiffness = 1e-9;
+        Rig rig(soft, 21);
+        rig.integrate_with({}, {0, 0, -9.81});
+        Floor floor(rig.rods, 0.1);
+        REQUIRE(rig.settle(&floor));
+        const double depth = std::pow(rig.rod().mass[10] * 9.81 / floor.stiffness, 2.0 / 3);
+        CHECK(-rig.rod().z[10] == about(depth).epsilon(1e-4));
+        // and a step from there needs one look at the contact
+        rig.time = 0;
         REQUIRE(rig.step(1e-3, &floor));
-        floor.commit();
-        for (int i = 0; i < 21; ++i) REQUIRE(rig.rod().z[i] >= -2e-4);
+        CHECK(rig.reports[0].evaluations <= 2);
     }
-    CHECK(rig.rod().z[10] > -2e-4);
-}
-
-/// Forces that jump at every evaluation: no residual is ever small.
-class Noise : public ContactTerm {
-public:
-    void evaluate(const TrialState&, double, std::span<const std::uint8_t>) override { sign_ = -sign_; }
-    bool admissible(int) const override { return true; }
-    bool unsymmetric(int) const override { return false; }
-    double largest_force(int) const override { return 0; }
-    double move_limit(int) const override { return INFINITY; }
-    void add(int, std::span<double> gradient, BandMatrix*, bool) const override { gradient[22] += sign_ * 1e-3; }
-
-private:
-    double sign_ = 1;
-};
-
-TEST_CASE("regression: a step that ends at its best effort says so, and the next one is solved as ever") {
-    Rig rig(nitinol(0.1), 21);
-    rig.hold({clamp_base()});
-    rig.integrate_with({}, {0, 0, -9.81});
-    Noise noise;
-    CHECK_FALSE(rig.step(1e-3, &noise));
-    rig.solver->set_best_effort(true);
-    CHECK(rig.step(1e-3, &noise));
-    CHECK(rig.reports[0].best_effort);
-    CHECK(rig.reports[0].residual > rig.reports[0].tolerance);
-    rig.solver->set_best_effort(false);
-    CHECK(rig.step(1e-3));
-    CHECK_FALSE(rig.reports[0].best_effort);
-    CHECK(rig.reports[0].residual <= rig.reports[0].tolerance);
-}
-
-// weight per metre over the floor's stiffness: (rho A g l/k)^(2/3) under every inner node of a wire too soft to carry the ends' half
-// nodes further than (4 B l/k')^(1/4) = 1.4 mm, k' = 1.5 k sqrt(depth)
-TEST_CASE("analytic: at rest every node carries its own weight") {
-    WireSpec soft = nitinol(0.1);
-    soft.shaft.bend_stiffness = soft.shaft.twist_stiffness = 1e-9;
-    Rig rig(soft, 21);
-    rig.integrate_with({}, {0, 0, -9.81});
-    Floor floor(rig.rods, 0.1);
-    REQUIRE(rig.settle(&floor));
-    const double depth = std::pow(rig.rod().mass[10] * 9.81 / floor.stiffness, 2.0 / 3);
-    CHECK(-rig.rod().z[10] == about(depth).epsilon(1e-4));
-    // and a step from there needs one look at the contact
-    rig.time = 0;
-    REQUIRE(rig.step(1e-3, &floor));
-    CHECK(rig.reports[0].evaluations <= 2);
-}
 }

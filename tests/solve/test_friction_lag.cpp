@@ -1,5 +1,5 @@
-// A wire turned at its base while a wall holds it back all along: how much torque that takes, how far the tip lags, and the dead band
-// when the turning is reversed. Contact and friction are those of the engine, on a plane.
+// A wire turned at its base while a wall holds it back all along: how much torque that takes, how far the tip lags, and the dead
+// band when the turning is reversed. Contact and friction are those of the engine, on a plane.
 #include "contact/contact_system.h"
 #include "solve/wire_fixture.h"
 #include "vessel/shapes.h"
@@ -17,8 +17,8 @@ struct Turned {
     double base, tip, torque;  // [rad], [rad], [N m]
 };
 
-/// A wire on a plane that presses on it by `pressure` per metre, in nodes that are held sideways so that it turns in place instead of
-/// rolling off; turned at its base by a millirad a step, `forth` and then `back`.
+/// A wire on a plane that presses on it by `pressure` per metre, in nodes that are held sideways so that it turns in place
+/// instead of rolling off; turned at its base by a millirad a step, `forth` and then `back`.
 std::vector<Turned> turn_on_plane(int forth, int back)
 {
     WorldSetup setup;
@@ -69,28 +69,29 @@ std::vector<Turned> turn_on_plane(int forth, int back)
 
 }  // namespace
 
-TEST_SUITE("solve/friction_lag") {
-
-// A friction moment m = mu p r per metre: torque m L at the base, twist rate m s/C, so the tip lags by m L^2/(2 C). Turned back, the
-// moment reverses from the base on, and the tip moves again when that has come all the way: twice the lag later.
-TEST_CASE("analytic: torque to turn a wire against friction, lag of its tip, dead band on reversal") {
-    const int forth = 200, back = 150;
-    const std::vector<Turned> trace = turn_on_plane(forth, back);
-    const double moment = mu * pressure * radius, torque = moment * length, lag = torque * length / (2 * twist_stiffness);
-    REQUIRE(torque == about(1.068e-5).epsilon(1e-9));
-    REQUIRE(lag == about(0.038142857142857145).epsilon(1e-9));
-    const Turned& turning = trace[forth - 1];
-    MESSAGE("torque " << turning.torque / torque - 1 << ", lag " << (turning.base - turning.tip) / lag - 1 << " off");
-    CHECK(turning.torque == about(torque).epsilon(0.01));
-    CHECK(turning.base - turning.tip == about(lag).epsilon(0.01));
-    int follows = forth;  // first step at which the tip has come back by a hundredth of the lag
-    while (follows < forth + back - 1 && trace[follows].tip > turning.tip - 0.01 * lag) ++follows;
-    const double band = turning.base - trace[follows].base;
-    MESSAGE("dead band " << band / (2 * lag) - 1 << " off");
-    // found to a millirad, 1.3 %, and the tip's hundredth comes 0.5 % late
-    CHECK(band == about(2 * lag).epsilon(0.03));
-    const Turned& end = trace.back();
-    CHECK(end.torque == about(-torque).epsilon(0.01));
-    CHECK(end.tip - end.base == about(lag).epsilon(0.01));
-}
+TEST_SUITE("solve/friction_lag")
+{
+    // A friction moment m = mu p r per metre: torque m L at the base, twist rate m s/C, so the tip lags by m L^2/(2 C). Turned
+    // back, the moment reverses from the base on, and the tip moves again when that has come all the way: twice the lag later.
+    TEST_CASE("analytic: torque to turn a wire against friction, lag of its tip, dead band on reversal")
+    {
+        const int forth = 200, back = 150;
+        const std::vector<Turned> trace = turn_on_plane(forth, back);
+        const double moment = mu * pressure * radius, torque = moment * length, lag = torque * length / (2 * twist_stiffness);
+        REQUIRE(torque == about(1.068e-5).epsilon(1e-9));
+        REQUIRE(lag == about(0.038142857142857145).epsilon(1e-9));
+        const Turned& turning = trace[forth - 1];
+        MESSAGE("torque " << turning.torque / torque - 1 << ", lag " << (turning.base - turning.tip) / lag - 1 << " off");
+        CHECK(turning.torque == about(torque).epsilon(0.01));
+        CHECK(turning.base - turning.tip == about(lag).epsilon(0.01));
+        int follows = forth;  // first step at which the tip has come back by a hundredth of the lag
+        while (follows < forth + back - 1 && trace[follows].tip > turning.tip - 0.01 * lag) ++follows;
+        const double band = turning.base - trace[follows].base;
+        MESSAGE("dead band " << band / (2 * lag) - 1 << " off");
+        // found to a millirad, 1.3 %, and the tip's hundredth comes 0.5 % late
+        CHECK(band == about(2 * lag).epsilon(0.03));
+        const Turned& end = trace.back();
+        CHECK(end.torque == about(-torque).epsilon(0.01));
+        CHECK(end.tip - end.base == about(lag).epsilon(0.01));
+    }
 }

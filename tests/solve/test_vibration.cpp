@@ -59,8 +59,8 @@ IntegratorSpec conserving()
 }
 
 struct Swing {
-    double frequency = 0;     // from the first to the last upward crossing of the tip [Hz]
-    double drift = 0;         // largest deviation of the energy from that at the start, relative
+    double frequency = 0;  // from the first to the last upward crossing of the tip [Hz]
+    double drift = 0;      // largest deviation of the energy from that at the start, relative
 };
 
 Swing swing(Rig& rig, const Wire& wire, const IntegratorSpec& spec, int mode, int steps_per_period, int periods)
@@ -108,44 +108,48 @@ Swing pluck(const Wire& wire, int edges, const IntegratorSpec& spec, double ampl
 
 }  // namespace
 
-TEST_SUITE("solve/vibration") {
-
-// (w h)^2/12 of period with 100 steps, 3.3e-4, and lumped masses with 100 edges: 8e-5, 4e-4 and 9e-4 in modes 1 to 3; all lower it
-TEST_CASE("analytic: the first three frequencies of two wires from the motion of the tip, within 0.3 %") {
-    constexpr double discrete[3] = {0.999915389292346, 0.999570714632406, 0.9990951231740524};
-    for (const Wire& wire : wires)
-        for (const bool conserve : {false, true})
-            for (int mode = 0; mode < 3; ++mode) {
-                CAPTURE(wire.name);
-                CAPTURE(mode);
-                const int steps = 100;
-                const IntegratorSpec spec = conserve ? conserving() : trapezoid();
-                const Swing s = swing_in_mode(wire, 100, spec, mode, 1e-4 * wire.spec.length, steps, 3);
-                CHECK(s.frequency == about(wire.frequency[mode]).epsilon(0.003));
-                const double x = pi / steps;  // w h/2
-                // the mode of the continuous wire is not quite the chain's: what it has of the others, some 1e-3 (h^2 of a mode's
-                // curvature), moves crossings by that over 2 pi of a period
-                CHECK(s.frequency == about(wire.frequency[mode] * discrete[mode] * std::atan(x) / x).epsilon(8e-4));
-            }
-}
-
-// amplitude 2e-4 L: bending is linear there, and the trapezoid keeps the energy of a linear wire
-TEST_CASE("property: the trapezoid keeps small vibrations' energy to 0.1 % over 100 periods") {
-    for (const Wire& wire : wires) {
-        CAPTURE(wire.name);
-        const Swing s = pluck(wire, 40, trapezoid(), 2e-4 * wire.spec.length, 60, 100);
-        MESSAGE(wire.name << ": trapezoid, 2e-4 L, 100 periods: energy within " << s.drift);
-        CHECK(s.drift < 1e-3);
+TEST_SUITE("solve/vibration")
+{
+    // (w h)^2/12 of period with 100 steps, 3.3e-4, and lumped masses with 100 edges: 8e-5, 4e-4 and 9e-4 in modes 1 to 3; all
+    // lower it
+    TEST_CASE("analytic: the first three frequencies of two wires from the motion of the tip, within 0.3 %")
+    {
+        constexpr double discrete[3] = {0.999915389292346, 0.999570714632406, 0.9990951231740524};
+        for (const Wire& wire : wires)
+            for (const bool conserve : {false, true})
+                for (int mode = 0; mode < 3; ++mode) {
+                    CAPTURE(wire.name);
+                    CAPTURE(mode);
+                    const int steps = 100;
+                    const IntegratorSpec spec = conserve ? conserving() : trapezoid();
+                    const Swing s = swing_in_mode(wire, 100, spec, mode, 1e-4 * wire.spec.length, steps, 3);
+                    CHECK(s.frequency == about(wire.frequency[mode]).epsilon(0.003));
+                    const double x = pi / steps;  // w h/2
+                    // the mode of the continuous wire is not quite the chain's: what it has of the others, some 1e-3 (h^2 of a
+                    // mode's curvature), moves crossings by that over 2 pi of a period
+                    CHECK(s.frequency == about(wire.frequency[mode] * discrete[mode] * std::atan(x) / x).epsilon(8e-4));
+                }
     }
-}
 
-// at a hundred times that amplitude the trapezoid blows up with 120 steps a period and fewer (map in docs/validation.md)
-TEST_CASE("property: energy-momentum steps keep large vibrations' energy too, over 100 periods") {
-    for (const Wire& wire : wires) {
-        CAPTURE(wire.name);
-        const Swing s = pluck(wire, 40, conserving(), 0.02 * wire.spec.length, 30, 100);
-        MESSAGE(wire.name << ": energy-momentum, 0.02 L, 100 periods: energy within " << s.drift);
-        CHECK(s.drift < 1e-5);  // the tolerance's work: 1e-9 B/L^2 a node and step against energies of B/L (0.02)^2
+    // amplitude 2e-4 L: bending is linear there, and the trapezoid keeps the energy of a linear wire
+    TEST_CASE("property: the trapezoid keeps small vibrations' energy to 0.1 % over 100 periods")
+    {
+        for (const Wire& wire : wires) {
+            CAPTURE(wire.name);
+            const Swing s = pluck(wire, 40, trapezoid(), 2e-4 * wire.spec.length, 60, 100);
+            MESSAGE(wire.name << ": trapezoid, 2e-4 L, 100 periods: energy within " << s.drift);
+            CHECK(s.drift < 1e-3);
+        }
     }
-}
+
+    // at a hundred times that amplitude the trapezoid blows up with 120 steps a period and fewer (map in docs/validation.md)
+    TEST_CASE("property: energy-momentum steps keep large vibrations' energy too, over 100 periods")
+    {
+        for (const Wire& wire : wires) {
+            CAPTURE(wire.name);
+            const Swing s = pluck(wire, 40, conserving(), 0.02 * wire.spec.length, 30, 100);
+            MESSAGE(wire.name << ": energy-momentum, 0.02 L, 100 periods: energy within " << s.drift);
+            CHECK(s.drift < 1e-5);  // the tolerance's work: 1e-9 B/L^2 a node and step against energies of B/L (0.02)^2
+        }
+    }
 }

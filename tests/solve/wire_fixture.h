@@ -44,8 +44,7 @@ inline Curve arc_towards_z(double radius)
 }
 
 /// With rest_is_placed rest lengths are the chords, so that the wire is free of stress as it lies.
-inline void place_nodes(const RodView& rod, const WireSpec& spec, const Curve& curve = straight,
-                        bool rest_is_placed = false)
+inline void place_nodes(const RodView& rod, const WireSpec& spec, const Curve& curve = straight, bool rest_is_placed = false)
 {
     const int n = rod.n;
     for (int i = 0; i < n; ++i) {

@@ -74,114 +74,113 @@ void check_edges(const RodView& rod, const WireSpec& spec, bool fed)
 
 }  // namespace
 
-TEST_SUITE("step/adapt_run") {
-
-// The force changes anyway while the wire goes in. What a change of nodes makes of it is the difference between going on with
-// it and going on from the same state without it.
-TEST_CASE("property: hand force over 20 ms is the same with and without a change of nodes, within max(1 %, 1 mN)")
+TEST_SUITE("step/adapt_run")
 {
-    World world(arc_setup(0.1, 2)), twin(arc_setup(0.1, 2));
-    int changes = 0;
-    double largest = 0, worst = 0;
-    for (int k = 0; k < 1400; ++k) {
-        step_stages_of(world, 1e-3, false);
-        const bool started = world.rod(0).n > 2;
-        const std::vector<std::uint8_t> before = world.save_state();
+    // The force changes anyway while the wire goes in. What a change of nodes makes of it is the difference between going on with
+    // it and going on from the same state without it.
+    TEST_CASE("property: hand force over 20 ms is the same with and without a change of nodes, within max(1 %, 1 mN)")
+    {
+        World world(arc_setup(0.1, 2)), twin(arc_setup(0.1, 2));
+        int changes = 0;
+        double largest = 0, worst = 0;
+        for (int k = 0; k < 1400; ++k) {
+            step_stages_of(world, 1e-3, false);
+            const bool started = world.rod(0).n > 2;
+            const std::vector<std::uint8_t> before = world.save_state();
+            const int nodes = world.rod(0).n;
+            world.impl().steps--;  // as the stage sees it inside a step
+            adapt_nodes(world.impl(), 1e-3);
+            world.impl().steps++;
+            if (world.rod(0).n == nodes || !started) continue;
+            const std::vector<std::uint8_t> after = world.save_state();
+            twin.restore_state(before);
+            const double without = mean_force(twin, 20, false);
+            const double with = mean_force(world, 20, false);
+            world.restore_state(after);
+            CAPTURE(k);
+            CHECK(std::abs(with - without) <= std::max(0.01 * std::abs(without), 1e-3));  // design section 1
+            worst = std::max(worst, std::abs(with - without));
+            largest = std::max(largest, std::abs(without));
+            ++changes;
+            check_edges(world.rod(0), world.setup().wires[0].wire, true);
+        }
+        REQUIRE(changes >= 30);
+        REQUIRE(largest > 0.1);  // the wire is bent by the wall all along its way
+        MESSAGE(changes << " changes of nodes, hand force up to " << largest << " N, changed by at most " << worst << " N");
+    }
+
+    TEST_CASE("property: a run that is saved and restored while nodes come and go ends with the same bits")
+    {
+        World world(arc_setup(0.2, 1)), again(arc_setup(0.2, 1));
+        for (int k = 0; k < 450; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+        again.restore_state(world.save_state());
         const int nodes = world.rod(0).n;
-        world.impl().steps--;  // as the stage sees it inside a step
-        adapt_nodes(world.impl(), 1e-3);
-        world.impl().steps++;
-        if (world.rod(0).n == nodes || !started) continue;
-        const std::vector<std::uint8_t> after = world.save_state();
-        twin.restore_state(before);
-        const double without = mean_force(twin, 20, false);
-        const double with = mean_force(world, 20, false);
-        world.restore_state(after);
-        CAPTURE(k);
-        CHECK(std::abs(with - without) <= std::max(0.01 * std::abs(without), 1e-3));  // design section 1
-        worst = std::max(worst, std::abs(with - without));
-        largest = std::max(largest, std::abs(without));
-        ++changes;
-        check_edges(world.rod(0), world.setup().wires[0].wire, true);
+        int changes = 0;
+        for (int k = 0; k < 150; ++k) {
+            const int before = world.rod(0).n;
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            REQUIRE_FALSE(step(again, 1e-3).failed());
+            changes += world.rod(0).n != before;
+        }
+        REQUIRE(changes > 3);
+        CHECK(world.rod(0).n != nodes);
+        CHECK(world.state_hash() == again.state_hash());
     }
-    REQUIRE(changes >= 30);
-    REQUIRE(largest > 0.1);  // the wire is bent by the wall all along its way
-    MESSAGE(changes << " changes of nodes, hand force up to " << largest << " N, changed by at most " << worst << " N");
-}
 
-TEST_CASE("property: a run that is saved and restored while nodes come and go ends with the same bits")
-{
-    World world(arc_setup(0.2, 1)), again(arc_setup(0.2, 1));
-    for (int k = 0; k < 450; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
-    again.restore_state(world.save_state());
-    const int nodes = world.rod(0).n;
-    int changes = 0;
-    for (int k = 0; k < 150; ++k) {
-        const int before = world.rod(0).n;
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        REQUIRE_FALSE(step(again, 1e-3).failed());
-        changes += world.rod(0).n != before;
-    }
-    REQUIRE(changes > 3);
-    CHECK(world.rod(0).n != nodes);
-    CHECK(world.state_hash() == again.state_hash());
-}
-
-TEST_CASE("property: pushed in, pulled out: nodes go again, and what is inside is what was fed")
-{
-    WorldSetup setup = arc_setup(0.1, 1);
-    setup.wires[0].feed.keys = {{0, 0, 0}, {0.9, 0.09, 0}, {1.7, 0.01, 0}};
-    World world(std::move(setup));
-    int most = 0;
-    for (int k = 0; k < 1700; ++k) {
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        most = std::max(most, world.rod(0).n);
-    }
-    const RodView rod = world.rod(0);
-    const FeedState& feed = world.impl().feeds[0];
-    CHECK(most > 2 * rod.n);
-    CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.debt).epsilon(1e-9));
-    CHECK(std::abs(feed.debt) < 1e-6);  // drained by feeding either way
-}
-
-TEST_CASE("property: a wire that is not fed keeps its length, its held node and its point load while it is refined")
-{
-    WorldSetup setup;
-    WireSpec spec = steel_wire(0.2, 0);
-    WireSetup wire = placed_wire(spec, {0, 0, 0});
-    HoldSpec base, middle;
-    base.position = base.direction = true;
-    middle.at = {WirePoint::Kind::Distance, 0.12};
-    middle.position = true;
-    LoadSpec load;
-    load.at = {WirePoint::Kind::Distance, 0.06};
-    load.force = {0, 0, -0.02};
-    wire.holds = {base, middle};
-    wire.loads = {load};
-    setup.wires = {wire};
-    setup.integrator.damping_mass = 20;
-    World world(std::move(setup));
-    const double held = world.impl().holds[0].held_distances()[0];
-    const Vec3 at = world.rod(0).pos(world.impl().holds[0].node(1, world.rod(0)));
-    int changes = 0;
-    for (int k = 0; k < 2500; ++k) {
-        const int n = world.rod(0).n;
-        REQUIRE_FALSE(step(world, 1e-3).failed());
-        changes += world.rod(0).n != n;
+    TEST_CASE("property: pushed in, pulled out: nodes go again, and what is inside is what was fed")
+    {
+        WorldSetup setup = arc_setup(0.1, 1);
+        setup.wires[0].feed.keys = {{0, 0, 0}, {0.9, 0.09, 0}, {1.7, 0.01, 0}};
+        World world(std::move(setup));
+        int most = 0;
+        for (int k = 0; k < 1700; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            most = std::max(most, world.rod(0).n);
+        }
         const RodView rod = world.rod(0);
-        const int node = world.impl().holds[0].node(1, rod);
-        CAPTURE(k);
-        REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the debt is some micrometres
-        REQUIRE((rod.pos(node) - at).norm() < 1e-12);
+        const FeedState& feed = world.impl().feeds[0];
+        CHECK(most > 2 * rod.n);
+        CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.debt).epsilon(1e-9));
+        CHECK(std::abs(feed.debt) < 1e-6);  // drained by feeding either way
     }
-    REQUIRE(changes > 10);
-    const RodView rod = world.rod(0);
-    check_edges(rod, spec, false);
-    // paid to e^-t/0.05 s of the last change, and the last was long ago
-    CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));
-    CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].debt) < 1e-12);
-    // the load bends its surroundings, the straight rest is left alone
-    CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);
-}
 
+    TEST_CASE("property: a wire that is not fed keeps its length, its held node and its point load while it is refined")
+    {
+        WorldSetup setup;
+        WireSpec spec = steel_wire(0.2, 0);
+        WireSetup wire = placed_wire(spec, {0, 0, 0});
+        HoldSpec base, middle;
+        base.position = base.direction = true;
+        middle.at = {WirePoint::Kind::Distance, 0.12};
+        middle.position = true;
+        LoadSpec load;
+        load.at = {WirePoint::Kind::Distance, 0.06};
+        load.force = {0, 0, -0.02};
+        wire.holds = {base, middle};
+        wire.loads = {load};
+        setup.wires = {wire};
+        setup.integrator.damping_mass = 20;
+        World world(std::move(setup));
+        const double held = world.impl().holds[0].held_distances()[0];
+        const Vec3 at = world.rod(0).pos(world.impl().holds[0].node(1, world.rod(0)));
+        int changes = 0;
+        for (int k = 0; k < 2500; ++k) {
+            const int n = world.rod(0).n;
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            changes += world.rod(0).n != n;
+            const RodView rod = world.rod(0);
+            const int node = world.impl().holds[0].node(1, rod);
+            CAPTURE(k);
+            REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the debt is some micrometres
+            REQUIRE((rod.pos(node) - at).norm() < 1e-12);
+        }
+        REQUIRE(changes > 10);
+        const RodView rod = world.rod(0);
+        check_edges(rod, spec, false);
+        // paid to e^-t/0.05 s of the last change, and the last was long ago
+        CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));
+        CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].debt) < 1e-12);
+        // the load bends its surroundings, the straight rest is left alone
+        CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);
+    }
 }

@@ -126,8 +126,9 @@ TEST_SUITE("step/feed")
         CHECK(length_inside(world.rod(0)) == about(0.03).epsilon(1e-6));
     }
 
-    // A step of 20 ms moves 4 edges in and 3 out. The edges stay whole, the base edge within its limits, and the wire is where one
-    // that takes steps of a millisecond is: both are quasi-static, so what is left is the order of friction's path and Euler's damping.
+    // A step of 20 ms moves 4 edges in and 3 out. The edges stay whole, the base edge within its limits, and the wire is where
+    // one that takes steps of a millisecond is: both are quasi-static, so what is left is the order of friction's path and
+    // Euler's damping.
     TEST_CASE("property: more than an edge can be fed or pulled back in one step")
     {
         const auto end_of = [](double dt) {

@@ -22,71 +22,75 @@ WorldSetup sliding_wire(Precision precision)
 
 }  // namespace
 
-TEST_SUITE("step/float32") {
-
-TEST_CASE("twin: records go to a float32 device and come back, word by word") {
-    std::vector<TouchState> touches(3);
-    for (std::size_t k = 0; k < touches.size(); ++k) {
-        TouchState& t = touches[k];
-        t = {};
-        t.slip[0] = 1.5 + static_cast<double>(k);
-        t.moment = -0.25;
-        t.triangle = 4000000000u;  // not a real: must not be rounded
-        t.stamp = 16777217u + static_cast<uint>(k);
+TEST_SUITE("step/float32")
+{
+    TEST_CASE("twin: records go to a float32 device and come back, word by word")
+    {
+        std::vector<TouchState> touches(3);
+        for (std::size_t k = 0; k < touches.size(); ++k) {
+            TouchState& t = touches[k];
+            t = {};
+            t.slip[0] = 1.5 + static_cast<double>(k);
+            t.moment = -0.25;
+            t.triangle = 4000000000u;  // not a real: must not be rounded
+            t.stamp = 16777217u + static_cast<uint>(k);
+        }
+        std::vector<std::uint32_t> words;
+        narrow_words(record_words<TouchState>, touches.data(), touches.size(), words);
+        CHECK(words.size() == 3 * (18 + 4));
+        std::vector<TouchState> back(3);
+        widen_words(record_words<TouchState>, words.data(), back.size(), back.data());
+        for (std::size_t k = 0; k < touches.size(); ++k) {
+            CHECK(back[k].slip[0] == touches[k].slip[0]);
+            CHECK(back[k].moment == -0.25);
+            CHECK(back[k].triangle == 4000000000u);
+            CHECK(back[k].stamp == touches[k].stamp);
+        }
     }
-    std::vector<std::uint32_t> words;
-    narrow_words(record_words<TouchState>, touches.data(), touches.size(), words);
-    CHECK(words.size() == 3 * (18 + 4));
-    std::vector<TouchState> back(3);
-    widen_words(record_words<TouchState>, words.data(), back.size(), back.data());
-    for (std::size_t k = 0; k < touches.size(); ++k) {
-        CHECK(back[k].slip[0] == touches[k].slip[0]);
-        CHECK(back[k].moment == -0.25);
-        CHECK(back[k].triangle == 4000000000u);
-        CHECK(back[k].stamp == touches[k].stamp);
+
+    // A gap is off by some 6e-8 of the vectors that it is made of, a wire's radius and an edge: 0.03 to 0.3 nm. Depths are some
+    // um: forces are off by a thousandth at most, and each sample's in its own way.
+    TEST_CASE("property: a wire fed along a tube is within 0.01 um of the one in double, and forces within a thousandth")
+    {
+        World exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));
+        for (int k = 0; k < 400; ++k) {
+            REQUIRE_FALSE(step(exact, 1e-3).failed());
+            REQUIRE_FALSE(step(single, 1e-3).failed());
+        }
+        const WireReadings a = exact.readings(0), b = single.readings(0);
+        REQUIRE(a.contacts > 10);
+        REQUIRE(a.nodes == b.nodes);
+        double apart = 0;
+        for (int i = 0; i < a.nodes; ++i) apart = std::max(apart, (exact.rod(0).pos(i) - single.rod(0).pos(i)).norm());
+        MESSAGE("apart " << apart << " m, normal " << a.normal << " and " << b.normal << " N, overlap " << a.overlap << " and "
+                         << b.overlap << " m");
+        CHECK(apart > 0);     // another arithmetic it is
+        CHECK(apart < 1e-8);  // what a gap must be right to (portable.h)
+        CHECK(b.normal == doctest::Approx(a.normal).epsilon(1e-3));
+        CHECK(b.friction == doctest::Approx(a.friction).epsilon(1e-3));
+        CHECK(std::abs(a.overlap - b.overlap) < 1e-8);  // 0.01 um
     }
-}
 
-// A gap is off by some 6e-8 of the vectors that it is made of, a wire's radius and an edge: 0.03 to 0.3 nm. Depths are some um: forces are off by
-// a thousandth at most, and each sample's in its own way.
-TEST_CASE("property: a wire fed along a tube is within 0.01 um of the one in double, and forces within a thousandth") {
-    World exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));
-    for (int k = 0; k < 400; ++k) {
-        REQUIRE_FALSE(step(exact, 1e-3).failed());
-        REQUIRE_FALSE(step(single, 1e-3).failed());
+    TEST_CASE("property: the same bits twice, and after save and restore")
+    {
+        const auto after = [](World& world, int steps) {
+            for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+            return world.state_hash();
+        };
+        World first(sliding_wire(Precision::Float32)), second(sliding_wire(Precision::Float32));
+        (void)after(first, 150);
+        second.restore_state(first.save_state());
+        CHECK(first.state_hash() == second.state_hash());
+        CHECK(after(first, 50) == after(second, 50));
     }
-    const WireReadings a = exact.readings(0), b = single.readings(0);
-    REQUIRE(a.contacts > 10);
-    REQUIRE(a.nodes == b.nodes);
-    double apart = 0;
-    for (int i = 0; i < a.nodes; ++i) apart = std::max(apart, (exact.rod(0).pos(i) - single.rod(0).pos(i)).norm());
-    MESSAGE("apart " << apart << " m, normal " << a.normal << " and " << b.normal << " N, overlap " << a.overlap << " and " << b.overlap << " m");
-    CHECK(apart > 0);  // another arithmetic it is
-    CHECK(apart < 1e-8);  // what a gap must be right to (portable.h)
-    CHECK(b.normal == doctest::Approx(a.normal).epsilon(1e-3));
-    CHECK(b.friction == doctest::Approx(a.friction).epsilon(1e-3));
-    CHECK(std::abs(a.overlap - b.overlap) < 1e-8);  // 0.01 um
-}
 
-TEST_CASE("property: the same bits twice, and after save and restore") {
-    const auto after = [](World& world, int steps) {
-        for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
-        return world.state_hash();
-    };
-    World first(sliding_wire(Precision::Float32)), second(sliding_wire(Precision::Float32));
-    (void)after(first, 150);
-    second.restore_state(first.save_state());
-    CHECK(first.state_hash() == second.state_hash());
-    CHECK(after(first, 50) == after(second, 50));
-}
-
-TEST_CASE("property: laws and detections without float32 are refused") {
-    for (const bool layer : {false, true}) {
-        WorldSetup setup = sliding_wire(Precision::Float32);
-        if (layer) setup.wires[0].contact.detection = Detection::Layer;
-        else setup.wires[0].contact.normal = NormalLaw::Augmented;
-        CHECK_THROWS_AS(World(std::move(setup)), const Error&);
+    TEST_CASE("property: laws and detections without float32 are refused")
+    {
+        for (const bool layer : {false, true}) {
+            WorldSetup setup = sliding_wire(Precision::Float32);
+            if (layer) setup.wires[0].contact.detection = Detection::Layer;
+            else setup.wires[0].contact.normal = NormalLaw::Augmented;
+            CHECK_THROWS_AS(World(std::move(setup)), const Error&);
+        }
     }
-}
-
 }

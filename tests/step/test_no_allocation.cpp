@@ -42,10 +42,11 @@ Counts count_steps(World& world, int warm, int steps, double dt = 1e-3)
                      after.buffers_created - before.buffers_created, after.programs_built - before.programs_built};
     counts.contacts = world.readings(0).contacts;
     counts.nodes_end = world.readings(0).nodes;
-    MESSAGE(counts.allocations << " allocations in " << counts.steps_with_some << " of " << steps << " steps, at most " << counts.most
-                               << "; per step " << double(counts.device.launches) / steps << " launches, "
-                               << double(counts.device.reads) / steps << " read-backs, " << double(counts.device.writes) / steps << " writes at "
-                               << double(counts.iterations) / steps << " iterations; nodes " << counts.nodes_begin << " to " << counts.nodes_end);
+    MESSAGE(counts.allocations << " allocations in " << counts.steps_with_some << " of " << steps << " steps, at most "
+                               << counts.most << "; per step " << double(counts.device.launches) / steps << " launches, "
+                               << double(counts.device.reads) / steps << " read-backs, " << double(counts.device.writes) / steps
+                               << " writes at " << double(counts.iterations) / steps << " iterations; nodes "
+                               << counts.nodes_begin << " to " << counts.nodes_end);
     return counts;
 }
 
@@ -62,58 +63,60 @@ void keep(const void* what) { asm volatile("" : : "g"(what) : "memory"); }
 
 }  // namespace
 
-TEST_SUITE("step/no_allocation") {
+TEST_SUITE("step/no_allocation")
+{
+    TEST_CASE("property: the counter counts new, vectors and Eigen's matrices, and not what is on the stack")
+    {
+        if (!allocations_are_counted()) return;
+        const long start = allocations();
+        int* one = new int(3);
+        keep(one);
+        const long with_new = allocations();
+        delete one;
+        std::vector<double> some(100);
+        keep(some.data());
+        const long with_vector = allocations();
+        Eigen::VectorXd more = Eigen::VectorXd::Zero(100);
+        keep(more.data());
+        const long with_matrix = allocations();
+        Eigen::Vector3d none = more.head<3>();
+        keep(none.data());
+        const long with_small = allocations();
+        CHECK(with_new == start + 1);  // compared at the end: a check allocates too
+        CHECK(with_vector == start + 2);
+        CHECK(with_matrix == start + 3);
+        CHECK(with_small == start + 3);
+    }
 
-TEST_CASE("property: the counter counts new, vectors and Eigen's matrices, and not what is on the stack") {
-    if (!allocations_are_counted()) return;
-    const long start = allocations();
-    int* one = new int(3);
-    keep(one);
-    const long with_new = allocations();
-    delete one;
-    std::vector<double> some(100);
-    keep(some.data());
-    const long with_vector = allocations();
-    Eigen::VectorXd more = Eigen::VectorXd::Zero(100);
-    keep(more.data());
-    const long with_matrix = allocations();
-    Eigen::Vector3d none = more.head<3>();
-    keep(none.data());
-    const long with_small = allocations();
-    CHECK(with_new == start + 1);  // compared at the end: a check allocates too
-    CHECK(with_vector == start + 2);
-    CHECK(with_matrix == start + 3);
-    CHECK(with_small == start + 3);
-}
+    TEST_CASE("property: steps with contact, friction and feed allocate nothing, make no buffer, build nothing")
+    {
+        if (!allocations_are_counted()) return;
+        for (const int wires : {1, 12}) {  // below and beyond what one thread takes by itself
+            CAPTURE(wires);
+            World world(in_a_tube(wires, 41));
+            const Counts counts = count_steps(world, 150, 300);
+            REQUIRE(counts.contacts > 10);
+            REQUIRE(counts.nodes_end > counts.nodes_begin);  // edges were split at the hub meanwhile
+            CHECK(counts.allocations == 0);
+            CHECK(counts.device.buffers_created == 0);
+            CHECK(counts.device.programs_built == 0);
+        }
+    }
 
-TEST_CASE("property: steps with contact, friction and feed allocate nothing, make no buffer, build nothing") {
-    if (!allocations_are_counted()) return;
-    for (const int wires : {1, 12}) {  // below and beyond what one thread takes by itself
-        CAPTURE(wires);
-        World world(in_a_tube(wires, 41));
-        const Counts counts = count_steps(world, 150, 300);
-        REQUIRE(counts.contacts > 10);
-        REQUIRE(counts.nodes_end > counts.nodes_begin);  // edges were split at the hub meanwhile
+    TEST_CASE("property: changing the nodes where the wire bends allocates nothing either")
+    {
+        if (!allocations_are_counted()) return;
+        WorldSetup setup;
+        add_bend(setup, 0.004, 0.03);
+        WireSpec wire = steel_wire(0.12, 0);
+        wire.min_edge = 0.001;
+        wire.max_edge = 0.008;
+        setup.wires = {fed_wire(wire, {0.0005, 0, 0}, 0.15)};
+        World world(std::move(setup));
+        const Counts counts = count_steps(world, 250, 200);
+        REQUIRE(counts.contacts > 3);
+        REQUIRE(counts.nodes_end != counts.nodes_begin);
         CHECK(counts.allocations == 0);
         CHECK(counts.device.buffers_created == 0);
-        CHECK(counts.device.programs_built == 0);
     }
-}
-
-TEST_CASE("property: changing the nodes where the wire bends allocates nothing either") {
-    if (!allocations_are_counted()) return;
-    WorldSetup setup;
-    add_bend(setup, 0.004, 0.03);
-    WireSpec wire = steel_wire(0.12, 0);
-    wire.min_edge = 0.001;
-    wire.max_edge = 0.008;
-    setup.wires = {fed_wire(wire, {0.0005, 0, 0}, 0.15)};
-    World world(std::move(setup));
-    const Counts counts = count_steps(world, 250, 200);
-    REQUIRE(counts.contacts > 3);
-    REQUIRE(counts.nodes_end != counts.nodes_begin);
-    CHECK(counts.allocations == 0);
-    CHECK(counts.device.buffers_created == 0);
-}
-
 }

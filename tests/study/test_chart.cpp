@@ -87,7 +87,7 @@ TEST_SUITE("study/chart")
         REQUIRE(chart.reference.usable(Observable::Tip));
         const auto tip = [&](const char* name) { return at(point_named(chart, name).errors.rms, Observable::Tip); };
         CHECK(tip("25 · 16.7 ms") > tip("101 · 5 ms"));
-        CHECK(tip("101 · 5 ms") > 3 * tip("101 · 1 ms"));  // first order in the step
+        CHECK(tip("101 · 5 ms") > 3 * tip("101 · 1 ms"));              // first order in the step
         CHECK(tip("101 · 1 ms") > 2 * tip("101 · 1 ms · trapezoid"));  // second order, where modes are resolved
         CHECK(point_named(chart, "explicit 25").run.complete);
 

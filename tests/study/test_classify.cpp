@@ -210,7 +210,8 @@ TEST_SUITE("study/classify")
                   .held());
     }
 
-    // energies are not known before the first step: a wire that was placed bent brings 0.4 mJ along, lets them go, and made nothing
+    // energies are not known before the first step: a wire that was placed bent brings 0.4 mJ along, lets them go, and made
+    // nothing
     TEST_CASE("regression: a bent wire that is let go has made no energy; one that makes a tenth of it in a later step has")
     {
         const auto let_go = [](double made) {

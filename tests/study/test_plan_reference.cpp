@@ -43,10 +43,10 @@ TEST_SUITE("study/plan_reference")
     TEST_CASE("property: falling is told from not falling")
     {
         CHECK(falls({4, 2, 1}, 0));
-        CHECK(falls({4, 1, 1.2}, 0));         // one unlucky pair
+        CHECK(falls({4, 1, 1.2}, 0));          // one unlucky pair
         CHECK_FALSE(falls({4, 3.9, 3.8}, 0));  // creeps
         CHECK_FALSE(falls({1, 2, 4}, 0));
-        CHECK_FALSE(falls({1}, 0));           // one movement says nothing
-        CHECK(falls({1e-9}, 1e-8));           // but that it has arrived
+        CHECK_FALSE(falls({1}, 0));  // one movement says nothing
+        CHECK(falls({1e-9}, 1e-8));  // but that it has arrived
     }
 }

@@ -115,8 +115,9 @@ const std::function<bool()> always = [] { return true; };
 
 TEST_SUITE("study/plan_search")
 {
-
-    TEST_CASE("property: neighbours on the grid are at most a factor of 1.3 apart, or neighbouring whole numbers, from the reference to what is asked for")
+    TEST_CASE(
+        "property: neighbours on the grid are at most a factor of 1.3 apart, or neighbouring whole numbers, from the reference "
+        "to what is asked for")
     {
         for (const int nodes : {17, 43, 101, 337, 1282})
             for (const double finest : {1e-4, 2.6e-4, 1e-3, 7e-3})
@@ -149,8 +150,8 @@ TEST_SUITE("study/plan_search")
                     }
     }
 
-    // On a law that is monotone in nodes and steps the whole grid can be looked at. The walk gives up after three dearer corners and
-    // takes 3 % for noise, so that what it finds may be a little dearer than the cheapest; 10 % is what the planner promises.
+    // On a law that is monotone in nodes and steps the whole grid can be looked at. The walk gives up after three dearer corners
+    // and takes 3 % for noise, so that what it finds may be a little dearer than the cheapest; 10 % is what the planner promises.
     TEST_CASE("property: in one family the search finds a place that costs at most 1.1 times the cheapest of the whole grid")
     {
         const Scene scene = small_scene();
@@ -164,16 +165,21 @@ TEST_SUITE("study/plan_search")
                             const SearchGrid grid = search_grid(reference_with(577, interval / 384), interval, 1.0 / 30);
                             Law law{a, b, fixed};
                             // one family only: every other one is dearer
-                            law.share = [](const Model& m) { return label(m).find("tolerance") == std::string::npos && m.scheme == Scheme::Newton &&
-                                                                            m.detection == Detection::Swept && m.nodes != 0 && !m.rolling && !m.friction && !m.normal && !m.trapezoid
-                                                                        ? 1.0 : 100.0; };
+                            law.share = [](const Model& m) {
+                                return label(m).find("tolerance") == std::string::npos && m.scheme == Scheme::Newton &&
+                                               m.detection == Detection::Swept && m.nodes != 0 && !m.rolling && !m.friction &&
+                                               !m.normal && !m.trapezoid
+                                           ? 1.0
+                                           : 100.0;
+                            };
                             const Model family = start_model(385, interval / 384);
                             const double least = cheapest(MadeUpPilots(law, limit), grid, family);
                             if (!std::isfinite(least)) continue;
                             ++cases;
                             INFO("interval " << interval << " a " << a << " b " << b << " fixed " << fixed << " limit " << limit);
                             MadeUpPilots pilots(law, limit);
-                            const SearchResult found = search_models(scene, start_model(577, interval / 384), grid, false, pilots, always);
+                            const SearchResult found =
+                                search_models(scene, start_model(577, interval / 384), grid, false, pilots, always);
                             CHECK(found.complete);
                             REQUIRE(found.best);
                             CHECK(pilots.look_at(*found.best)->seconds <= 1.1 * least);
@@ -190,10 +196,12 @@ TEST_SUITE("study/plan_search")
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
         law.share = [](const Model& m) {
-            return (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) * (m.rolling == false ? 0.8 : 1.0) *
-                   (m.nodes == 0 ? 100.0 : 1.0);
+            return (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) *
+                   (m.rolling == false ? 0.8 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0);
         };
-        law.extra_error = [](const Model& m) { return (m.scheme == Scheme::Linearised ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0); };
+        law.extra_error = [](const Model& m) {
+            return (m.scheme == Scheme::Linearised ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
+        };
         MadeUpPilots pilots(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
         REQUIRE(found.best);
@@ -225,7 +233,9 @@ TEST_SUITE("study/plan_search")
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
         law.share = [](const Model& m) { return (m.scheme == Scheme::Linearised ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
-        law.extra_error = [b = law.b](const Model& m) { return m.scheme == Scheme::Linearised ? b * *m.dt : 0.0; };  // twice the error of steps
+        law.extra_error = [b = law.b](const Model& m) {
+            return m.scheme == Scheme::Linearised ? b * *m.dt : 0.0;
+        };  // twice the error of steps
         MadeUpPilots pilots(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
         REQUIRE(found.best);

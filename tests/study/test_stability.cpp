@@ -108,7 +108,8 @@ TEST_SUITE("study/stability")
         CHECK(stability_scene(map_named("friction"), 1, 1e-3, 1, ".").contact.mu_sliding == about(1.0));
     }
 
-    // at 20 the facets of the inner wall meet at 30 degrees; with samples a radius apart the hand's force ripples by a third there
+    // at 20 the facets of the inner wall meet at 30 degrees; with samples a radius apart the hand's force ripples by a third
+    // there
     TEST_CASE("regression: over ridges of 30 degrees the hand's force does not ripple from sample to sample")
     {
         const CellResult result = cell(map_named("triangles"), "default", 1e-3, 20, ".");

@@ -1,6 +1,6 @@
 #pragma once
-// How often this program asked for heap memory: every operator new, and every malloc that its own code called (Eigen's). What the OpenCL library
-// allocates for itself is not counted.
+// How often this program asked for heap memory: every operator new, and every malloc that its own code called (Eigen's). What the
+// OpenCL library allocates for itself is not counted.
 
 namespace seldinger::test {
 

@@ -1,10 +1,10 @@
 #pragma once
 // A new empty folder for one test, removed with all that is in it when the test ends.
 
+#include <unistd.h>
 #include <atomic>
 #include <filesystem>
 #include <string>
-#include <unistd.h>
 
 namespace seldinger {
 
@@ -13,7 +13,8 @@ public:
     TemporaryFolder()
     {
         static std::atomic<int> count = 0;
-        path_ = std::filesystem::temp_directory_path() / ("seldinger-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
+        path_ = std::filesystem::temp_directory_path() /
+                ("seldinger-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
         std::filesystem::create_directories(path_);
     }
     ~TemporaryFolder()

@@ -35,7 +35,9 @@ inline WallMesh sphere(double radius, const Vec3& centre, int levels)
             std::array<std::int32_t, 3> middle;  // doubled along edges; weld() joins them
             for (std::size_t e = 0; e < 3; ++e) {
                 middle[e] = static_cast<std::int32_t>(mesh.vertices.size());
-                mesh.vertices.push_back((mesh.vertices[static_cast<std::size_t>(t[e])] + mesh.vertices[static_cast<std::size_t>(t[(e + 1) % 3])]).normalized());
+                mesh.vertices.push_back(
+                    (mesh.vertices[static_cast<std::size_t>(t[e])] + mesh.vertices[static_cast<std::size_t>(t[(e + 1) % 3])])
+                        .normalized());
             }
             finer.push_back({t[0], middle[0], middle[2]});
             finer.push_back({middle[0], t[1], middle[1]});
@@ -87,7 +89,8 @@ inline int facing_out_of_x_tube(const WallMesh& mesh)
 inline std::optional<std::filesystem::path> shared_folder()
 {
     const char* given = std::getenv("SELDINGER_SHARED");
-    const std::filesystem::path path = given ? std::filesystem::path(given) : std::filesystem::path(SEL_SOURCE_DIR) / ".." / "shared";
+    const std::filesystem::path path =
+        given ? std::filesystem::path(given) : std::filesystem::path(SEL_SOURCE_DIR) / ".." / "shared";
     std::error_code ignored;
     if (!std::filesystem::is_directory(path / "vessels", ignored)) return std::nullopt;
     return path;

@@ -36,25 +36,25 @@ WallMesh bend(int triangles)
 
 }  // namespace
 
-TEST_SUITE("vessel/ridges") {
-
-TEST_CASE("analytic: a roof has the angle between its facets, a valley and a plane none")
+TEST_SUITE("vessel/ridges")
 {
-    for (const double slope : {0.02, 0.1, 0.5}) CHECK(mean_ridge_angle(roof(slope), 0) == doctest::Approx(2 * slope).epsilon(1e-12));
-    CHECK(mean_ridge_angle(roof(-0.1), 0) == 0);
-    CHECK(mean_ridge_angle(roof(0), 0) == 0);
-    CHECK(mean_ridge_angle(roof(0.1), 1.5) == 0);  // facets of sides 1, 1 and 1.41
-    CHECK(mean_ridge_angle(roof(0.1), 1.4) > 0);
-}
+    TEST_CASE("analytic: a roof has the angle between its facets, a valley and a plane none")
+    {
+        for (const double slope : {0.02, 0.1, 0.5})
+            CHECK(mean_ridge_angle(roof(slope), 0) == doctest::Approx(2 * slope).epsilon(1e-12));
+        CHECK(mean_ridge_angle(roof(-0.1), 0) == 0);
+        CHECK(mean_ridge_angle(roof(0), 0) == 0);
+        CHECK(mean_ridge_angle(roof(0.1), 1.5) == 0);  // facets of sides 1, 1 and 1.41
+        CHECK(mean_ridge_angle(roof(0.1), 1.4) > 0);
+    }
 
-// the wall of a bend is a ridge along its inner side only: facets of length l turn by l/(bend radius - lumen radius) at most
-TEST_CASE("property: ridges of a bend grow flat as its facets grow small, and are no sharper than the facets' turning")
-{
-    const double coarse = mean_ridge_angle(bend(100), 0), fine = mean_ridge_angle(bend(10000), 0);
-    CHECK(coarse > 0.1);
-    CHECK(coarse < std::numbers::pi / 2 / 4);  // at least four rows
-    CHECK(fine < 0.05);
-    CHECK(mean_ridge_angle({}, 0) == 0);
-}
-
+    // the wall of a bend is a ridge along its inner side only: facets of length l turn by l/(bend radius - lumen radius) at most
+    TEST_CASE("property: ridges of a bend grow flat as its facets grow small, and are no sharper than the facets' turning")
+    {
+        const double coarse = mean_ridge_angle(bend(100), 0), fine = mean_ridge_angle(bend(10000), 0);
+        CHECK(coarse > 0.1);
+        CHECK(coarse < std::numbers::pi / 2 / 4);  // at least four rows
+        CHECK(fine < 0.05);
+        CHECK(mean_ridge_angle({}, 0) == 0);
+    }
 }

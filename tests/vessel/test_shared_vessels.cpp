@@ -1,5 +1,5 @@
-// The eight public patient vessels of the shared reference data: they load, are mended where they are broken, and their centrelines agree
-// with the table beside them. Skipped where the data are not there.
+// The eight public patient vessels of the shared reference data: they load, are mended where they are broken, and their
+// centrelines agree with the table beside them. Skipped where the data are not there.
 #include "mesh_fixtures.h"
 #include "scene/mesh_file.h"
 #include "scene/vessel_load.h"
@@ -42,7 +42,8 @@ double median_radius(const Centreline& line)
 {
     std::vector<std::pair<double, double>> pieces;
     for (std::size_t i = 0; i < line.points.size(); ++i)
-        if (line.parent[i] >= 0) pieces.emplace_back(line.radius[i], (line.points[i] - line.points[static_cast<std::size_t>(line.parent[i])]).norm());
+        if (line.parent[i] >= 0)
+            pieces.emplace_back(line.radius[i], (line.points[i] - line.points[static_cast<std::size_t>(line.parent[i])]).norm());
     std::sort(pieces.begin(), pieces.end());
     double sum = 0;
     for (const auto& [radius, length] : pieces)
@@ -52,70 +53,82 @@ double median_radius(const Centreline& line)
 
 }  // namespace
 
-TEST_SUITE("vessel/shared_vessels") {
-TEST_CASE("property: all eight load and agree with the table")
+TEST_SUITE("vessel/shared_vessels")
 {
-    const auto shared = shared_folder();
-    if (!shared) { MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)"); return; }
-    for (const Row& row : rows) {
-        CAPTURE(row.file);
-        long read = 0;
-        const double unit = metres_per_unit(row.units);
-        (void)read_mesh(*shared / "vessels" / row.file, row.units, &read);
-        CHECK(read == row.triangles);
+    TEST_CASE("property: all eight load and agree with the table")
+    {
+        const auto shared = shared_folder();
+        if (!shared) {
+            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
+            return;
+        }
+        for (const Row& row : rows) {
+            CAPTURE(row.file);
+            long read = 0;
+            const double unit = metres_per_unit(row.units);
+            (void)read_mesh(*shared / "vessels" / row.file, row.units, &read);
+            CHECK(read == row.triangles);
+            VesselSpec spec;
+            spec.shape = VesselShape::Mesh;
+            spec.mesh = *shared / "vessels" / row.file;
+            spec.units = row.units;
+            const auto start = std::chrono::steady_clock::now();
+            const LoadedVessel vessel = load_vessel(spec);
+            const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            const Centreline& line = vessel.centreline;
+            CHECK(vessel.report.loops.size() == row.openings);
+            CHECK(vessel.report.non_manifold_edges == 0);
+            CHECK(vessel.report.components == 1);
+            CHECK(line.total_length() / unit == doctest::Approx(row.length).epsilon(kAgreement));
+            CHECK(median_radius(line) / unit == doctest::Approx(row.radius_middle).epsilon(kAgreement));
+            CHECK(*std::max_element(line.radius.begin(), line.radius.end()) / unit ==
+                  doctest::Approx(row.radius_most).epsilon(kAgreement));
+            const LumenQuery lumen(vessel.mesh, vessel.report.loops);
+            long outside = 0;
+            for (const Vec3& p : line.points) outside += !lumen.inside(p);
+            CHECK(outside == 0);
+            const Inlet inlet = pick_inlet(vessel.report.loops, line);
+            CHECK(lumen.inside(inlet.point));
+            CHECK(lumen.signed_distance(inlet.point + 0.5 * inlet.radius * inlet.direction) > 0);
+            MESSAGE(std::string(row.file) << ": read " << read << ", kept " << vessel.report.triangles << ", vertices "
+                                          << vessel.report.vertices << ", openings " << vessel.report.loops.size()
+                                          << ", centreline " << line.total_length() / unit << " " << std::string(row.units)
+                                          << ", median radius " << median_radius(line) / unit << ", " << seconds << " s");
+        }
+    }
+
+    TEST_CASE("regression: the hostile mesh says what was mended")
+    {
+        const auto shared = shared_folder();
+        if (!shared) {
+            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
+            return;
+        }
         VesselSpec spec;
         spec.shape = VesselShape::Mesh;
-        spec.mesh = *shared / "vessels" / row.file;
-        spec.units = row.units;
-        const auto start = std::chrono::steady_clock::now();
+        spec.mesh = *shared / "vessels" / "seqseg-shawn260-hostile" / "shawn_260.vtp";
+        spec.units = "cm";
         const LoadedVessel vessel = load_vessel(spec);
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const Centreline& line = vessel.centreline;
-        CHECK(vessel.report.loops.size() == row.openings);
-        CHECK(vessel.report.non_manifold_edges == 0);
-        CHECK(vessel.report.components == 1);
-        CHECK(line.total_length() / unit == doctest::Approx(row.length).epsilon(kAgreement));
-        CHECK(median_radius(line) / unit == doctest::Approx(row.radius_middle).epsilon(kAgreement));
-        CHECK(*std::max_element(line.radius.begin(), line.radius.end()) / unit == doctest::Approx(row.radius_most).epsilon(kAgreement));
-        const LumenQuery lumen(vessel.mesh, vessel.report.loops);
-        long outside = 0;
-        for (const Vec3& p : line.points) outside += !lumen.inside(p);
-        CHECK(outside == 0);
-        const Inlet inlet = pick_inlet(vessel.report.loops, line);
-        CHECK(lumen.inside(inlet.point));
-        CHECK(lumen.signed_distance(inlet.point + 0.5 * inlet.radius * inlet.direction) > 0);
-        MESSAGE(std::string(row.file) << ": read " << read << ", kept " << vessel.report.triangles << ", vertices " << vessel.report.vertices << ", openings "
-                         << vessel.report.loops.size() << ", centreline " << line.total_length() / unit << " " << std::string(row.units) << ", median radius "
-                         << median_radius(line) / unit << ", " << seconds << " s");
+        CHECK(vessel.report.duplicates_dropped == 2 * 126);  // both of each pair: they are folds
+        CHECK(vessel.report.hole_loops_closed == 2);         // 14 edges in two loops
+        CHECK(vessel.report.boundary_edges == 0);
+        CHECK(vessel.report.inverted);
+        CHECK(vessel.report.notes.size() >= 4);
     }
-}
 
-TEST_CASE("regression: the hostile mesh says what was mended")
-{
-    const auto shared = shared_folder();
-    if (!shared) { MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)"); return; }
-    VesselSpec spec;
-    spec.shape = VesselShape::Mesh;
-    spec.mesh = *shared / "vessels" / "seqseg-shawn260-hostile" / "shawn_260.vtp";
-    spec.units = "cm";
-    const LoadedVessel vessel = load_vessel(spec);
-    CHECK(vessel.report.duplicates_dropped == 2 * 126);  // both of each pair: they are folds
-    CHECK(vessel.report.hole_loops_closed == 2);         // 14 edges in two loops
-    CHECK(vessel.report.boundary_edges == 0);
-    CHECK(vessel.report.inverted);
-    CHECK(vessel.report.notes.size() >= 4);
-}
-
-TEST_CASE("regression: the arch of experiment 2 is entered from the descending aorta")
-{
-    const auto shared = shared_folder();
-    if (!shared) { MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)"); return; }
-    VesselSpec spec;
-    spec.shape = VesselShape::Mesh;
-    spec.mesh = *shared / "vessels" / "tha001-arch" / "aorta_arch_30k.stl";
-    const LoadedVessel vessel = load_vessel(spec);
-    const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
-    CHECK((inlet.point - Vec3(-0.01709, -0.17932, 0.04236)).norm() < 0.005);
-    CHECK(inlet.direction.dot(Vec3(-0.19, 0.952, 0.241)) > 0.98);
-}
+    TEST_CASE("regression: the arch of experiment 2 is entered from the descending aorta")
+    {
+        const auto shared = shared_folder();
+        if (!shared) {
+            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
+            return;
+        }
+        VesselSpec spec;
+        spec.shape = VesselShape::Mesh;
+        spec.mesh = *shared / "vessels" / "tha001-arch" / "aorta_arch_30k.stl";
+        const LoadedVessel vessel = load_vessel(spec);
+        const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
+        CHECK((inlet.point - Vec3(-0.01709, -0.17932, 0.04236)).norm() < 0.005);
+        CHECK(inlet.direction.dot(Vec3(-0.19, 0.952, 0.241)) > 0.98);
+    }
 }

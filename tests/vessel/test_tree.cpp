@@ -89,157 +89,159 @@ WallMesh random_soup(std::size_t count, double size, unsigned seed)
 
 }  // namespace
 
-TEST_SUITE("vessel/tree") {
-TEST_CASE("property: nearest point equals brute force, a metre from the origin too")
+TEST_SUITE("vessel/tree")
 {
-    WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
-    append(mesh, random_soup(300, 0.005, 3));
-    for (Vec3& v : mesh.vertices) v += Vec3(1, -2, 0.5);
-    const WallTree tree = build_wall_tree(mesh);
-    check_structure(tree);
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> place(-0.05, 0.15);
-    for (int i = 0; i < 500; ++i) {
-        const Vec3 p = Vec3(1, -2, 0.5) + Vec3(place(random), 0.3 * place(random), 0.3 * place(random));
-        const TreeHit hit = nearest_on_wall(tree, p);
-        REQUIRE(hit.triangle >= 0);
-        // the same arithmetic on the same triangles: equal to the bit
-        CHECK(hit.distance2 == nearest_by_force(tree, p));
-        CHECK((hit.point - p).norm() == doctest::Approx(std::sqrt(hit.distance2)).epsilon(1e-9));
-    }
-}
-
-TEST_CASE("property: a limit hides what is farther and nothing else")
-{
-    const WallTree tree = build_wall_tree(make_tube(tube_spec(0.01, 0.1, 2000)).mesh);
-    const Vec3 p(0.05, 0, 0.004);
-    const double distance = std::sqrt(nearest_on_wall(tree, p).distance2);
-    CHECK(nearest_on_wall(tree, p, 1.001 * distance).triangle >= 0);
-    CHECK(nearest_on_wall(tree, p, 0.999 * distance).triangle == -1);
-}
-
-TEST_CASE("property: overlapping triangles are a superset of those that touch the box")
-{
-    const WallMesh mesh = random_soup(2000, 0.05, 11);
-    const WallTree tree = build_wall_tree(mesh);
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> place(-1, 1);
-    std::vector<std::uint32_t> found;
-    std::size_t touched = 0;
-    for (int i = 0; i < 100; ++i) {
-        const Vec3 lo(place(random), place(random), place(random)), hi = lo + Vec3(0.2, 0.1, 0.3);
-        overlapping_triangles(tree, lo, hi, found);
-        CHECK(std::is_sorted(found.begin(), found.end()));
-        for (std::uint32_t k = 0; k < tree.triangle_count(); ++k) {
-            Eigen::AlignedBox3d box;
-            const Triangle3 t = tree.triangle(k);
-            for (const Vec3& v : {t.a, t.b, t.c}) box.extend(v + tree.centre);
-            if (!box.intersects(Eigen::AlignedBox3d(lo, hi))) continue;
-            ++touched;
-            REQUIRE(std::binary_search(found.begin(), found.end(), k));
+    TEST_CASE("property: nearest point equals brute force, a metre from the origin too")
+    {
+        WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
+        append(mesh, random_soup(300, 0.005, 3));
+        for (Vec3& v : mesh.vertices) v += Vec3(1, -2, 0.5);
+        const WallTree tree = build_wall_tree(mesh);
+        check_structure(tree);
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> place(-0.05, 0.15);
+        for (int i = 0; i < 500; ++i) {
+            const Vec3 p = Vec3(1, -2, 0.5) + Vec3(place(random), 0.3 * place(random), 0.3 * place(random));
+            const TreeHit hit = nearest_on_wall(tree, p);
+            REQUIRE(hit.triangle >= 0);
+            // the same arithmetic on the same triangles: equal to the bit
+            CHECK(hit.distance2 == nearest_by_force(tree, p));
+            CHECK((hit.point - p).norm() == doctest::Approx(std::sqrt(hit.distance2)).epsilon(1e-9));
         }
-        CHECK(found.size() < tree.triangle_count() / 4);  // it does cull
     }
-    REQUIRE(touched > 100);
-}
 
-TEST_CASE("analytic: rays from a sphere's centre meet it within its sagitta")
-{
-    const double radius = 0.02;
-    const WallMesh mesh = sphere(radius, Vec3(0.3, 0, 0), 4);
-    const WallTree tree = build_wall_tree(mesh);
-    // a facet's plane lies within R - sqrt(R^2 - c^2) of the sphere, c its circumradius a b c / (4 A)
-    double circumradius = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle3 tri = triangle_of(mesh, t);
-        const double product = (tri.b - tri.a).norm() * (tri.c - tri.b).norm() * (tri.a - tri.c).norm();
-        circumradius = std::max(circumradius, product / (2 * double_area(tri).norm()));
+    TEST_CASE("property: a limit hides what is farther and nothing else")
+    {
+        const WallTree tree = build_wall_tree(make_tube(tube_spec(0.01, 0.1, 2000)).mesh);
+        const Vec3 p(0.05, 0, 0.004);
+        const double distance = std::sqrt(nearest_on_wall(tree, p).distance2);
+        CHECK(nearest_on_wall(tree, p, 1.001 * distance).triangle >= 0);
+        CHECK(nearest_on_wall(tree, p, 0.999 * distance).triangle == -1);
     }
-    const double least = std::sqrt(radius * radius - circumradius * circumradius);
-    std::mt19937 random(2);
-    std::normal_distribution<double> gauss;
-    for (int i = 0; i < 200; ++i) {
-        // axis-parallel rays first: they meet vertices and run along box faces
-        const Vec3 d = i < 6 ? Vec3((i < 3 ? 1 : -1) * Vec3::Unit(i % 3)) : Vec3(Vec3(gauss(random), gauss(random), gauss(random)).normalized());
-        const double t = first_hit(tree, Vec3(0.3, 0, 0), d);
-        CHECK(t <= radius * (1 + 1e-6));
-        CHECK(t >= least * (1 - 1e-6));  // vertices are rounded to float32
-    }
-    CHECK(std::isinf(first_hit(tree, Vec3(0, 0, 0.03), Vec3::UnitX())));
-}
 
-TEST_CASE("property: one triangle, coinciding triangles, a line of triangles")
-{
-    WallMesh one;
-    one.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    one.triangles = {{0, 1, 2}};
-    const WallTree tree = build_wall_tree(one);
-    check_structure(tree);
-    CHECK(tree.nodes.size() == 1);
-    CHECK(nearest_on_wall(tree, Vec3(0.2, 0.2, 1)).distance2 == doctest::Approx(1.0).epsilon(1e-6));
-    CHECK(tree.edge_bits[0] == 7);
-
-    WallMesh same = one;
-    same.triangles.assign(1000, {0, 1, 2});
-    check_structure(build_wall_tree(same));
-
-    // sizes over 30 powers of two in one row: what makes a surface-area split peel one triangle at a time
-    WallMesh row;
-    for (int i = 0; i < 3000; ++i) {
-        const double x = std::ldexp(1.0, -(i % 60)) * (1 + i / 60);
-        const auto first = static_cast<std::int32_t>(row.vertices.size());
-        row.vertices.insert(row.vertices.end(), {Vec3(x, 0, 0), Vec3(1.5 * x, 0, 0), Vec3(x, x, 0)});
-        row.triangles.push_back({first, first + 1, first + 2});
-    }
-    check_structure(build_wall_tree(row));
-    CHECK(build_wall_tree(WallMesh{}).nodes.empty());
-    CHECK(nearest_on_wall(build_wall_tree(WallMesh{}), Vec3::Zero()).triangle == -1);
-}
-
-TEST_CASE("property: one thread and two build the same bits")
-{
-    const WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 60000)).mesh;
-    const WallTree one = build_wall_tree(mesh, 1), two = build_wall_tree(mesh, 2);
-    check_structure(two);
-    REQUIRE(one.nodes.size() == two.nodes.size());
-    CHECK(one.original.size() == two.original.size());
-    CHECK(one.depth == two.depth);
-    CHECK(one.edge_bits.size() == mesh.triangles.size());
-    const WallTree again = build_wall_tree(mesh, 2);
-    CHECK(std::memcmp(two.nodes.data(), again.nodes.data(), two.nodes.size() * sizeof(TreeNode)) == 0);
-    CHECK(two.original == again.original);
-    CHECK(one.original == two.original);
-}
-
-TEST_CASE("analytic: opening bits are set on the two rims and nowhere else")
-{
-    const WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
-    const WallTree tree = build_wall_tree(mesh);
-    int bits = 0, elsewhere = 0;
-    for (std::size_t k = 0; k < tree.triangle_count(); ++k)
-        for (int e = 0; e < 3; ++e) {
-            if (!SEL_EDGE_IS_OPENING(tree.edge_bits[k], e)) continue;
-            ++bits;
-            const Triangle3 t = tree.triangle(k);
-            const Vec3 ends[3] = {t.a, t.b, t.c};
-            const double x0 = ends[e].x() + tree.centre.x(), x1 = ends[(e + 1) % 3].x() + tree.centre.x();
-            elsewhere += std::abs(x0 - x1) > 1e-6 || std::min(std::abs(x0), std::abs(x0 - 0.1)) > 1e-6;
+    TEST_CASE("property: overlapping triangles are a superset of those that touch the box")
+    {
+        const WallMesh mesh = random_soup(2000, 0.05, 11);
+        const WallTree tree = build_wall_tree(mesh);
+        std::mt19937 random(5);
+        std::uniform_real_distribution<double> place(-1, 1);
+        std::vector<std::uint32_t> found;
+        std::size_t touched = 0;
+        for (int i = 0; i < 100; ++i) {
+            const Vec3 lo(place(random), place(random), place(random)), hi = lo + Vec3(0.2, 0.1, 0.3);
+            overlapping_triangles(tree, lo, hi, found);
+            CHECK(std::is_sorted(found.begin(), found.end()));
+            for (std::uint32_t k = 0; k < tree.triangle_count(); ++k) {
+                Eigen::AlignedBox3d box;
+                const Triangle3 t = tree.triangle(k);
+                for (const Vec3& v : {t.a, t.b, t.c}) box.extend(v + tree.centre);
+                if (!box.intersects(Eigen::AlignedBox3d(lo, hi))) continue;
+                ++touched;
+                REQUIRE(std::binary_search(found.begin(), found.end(), k));
+            }
+            CHECK(found.size() < tree.triangle_count() / 4);  // it does cull
         }
-    const auto around = std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& v) { return v.x() == 0; });
-    CHECK(bits == 2 * around);
-    CHECK(elsewhere == 0);
-}
-
-TEST_CASE("property: refit follows a moved wall and finds what a new tree finds")
-{
-    WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
-    WallTree tree = build_wall_tree(mesh);
-    for (Vec3& v : mesh.vertices) v.z() += 0.004 * std::sin(60 * v.x());
-    refit_wall_tree(tree, mesh);
-    check_structure(tree);
-    for (int i = 0; i < 50; ++i) {
-        const Vec3 p(0.002 * i, 0.001, 0.003);
-        CHECK(nearest_on_wall(tree, p).distance2 == nearest_by_force(tree, p));
+        REQUIRE(touched > 100);
     }
-}
+
+    TEST_CASE("analytic: rays from a sphere's centre meet it within its sagitta")
+    {
+        const double radius = 0.02;
+        const WallMesh mesh = sphere(radius, Vec3(0.3, 0, 0), 4);
+        const WallTree tree = build_wall_tree(mesh);
+        // a facet's plane lies within R - sqrt(R^2 - c^2) of the sphere, c its circumradius a b c / (4 A)
+        double circumradius = 0;
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const Triangle3 tri = triangle_of(mesh, t);
+            const double product = (tri.b - tri.a).norm() * (tri.c - tri.b).norm() * (tri.a - tri.c).norm();
+            circumradius = std::max(circumradius, product / (2 * double_area(tri).norm()));
+        }
+        const double least = std::sqrt(radius * radius - circumradius * circumradius);
+        std::mt19937 random(2);
+        std::normal_distribution<double> gauss;
+        for (int i = 0; i < 200; ++i) {
+            // axis-parallel rays first: they meet vertices and run along box faces
+            const Vec3 d = i < 6 ? Vec3((i < 3 ? 1 : -1) * Vec3::Unit(i % 3))
+                                 : Vec3(Vec3(gauss(random), gauss(random), gauss(random)).normalized());
+            const double t = first_hit(tree, Vec3(0.3, 0, 0), d);
+            CHECK(t <= radius * (1 + 1e-6));
+            CHECK(t >= least * (1 - 1e-6));  // vertices are rounded to float32
+        }
+        CHECK(std::isinf(first_hit(tree, Vec3(0, 0, 0.03), Vec3::UnitX())));
+    }
+
+    TEST_CASE("property: one triangle, coinciding triangles, a line of triangles")
+    {
+        WallMesh one;
+        one.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        one.triangles = {{0, 1, 2}};
+        const WallTree tree = build_wall_tree(one);
+        check_structure(tree);
+        CHECK(tree.nodes.size() == 1);
+        CHECK(nearest_on_wall(tree, Vec3(0.2, 0.2, 1)).distance2 == doctest::Approx(1.0).epsilon(1e-6));
+        CHECK(tree.edge_bits[0] == 7);
+
+        WallMesh same = one;
+        same.triangles.assign(1000, {0, 1, 2});
+        check_structure(build_wall_tree(same));
+
+        // sizes over 30 powers of two in one row: what makes a surface-area split peel one triangle at a time
+        WallMesh row;
+        for (int i = 0; i < 3000; ++i) {
+            const double x = std::ldexp(1.0, -(i % 60)) * (1 + i / 60);
+            const auto first = static_cast<std::int32_t>(row.vertices.size());
+            row.vertices.insert(row.vertices.end(), {Vec3(x, 0, 0), Vec3(1.5 * x, 0, 0), Vec3(x, x, 0)});
+            row.triangles.push_back({first, first + 1, first + 2});
+        }
+        check_structure(build_wall_tree(row));
+        CHECK(build_wall_tree(WallMesh{}).nodes.empty());
+        CHECK(nearest_on_wall(build_wall_tree(WallMesh{}), Vec3::Zero()).triangle == -1);
+    }
+
+    TEST_CASE("property: one thread and two build the same bits")
+    {
+        const WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 60000)).mesh;
+        const WallTree one = build_wall_tree(mesh, 1), two = build_wall_tree(mesh, 2);
+        check_structure(two);
+        REQUIRE(one.nodes.size() == two.nodes.size());
+        CHECK(one.original.size() == two.original.size());
+        CHECK(one.depth == two.depth);
+        CHECK(one.edge_bits.size() == mesh.triangles.size());
+        const WallTree again = build_wall_tree(mesh, 2);
+        CHECK(std::memcmp(two.nodes.data(), again.nodes.data(), two.nodes.size() * sizeof(TreeNode)) == 0);
+        CHECK(two.original == again.original);
+        CHECK(one.original == two.original);
+    }
+
+    TEST_CASE("analytic: opening bits are set on the two rims and nowhere else")
+    {
+        const WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
+        const WallTree tree = build_wall_tree(mesh);
+        int bits = 0, elsewhere = 0;
+        for (std::size_t k = 0; k < tree.triangle_count(); ++k)
+            for (int e = 0; e < 3; ++e) {
+                if (!SEL_EDGE_IS_OPENING(tree.edge_bits[k], e)) continue;
+                ++bits;
+                const Triangle3 t = tree.triangle(k);
+                const Vec3 ends[3] = {t.a, t.b, t.c};
+                const double x0 = ends[e].x() + tree.centre.x(), x1 = ends[(e + 1) % 3].x() + tree.centre.x();
+                elsewhere += std::abs(x0 - x1) > 1e-6 || std::min(std::abs(x0), std::abs(x0 - 0.1)) > 1e-6;
+            }
+        const auto around = std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& v) { return v.x() == 0; });
+        CHECK(bits == 2 * around);
+        CHECK(elsewhere == 0);
+    }
+
+    TEST_CASE("property: refit follows a moved wall and finds what a new tree finds")
+    {
+        WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
+        WallTree tree = build_wall_tree(mesh);
+        for (Vec3& v : mesh.vertices) v.z() += 0.004 * std::sin(60 * v.x());
+        refit_wall_tree(tree, mesh);
+        check_structure(tree);
+        for (int i = 0; i < 50; ++i) {
+            const Vec3 p(0.002 * i, 0.001, 0.003);
+            CHECK(nearest_on_wall(tree, p).distance2 == nearest_by_force(tree, p));
+        }
+    }
 }

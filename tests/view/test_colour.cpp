@@ -9,42 +9,47 @@
 
 using namespace seldinger;
 
-TEST_SUITE("view/colour") {
-TEST_CASE("analytic: black, white and mid grey of sRGB") {
-    CHECK(rgb_from_hex(0x000000).g == 0);
-    CHECK(rgb_from_hex(0xffffff).r == doctest::Approx(1).epsilon(1e-6));
-    CHECK(rgb_from_hex(0x808080).b == doctest::Approx(0.21586).epsilon(1e-4));  // ((128/255 + 0.055) / 1.055)^2.4
-    CHECK(lightness(rgb_from_hex(0xffffff)) == doctest::Approx(1).epsilon(1e-4));  // Oklab's white is 1 by definition
-    for (std::uint32_t hex : {0x0b69c7u, 0x123456u, 0xfedcbau}) {
-        const auto bytes = srgb_bytes(rgb_from_hex(hex));
-        CHECK(((std::uint32_t{bytes[0]} << 16) | (std::uint32_t{bytes[1]} << 8) | bytes[2]) == hex);
-    }
-}
-
-TEST_CASE("property: force colours are in gamut and their lightness rises linearly with force") {
-    for (int i = 0; i <= 100; ++i) {
-        CAPTURE(i);
-        const Rgb c = force_colour(0.01 * i);
-        for (float v : {c.r, c.g, c.b}) {
-            CHECK(v >= 0);
-            CHECK(v <= 1);
+TEST_SUITE("view/colour")
+{
+    TEST_CASE("analytic: black, white and mid grey of sRGB")
+    {
+        CHECK(rgb_from_hex(0x000000).g == 0);
+        CHECK(rgb_from_hex(0xffffff).r == doctest::Approx(1).epsilon(1e-6));
+        CHECK(rgb_from_hex(0x808080).b == doctest::Approx(0.21586).epsilon(1e-4));     // ((128/255 + 0.055) / 1.055)^2.4
+        CHECK(lightness(rgb_from_hex(0xffffff)) == doctest::Approx(1).epsilon(1e-4));  // Oklab's white is 1 by definition
+        for (std::uint32_t hex : {0x0b69c7u, 0x123456u, 0xfedcbau}) {
+            const auto bytes = srgb_bytes(rgb_from_hex(hex));
+            CHECK(((std::uint32_t{bytes[0]} << 16) | (std::uint32_t{bytes[1]} << 8) | bytes[2]) == hex);
         }
-        // Oklab there and back in float: the published matrices invert each other to 1e-6, cubes and roots triple it
-        CHECK(lightness(c) == doctest::Approx(0.36 + 0.56 * 0.01 * i).epsilon(1e-4));
     }
-}
 
-TEST_CASE("regression: a force off the scale or not finite has a colour") {
-    CHECK(lightness(force_colour(7)) == lightness(force_colour(1)));
-    CHECK(lightness(force_colour(-1)) == lightness(force_colour(0)));
-    CHECK(lightness(force_colour(std::numeric_limits<double>::quiet_NaN())) == lightness(force_colour(0)));
-}
+    TEST_CASE("property: force colours are in gamut and their lightness rises linearly with force")
+    {
+        for (int i = 0; i <= 100; ++i) {
+            CAPTURE(i);
+            const Rgb c = force_colour(0.01 * i);
+            for (float v : {c.r, c.g, c.b}) {
+                CHECK(v >= 0);
+                CHECK(v <= 1);
+            }
+            // Oklab there and back in float: the published matrices invert each other to 1e-6, cubes and roots triple it
+            CHECK(lightness(c) == doctest::Approx(0.36 + 0.56 * 0.01 * i).epsilon(1e-4));
+        }
+    }
 
-TEST_CASE("analytic: round numbers above a value") {
-    CHECK(round_up_125(0.03) == doctest::Approx(0.05).epsilon(1e-12));
-    CHECK(round_up_125(0.05) == doctest::Approx(0.05).epsilon(1e-12));
-    CHECK(round_up_125(7) == doctest::Approx(10).epsilon(1e-12));
-    CHECK(round_force_up(0.111) == doctest::Approx(0.12).epsilon(1e-12));
-    CHECK(round_force_up(8.1e-4) == doctest::Approx(1e-3).epsilon(1e-12));
-}
+    TEST_CASE("regression: a force off the scale or not finite has a colour")
+    {
+        CHECK(lightness(force_colour(7)) == lightness(force_colour(1)));
+        CHECK(lightness(force_colour(-1)) == lightness(force_colour(0)));
+        CHECK(lightness(force_colour(std::numeric_limits<double>::quiet_NaN())) == lightness(force_colour(0)));
+    }
+
+    TEST_CASE("analytic: round numbers above a value")
+    {
+        CHECK(round_up_125(0.03) == doctest::Approx(0.05).epsilon(1e-12));
+        CHECK(round_up_125(0.05) == doctest::Approx(0.05).epsilon(1e-12));
+        CHECK(round_up_125(7) == doctest::Approx(10).epsilon(1e-12));
+        CHECK(round_force_up(0.111) == doctest::Approx(0.12).epsilon(1e-12));
+        CHECK(round_force_up(8.1e-4) == doctest::Approx(1e-3).epsilon(1e-12));
+    }
 }

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <unistd.h>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -33,15 +33,16 @@ std::string numbers(const std::vector<Vec3>& points)
 
 std::string poly_data(std::size_t points, const std::string& inside)
 {
-    return fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\">\n<PolyData>\n"
-                       "<Piece NumberOfPoints=\"{}\">\n{}</Piece>\n</PolyData>\n</VTKFile>\n",
-                       points, inside);
+    return fmt::format(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\">\n<PolyData>\n"
+        "<Piece NumberOfPoints=\"{}\">\n{}</Piece>\n</PolyData>\n</VTKFile>\n",
+        points, inside);
 }
 
 std::string array(const char* type, const char* name, int components, const std::string& values)
 {
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">{}</DataArray>\n",
-                       type, name, components, values);
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">{}</DataArray>\n", type,
+                       name, components, values);
 }
 
 std::string points_xml(const std::vector<Vec3>& points)
@@ -56,8 +57,8 @@ void write_vessel(const fs::path& dir)
     for (const auto& t : mesh.triangles) corners += fmt::format("{} {} {} ", t[0], t[1], t[2]);
     for (std::size_t i = 1; i <= mesh.triangles.size(); ++i) offsets += fmt::format("{} ", 3 * i);
     write_text(dir / "vessel.vtp", poly_data(mesh.vertices.size(), points_xml(mesh.vertices) + "<Polys>" +
-                                                                      array("Int32", "connectivity", 1, corners) +
-                                                                      array("Int32", "offsets", 1, offsets) + "</Polys>\n"));
+                                                                       array("Int32", "connectivity", 1, corners) +
+                                                                       array("Int32", "offsets", 1, offsets) + "</Polys>\n"));
 }
 
 void write_frame(const fs::path& dir, int index)
@@ -133,75 +134,80 @@ void check_refused(const fs::path& dir, const RenderOptions& options, ExitCode c
 
 }  // namespace
 
-TEST_SUITE("view/render") {
-TEST_CASE("property: the last frame becomes picture.png, an 8-bit RGB PNG of the size asked for") {
-    const TemporaryFolder dir;
-    write_run(dir.path, 3);
-    RenderOptions options;
-    options.width = 400, options.height = 300;
-    std::vector<fs::path> written;
-    if (!render_or_skip(dir.path, options, written)) return;
-    REQUIRE(written.size() == 1);
-    CHECK(written[0] == dir.path / "picture.png");
-    const std::string png = file_bytes(written[0]);
-    REQUIRE(png.size() > 33);
-    CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n");
-    CHECK(png.substr(12, 4) == "IHDR");
-    CHECK(big_endian(png, 16) == 400);
-    CHECK(big_endian(png, 20) == 300);
-    CHECK(static_cast<int>(png[24]) == 8);  // bits
-    CHECK(static_cast<int>(png[25]) == 2);  // true colour
-    CHECK(png.substr(png.size() - 8, 4) == "IEND");
-    std::vector<fs::path> again;
-    REQUIRE(render_or_skip(dir.path, options, again));
-    CHECK(file_bytes(again[0]) == png);
-    for (const auto& entry : fs::directory_iterator(dir.path)) CHECK(entry.path().extension() != ".part");
-}
-
-TEST_CASE("property: frames A:B become one picture each, and differ") {
-    const TemporaryFolder dir;
-    write_run(dir.path, 4);
-    RenderOptions options;
-    options.width = 240, options.height = 160, options.first = 1, options.last = 3;
-    std::vector<fs::path> written;
-    if (!render_or_skip(dir.path, options, written)) return;
-    REQUIRE(written.size() == 3);
-    CHECK(written[0] == dir.path / "frame_000001.png");
-    CHECK(written[2] == dir.path / "frame_000003.png");
-    CHECK(file_bytes(written[0]) != file_bytes(written[1]));
-    CHECK_FALSE(fs::exists(dir.path / "picture.png"));
-}
-
-TEST_CASE("property: a free wire needs no vessel and no contacts") {
-    const TemporaryFolder dir;
-    write_run(dir.path, 2);
-    fs::remove(dir.path / "vessel.vtp");
-    fs::remove(dir.path / "trace.csv");
-    fs::remove(dir.path / "contacts_000001.vtp");
-    RenderOptions options;
-    options.width = 240, options.height = 160;
-    std::vector<fs::path> written;
-    if (!render_or_skip(dir.path, options, written)) return;
-    CHECK(fs::file_size(written[0]) > 500);
-}
-
-TEST_CASE("regression: what is missing or damaged is named") {
-    const TemporaryFolder dir;
-    check_refused(dir.path / "nowhere", {}, ExitCode::BadFile, "no such folder");
-    check_refused(dir.path, {}, ExitCode::BadFile, "wire.pvd");
-    write_list(dir.path, 0);
-    check_refused(dir.path, {}, ExitCode::BadFile, "names no frame");
-    write_run(dir.path, 2);
-    RenderOptions options;
-    for (auto [first, last] : {std::pair{2, 2}, {1, 0}, {-1, 1}, {0, 2}}) {
-        options.first = first, options.last = last;
-        check_refused(dir.path, options, ExitCode::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
+TEST_SUITE("view/render")
+{
+    TEST_CASE("property: the last frame becomes picture.png, an 8-bit RGB PNG of the size asked for")
+    {
+        const TemporaryFolder dir;
+        write_run(dir.path, 3);
+        RenderOptions options;
+        options.width = 400, options.height = 300;
+        std::vector<fs::path> written;
+        if (!render_or_skip(dir.path, options, written)) return;
+        REQUIRE(written.size() == 1);
+        CHECK(written[0] == dir.path / "picture.png");
+        const std::string png = file_bytes(written[0]);
+        REQUIRE(png.size() > 33);
+        CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+        CHECK(png.substr(12, 4) == "IHDR");
+        CHECK(big_endian(png, 16) == 400);
+        CHECK(big_endian(png, 20) == 300);
+        CHECK(static_cast<int>(png[24]) == 8);  // bits
+        CHECK(static_cast<int>(png[25]) == 2);  // true colour
+        CHECK(png.substr(png.size() - 8, 4) == "IEND");
+        std::vector<fs::path> again;
+        REQUIRE(render_or_skip(dir.path, options, again));
+        CHECK(file_bytes(again[0]) == png);
+        for (const auto& entry : fs::directory_iterator(dir.path)) CHECK(entry.path().extension() != ".part");
     }
-    fs::remove(dir.path / "wire_000001.vtp");
-    check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
-    write_text(dir.path / "wire_000001.vtp", "half a fi");
-    check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
-    write_text(dir.path / "wire_000001.vtp", poly_data(1, points_xml({{0, 0, 0}})));
-    check_refused(dir.path, {}, ExitCode::BadFile, "radius");
-}
+
+    TEST_CASE("property: frames A:B become one picture each, and differ")
+    {
+        const TemporaryFolder dir;
+        write_run(dir.path, 4);
+        RenderOptions options;
+        options.width = 240, options.height = 160, options.first = 1, options.last = 3;
+        std::vector<fs::path> written;
+        if (!render_or_skip(dir.path, options, written)) return;
+        REQUIRE(written.size() == 3);
+        CHECK(written[0] == dir.path / "frame_000001.png");
+        CHECK(written[2] == dir.path / "frame_000003.png");
+        CHECK(file_bytes(written[0]) != file_bytes(written[1]));
+        CHECK_FALSE(fs::exists(dir.path / "picture.png"));
+    }
+
+    TEST_CASE("property: a free wire needs no vessel and no contacts")
+    {
+        const TemporaryFolder dir;
+        write_run(dir.path, 2);
+        fs::remove(dir.path / "vessel.vtp");
+        fs::remove(dir.path / "trace.csv");
+        fs::remove(dir.path / "contacts_000001.vtp");
+        RenderOptions options;
+        options.width = 240, options.height = 160;
+        std::vector<fs::path> written;
+        if (!render_or_skip(dir.path, options, written)) return;
+        CHECK(fs::file_size(written[0]) > 500);
+    }
+
+    TEST_CASE("regression: what is missing or damaged is named")
+    {
+        const TemporaryFolder dir;
+        check_refused(dir.path / "nowhere", {}, ExitCode::BadFile, "no such folder");
+        check_refused(dir.path, {}, ExitCode::BadFile, "wire.pvd");
+        write_list(dir.path, 0);
+        check_refused(dir.path, {}, ExitCode::BadFile, "names no frame");
+        write_run(dir.path, 2);
+        RenderOptions options;
+        for (auto [first, last] : {std::pair{2, 2}, {1, 0}, {-1, 1}, {0, 2}}) {
+            options.first = first, options.last = last;
+            check_refused(dir.path, options, ExitCode::BadScene, "0 <= A <= B <= 1, the run has 2 frames");
+        }
+        fs::remove(dir.path / "wire_000001.vtp");
+        check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+        write_text(dir.path / "wire_000001.vtp", "half a fi");
+        check_refused(dir.path, {}, ExitCode::BadFile, "wire_000001.vtp");
+        write_text(dir.path / "wire_000001.vtp", poly_data(1, points_xml({{0, 0, 0}})));
+        check_refused(dir.path, {}, ExitCode::BadFile, "radius");
+    }
 }
