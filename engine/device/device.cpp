@@ -4,6 +4,8 @@
 #include "device/enumerate.h"
 
 #include <fmt/format.h>
+#include <atomic>
+#include <mutex>
 
 #include <cstdio>
 #include <cstdlib>
@@ -128,6 +130,16 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept
     return *this;
 }
 
+namespace {
+
+// PoCL 3.1 keeps one table of loaded kernels for the whole process and loses count of their users when two contexts, in threads
+// of their own, launch the same kernel at once (abort in pocl_release_dlhandle_cache). With more than one context alive launches
+// take turns.
+std::mutex launching;
+std::atomic<int> contexts_alive{0};
+
+}  // namespace
+
 Context::Context(int index, bool float32) : float32_(float32)
 {
     const auto all = all_devices();
@@ -158,10 +170,12 @@ Context::Context(int index, bool float32) : float32_(float32)
     check(status, "clCreateCommandQueue");
     queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(context_, light, 0, &status);
     check(status, "clCreateCommandQueue");
+    ++contexts_alive;
 }
 
 Context::~Context()
 {
+    --contexts_alive;
     for (auto& entry : programs_) clReleaseProgram(entry.second);
     if (queues_[0] && queues_[0] != queues_[1]) clReleaseCommandQueue(queues_[0]);
     if (queues_[1]) clReleaseCommandQueue(queues_[1]);
@@ -203,7 +217,9 @@ void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_
 {
     if (workgroup == Kernel::workgroup) workgroup = chosen_workgroup();
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
+    const std::lock_guard<std::mutex> turn(launching);
     CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
+    if (contexts_alive > 1) CL_CHECK(clFinish(queue(lane)));
     counters_.launches++;
 }
 
