@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace seldinger {
 
@@ -337,12 +338,14 @@ Approach approach_of(const World::Impl& state, int w)
 WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, const WireMask& mask, uint settling,
                  double farthest = INFINITY)
 {
-    RodArrays placed = state.rods;
-    const auto moved = [&](int w) {
-        const RodView now = state.rods.view(w), then = placed.view(w);
+    std::optional<RodArrays> placed;
+    if (std::isfinite(farthest)) placed = state.rods;
+    const auto too_far = [&](int w) {
+        if (!placed) return false;
+        const RodView now = state.rods.view(w), then = placed->view(w);
         double most = 0;
         for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
-        return most;
+        return most > farthest * now.radius[0];
     };
     if (state.contact) {
         state.contact->set_settling(settling);
@@ -361,7 +364,7 @@ WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, co
     WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
-        if (state.reports[w].converged && !(moved(w) > farthest * state.rods.view(w).radius[0])) continue;
+        if (state.reports[w].converged && !too_far(w)) continue;
         done[w] = 0;
         failed[w] = 1;
         state.restore_wire(w);

@@ -5,6 +5,28 @@
 
 namespace seldinger {
 
+namespace {
+
+/// One record to `out`. @return where the next one begins
+const char* narrow_record(std::span<const WordRun> runs, const char* at, std::uint32_t*& out)
+{
+    for (const WordRun& run : runs)
+        for (int i = 0; i < run.count; ++i) {
+            if (run.reals) {
+                double value;
+                std::memcpy(&value, at, sizeof value);
+                *out++ = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+                at += sizeof value;
+            } else {
+                std::memcpy(out++, at, sizeof(std::uint32_t));
+                at += sizeof(std::uint32_t);
+            }
+        }
+    return at;
+}
+
+}  // namespace
+
 void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t records, std::vector<std::uint32_t>& to)
 {
     std::size_t words = 0;
@@ -12,19 +34,7 @@ void narrow_words(std::span<const WordRun> runs, const void* from, std::size_t r
     to.resize(records * words);
     const char* at = static_cast<const char*>(from);
     std::uint32_t* out = to.data();
-    for (std::size_t k = 0; k < records; ++k)
-        for (const WordRun& run : runs)
-            for (int i = 0; i < run.count; ++i) {
-                if (run.reals) {
-                    double value;
-                    std::memcpy(&value, at, sizeof value);
-                    *out++ = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-                    at += sizeof value;
-                } else {
-                    std::memcpy(out++, at, sizeof(std::uint32_t));
-                    at += sizeof(std::uint32_t);
-                }
-            }
+    for (std::size_t k = 0; k < records; ++k) at = narrow_record(runs, at, out);
 }
 
 void widen_words(std::span<const WordRun> runs, const std::uint32_t* from, std::size_t records, void* to)
@@ -46,22 +56,10 @@ void widen_words(std::span<const WordRun> runs, const std::uint32_t* from, std::
 
 NarrowParams narrow(const ContactParams& par)
 {
-    NarrowParams out;
-    std::uint32_t* to = out.words;
-    const char* at = reinterpret_cast<const char*>(&par);
-    for (const WordRun& run : record_words<ContactParams>)
-        for (int i = 0; i < run.count; ++i) {
-            if (run.reals) {
-                double value;
-                std::memcpy(&value, at, sizeof value);
-                *to++ = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-                at += sizeof value;
-            } else {
-                std::memcpy(to++, at, sizeof(std::uint32_t));
-                at += sizeof(std::uint32_t);
-            }
-        }
-    return out;
+    NarrowParams narrowed;
+    std::uint32_t* out = narrowed.words;
+    (void)narrow_record(record_words<ContactParams>, reinterpret_cast<const char*>(&par), out);
+    return narrowed;
 }
 
 }  // namespace seldinger
