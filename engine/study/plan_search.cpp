@@ -84,11 +84,12 @@ public:
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
-    void leave_out(const Choice& choice, double limit)
+    void leave_out(const Choice& choice, double limit, const std::function<bool(const Model&)>& can_run)
     {
         if (!best_ || ended_) return;
         Model family = best_->model;
         choice.make(family);
+        if (!can_run(family)) return;
         const Pilot before = *best_;
         const Pilot* pilot = look(family, best_place_);
         if (!pilot || !pilot->meets || pilot->seconds > no_dearer * before.seconds ||
@@ -275,6 +276,8 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
     if (first && first->meets) search.optimise(start, place);
 
     const std::vector<Choice> choices = choices_in(scene);
+    // each choice can be made in the scene as it stands, but not any two of them: float32 has no layer, impulses have neither
+    const auto can_run = [&](const Model& family) { return why_not(family, scene).empty(); };
     // twice: a choice that did not pay before another was made may pay after it
     for (int round = 0; round < 2 && search.best(); ++round) {
         const Model before = search.best()->model;
@@ -282,7 +285,7 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
             if (choice.needs_contact && !touches) continue;
             Model family = search.best()->model;
             choice.make(family);
-            search.try_family(family);
+            if (can_run(family)) search.try_family(family);
         }
         // adaptive nodes, their bounds in place of a number
         for (const auto& [shortest, longest] : {std::pair{1e-3, 10e-3}, {2e-3, 20e-3}, {0.5e-3, 5e-3}}) {
@@ -292,12 +295,12 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
             family.nodes = 0;
             family.min_edge = shortest;
             family.max_edge = longest;
-            search.try_family(family);
+            if (can_run(family)) search.try_family(family);
         }
         if (search.ended() || label(search.best()->model) == label(before)) break;
     }
     for (const Choice& choice : choices)
-        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit());
+        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit(), can_run);
     SearchResult result;
     if (search.best()) result.best = search.best()->model;
     result.complete = !search.ended();

@@ -325,7 +325,7 @@ private:
     {
         const PlannedModel chosen = *result_.chosen;
         const auto add = [&](const std::string& what, const Model& model) {
-            if (label(model) == label(chosen.model) || !may_go_on()) return;
+            if (label(model) == label(chosen.model) || !may_go_on() || !why_not(model, scene_.scene).empty()) return;
             tell("left out: " + what);
             const Pilot* pilot = pilots.look_at(model);
             if (!pilot) return;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <vector>
 
 using namespace seldinger;
 using seldinger::test::about;
@@ -69,6 +70,12 @@ public:
     }
     double limit() const override { return limit_; }
     std::size_t count() const { return known_.size(); }
+    std::vector<Model> models() const
+    {
+        std::vector<Model> all;
+        for (const auto& [key, pilot] : known_) all.push_back(pilot.model);
+        return all;
+    }
 
 private:
     Law law_;
@@ -208,6 +215,25 @@ TEST_SUITE("study/plan_search")
         CHECK(found.best->scheme == Scheme::Linearised);
         CHECK(found.best->rolling == false);
         CHECK(found.best->detection != Detection::Nodes);
+    }
+
+    TEST_CASE("property: choices that do not go together are never tried together, whichever was made first")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        // each pays on its own, the pairs most of all: what the search would take if it did not ask
+        Law law;
+        law.share = [](const Model& m) {
+            return (m.detection == Detection::Layer ? 0.5 : 1.0) * (m.precision == Precision::Float32 ? 0.5 : 1.0) *
+                   (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.normal == NormalLaw::Impulse ? 0.5 : 1.0);
+        };
+        MadeUpPilots pilots(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        REQUIRE(found.best);
+        for (const Model& model : pilots.models()) {
+            CAPTURE(label(model));
+            CHECK(why_not(model, scene) == "");
+        }
     }
 
     TEST_CASE("property: what changes nothing is left out even if that saves nothing")
