@@ -88,11 +88,10 @@ typedef struct NearList {
     real d2[SEL_NEAR_MOST];
 } NearList;
 
-// Squared distance within which triangles are blended with a nearest one at the distance d: eps <= 2 blend r.
-SEL_FN real shell_distance2(real d, real radius, real blend)
+// Distance within which triangles are blended with a nearest one at the distance d: eps <= 2 blend r.
+SEL_FN real shell_distance(real d, real radius, real blend)
 {
-    const real shell = d + (2 * (1 + SEL_WALK_MARGIN) * blend + SEL_WALK_MARGIN) * radius;
-    return shell * shell;
+    return d + (2 * (1 + SEL_WALK_MARGIN) * blend + SEL_WALK_MARGIN) * radius;
 }
 
 // p, origin: see load_triangle. cells: [count] nodes of the tree (walk.h).
@@ -116,7 +115,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real bl
     // nothing beyond `reach` is ever reported: the answer must not depend on which far triangles happen to be in the list
     real best2 = (radius + reach) * (radius + reach), best_align = 0;
     const real known2 = front_only ? best2 : min_r(near2, best2);
-    real shell2 = shell_distance2(sqrt(known2), radius, blend);
+    real shell = shell_distance(sqrt(known2), radius, blend);
     list->count = 0;
     Walk walk;
     walk.top = walk.next = 0;
@@ -124,16 +123,16 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real bl
     uint t = 0, end = 0;
     for (;; ++t) {
         if (t == end) {
-            if (!next_leaf(&walk, cells, count, nodes, p, origin, shell2, shell2, touch.side, &leaf)) break;
+            if (!next_leaf(&walk, cells, count, nodes, p, origin, shell, shell, touch.side, &leaf)) break;
             t = leaf.left_or_first;
             end = t + leaf.count;
         }
         const Triangle tri = load_triangle(vertices, t, origin);
-        if (triangle_box_distance2(p, tri) > shell2) continue;
+        if (triangle_box_distance2(p, tri) > shell * shell) continue;
         int feature;
         const vec3 v = p - closest_on_triangle(p, tri, &feature);
         const real d2 = dot3(v, v);
-        if (d2 <= shell2) {
+        if (d2 <= shell * shell) {
             if (list->count < SEL_NEAR_MOST) {
                 list->triangle[list->count] = t;
                 list->d2[list->count] = d2;
@@ -151,7 +150,7 @@ SEL_FN Touch nearest_touch(vec3 p, vec3 origin, real radius, real reach, real bl
         if (d2 >= best2 * (1 - SEL_TIE) && fabs(align) <= fabs(best_align)) continue;
         best2 = d2;
         best_align = align;
-        shell2 = min_r(shell2, shell_distance2(d, radius, blend));
+        shell = min_r(shell, shell_distance(d, radius, blend));
         touch.found = 1;
         touch.triangle = t;
         touch.outside = align < 0;
@@ -199,7 +198,8 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     BlendPlane planes[SEL_BLEND_PLANES];
     uint plane_count = 0;
     const int listed = list->count <= SEL_NEAR_MOST;
-    const real range2 = (radius + reach) * (radius + reach), shell2 = shell_distance2(radius - depth0, radius, blend);
+    const real range2 = (radius + reach) * (radius + reach), shell = shell_distance(radius - depth0, radius, blend),
+               shell2 = shell * shell;
     for (uint k = 0; listed && k < list->count; ++k) {
         const uint t = list->triangle[k];
         if (t == first->triangle || list->d2[k] > shell2) continue;
@@ -221,14 +221,14 @@ SEL_FN Touch blend_and_oppose(Touch* first, vec3 p, vec3 origin, real radius, re
     // of the other side is only what lies beyond that along `side`; what is listed has been blended already
     const real rounding = SEL_WALK_MARGIN * radius, range = radius + reach + 2 * rounding + surely_own;
     const vec3 p_side = p - (rounding + surely_own) * first->side;
-    const real wide_shell = sqrt(shell2) + rounding + surely_own, walked2 = listed ? (real)-1 : wide_shell * wide_shell;
+    const real walked = listed ? (real)0 : shell + rounding + surely_own;
     Walk walk;
     walk.top = walk.next = 0;
     TreeNode leaf;
     uint t = 0, end = 0;
     for (;; ++t) {
         if (t == end) {
-            if (!next_leaf(&walk, cells, count, nodes, p_side, origin, range * range, walked2, first->side, &leaf)) break;
+            if (!next_leaf(&walk, cells, count, nodes, p_side, origin, range, walked, first->side, &leaf)) break;
             t = leaf.left_or_first;
             end = t + leaf.count;
         }

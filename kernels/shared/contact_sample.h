@@ -50,7 +50,7 @@ SEL_FN real wall_distance(vec3 p, real most, SEL_GLOBAL const TreeNode* nodes, S
         --top;
         if (away2[top] >= best2) continue;
         const TreeNode node = nodes[stack[top]];
-        if (node.count == 0) {  // the nearer child is looked at first
+        if (SEL_LEAF_TRIANGLES(node.count) == 0) {  // the nearer child is looked at first
             const uint left = node.left_or_first;
             const real to_left = box_distance2(p, nodes[left]), to_right = box_distance2(p, nodes[left + 1]);
             const uint right_first = to_right < to_left;

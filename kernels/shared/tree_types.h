@@ -5,11 +5,9 @@
 // Coordinates are float32 relative to the tree's centre (WallTree::centre, double, world frame): a vertex is rounded once,
 // and the rounded triangle IS the wall from then on. Boxes are the exact minima and maxima of those floats, so a
 // box holds its triangles with no margin to add.
-#ifdef __cplusplus
-    #include <cstdint>
-namespace seldinger {
-using uint = std::uint32_t;
-#endif
+#include "shared/portable.h"
+
+SEL_BEGIN
 
 // Levels a traversal may have to remember. Each level of the tree pushes at most one sibling, and the builder keeps
 // leaves at depth < SEL_TREE_STACK (root: depth 0) whatever the mesh.
@@ -18,12 +16,17 @@ using uint = std::uint32_t;
 #define SEL_LEAF_TRIANGLES(count) ((count)&7u)
 #define SEL_SLAB_STEPS 510
 
-// count == 0: inner node, children at left_or_first and left_or_first + 1 (always behind their parent).
-// count  > 0: leaf, SEL_LEAF_TRIANGLES(count) triangles from left_or_first on, in leaf order. The other 29 bits are the leaf's
-// slab: between which two planes its triangles lie. A box round a slanting piece of wall is as thick as it is wide; the slab is
-// as thin as the wall is flat, so that a point near the wall sees which of many small leaves can be nearest to it.
-//   bits 3-12, 13-22   normal n: a = k/511.5 - 1, b alike, n ~ ((a + b)/2, (a - b)/2, 1 - |n_x| - |n_y|), whatever its length and
-//   sign bits 23-31         k > 0: |n . (x - centre of the box)| <= (k - 1)/510 of the box's half diagonal; 0: there is no slab
+// SEL_LEAF_TRIANGLES(count) == 0: inner node, children at left_or_first and left_or_first + 1 (always behind their parent).
+//                            > 0: leaf, as many triangles from left_or_first on, in leaf order.
+// The other 29 bits of `count` are the node's slab: between which two planes its triangles lie. A box round a slanting piece of
+// wall is as thick as it is wide; the slab is as thin as the wall is flat, so that a point near the wall sees which of many
+// small nodes can be nearest to it.
+//   bits 3-12, 13-22   unit normal n = (2a, 2b, 1 - c)/(1 + c), c = a^2 + b^2 (stereographic, either sign): a, b by SEL_SLAB_TURN
+//        23-31         k > 0: |n . (x - centre of the box)| <= (k - 1)/510 of the sum of the box's half extents; 0: no slab
+#define SEL_HAS_SLAB(count) ((count) >> 23)
+#define SEL_SLAB_TURN(bits) ((real)(bits) * (real)(1 / 511.5) - 1)
+#define SEL_SLAB_HEIGHT(count, half_extents) (((real)((count) >> 23) - 1) * (real)(1.0 / SEL_SLAB_STEPS) * (half_extents))
+
 typedef struct TreeNode {
     float lo[3];  // [m], relative to the tree's centre
     uint left_or_first;
@@ -36,6 +39,6 @@ typedef struct TreeNode {
 
 #ifdef __cplusplus
 static_assert(sizeof(TreeNode) == 32, "layout shared with kernels");
-}  // namespace seldinger
 #endif
+SEL_END
 #endif

@@ -44,27 +44,29 @@ SEL_FN real box_beyond(vec3 p, TreeNode box, vec3 origin, vec3 side)
     return x * side.x + y * side.y + z * side.z;
 }
 
-// Least squared distance from p to what lies in the leaf's slab and within the half diagonal of its box from the box's centre.
-SEL_FN real slab_distance2(vec3 p, TreeNode leaf, vec3 origin)
+// Is everything in the node's slab, and within the half diagonal of its box from the box's centre, farther from p than `range`?
+// With h the height of p over the slab's middle and l its distance from the centre along the slab: yes when
+//     up^2 + aside^2 > range^2,   up = |h| - thickness/2,   aside = l - rho   (each not below 0).
+// One division and one root: this is asked of every second box.
+SEL_FN int slab_beyond(vec3 p, TreeNode node, vec3 origin, real range)
 {
-    const real ex = ((real)leaf.hi[0] - (real)leaf.lo[0]) / 2, ey = ((real)leaf.hi[1] - (real)leaf.lo[1]) / 2,
-               ez = ((real)leaf.hi[2] - (real)leaf.lo[2]) / 2;
-    const vec3 q = make_vec3(p.x - ((real)leaf.lo[0] - origin.x) - ex, p.y - ((real)leaf.lo[1] - origin.y) - ey,
-                             p.z - ((real)leaf.lo[2] - origin.z) - ez);
-    const real a = (real)((leaf.count >> 3) & 1023u) / (real)511.5 - 1, b = (real)((leaf.count >> 13) & 1023u) / (real)511.5 - 1;
-    const real x = (a + b) / 2, y = (a - b) / 2;
-    const vec3 n = make_vec3(x, y, 1 - fabs(x) - fabs(y));
-    const real rho = sqrt(ex * ex + ey * ey + ez * ez),
-               half_thickness = (real)((leaf.count >> 23) - 1u) / (real)SEL_SLAB_STEPS * rho;
-    const real along = dot3(q, n), height2 = along * along / dot3(n, n);
-    const real up = max_r(sqrt(height2) - half_thickness, 0), aside = max_r(sqrt(max_r(dot3(q, q) - height2, 0)) - rho, 0);
-    return up * up + aside * aside;
+    const real ex = (real)0.5 * ((real)node.hi[0] - (real)node.lo[0]), ey = (real)0.5 * ((real)node.hi[1] - (real)node.lo[1]),
+               ez = (real)0.5 * ((real)node.hi[2] - (real)node.lo[2]);
+    const vec3 q = make_vec3(p.x - ((real)node.lo[0] - origin.x) - ex, p.y - ((real)node.lo[1] - origin.y) - ey,
+                             p.z - ((real)node.lo[2] - origin.z) - ez);
+    const real a = SEL_SLAB_TURN((node.count >> 3) & 1023u), b = SEL_SLAB_TURN((node.count >> 13) & 1023u), c = a * a + b * b;
+    const real h = (2 * (a * q.x + b * q.y) + (1 - c) * q.z) / (1 + c);
+    const real up = max_r(fabs(h) - SEL_SLAB_HEIGHT(node.count, ex + ey + ez), 0), left2 = range * range - up * up;
+    if (left2 < 0) return 1;
+    const real rho2 = ex * ex + ey * ey + ez * ez, aside2 = dot3(q, q) - h * h - rho2 - left2;  // l > rho + sqrt(left2)?
+    return aside2 > 0 && aside2 * aside2 > 4 * rho2 * left2;
 }
 
-// The next leaf whose box is within range2 of p and, unless it is within shell2, reaches beyond p along `side`. @return found one
+// The next leaf that is within `range` of p and, unless it is within `shell`, reaches beyond p along `side`. @return found one
 SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, vec3 p, vec3 origin,
-                     real range2, real shell2, vec3 side, TreeNode* leaf)
+                     real range, real shell, vec3 side, TreeNode* leaf)
 {
+    const real range2 = range * range, shell2 = shell * shell;
     for (;;) {
         if (walk->top == 0) {
             if (walk->next == count) return 0;
@@ -72,12 +74,11 @@ SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_G
         }
         const TreeNode node = nodes[walk->stack[--walk->top]];
         const real d2 = box_near2(p, node, origin);
-        if (d2 > range2 || (d2 > shell2 && box_beyond(p, node, origin, side) < 0)) continue;
-        if (node.count > 0) {
-            if (node.count >> 23) {
-                const real nearer2 = slab_distance2(p, node, origin);
-                if (nearer2 > range2 || (nearer2 > shell2 && box_beyond(p, node, origin, side) < 0)) continue;
-            }
+        if (d2 > range2) continue;
+        const int aside = shell < range && box_beyond(p, node, origin, side) < 0;
+        if (aside && d2 > shell2) continue;
+        if (SEL_HAS_SLAB(node.count) && slab_beyond(p, node, origin, aside ? shell : range)) continue;
+        if (SEL_LEAF_TRIANGLES(node.count) > 0) {
             *leaf = node;
             leaf->count = SEL_LEAF_TRIANGLES(node.count);
             return 1;
@@ -95,19 +96,21 @@ SEL_FN real triangle_distance2(vec3 p, vec3 origin, uint t, SEL_GLOBAL const flo
     return dot3(v, v);
 }
 
-// Is there a triangle within range2 of p in the subtree below `node`?
-SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range2, SEL_GLOBAL const TreeNode* nodes,
+// Is there a triangle within `range` of p in the subtree below `node`?
+SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, SEL_GLOBAL const TreeNode* nodes,
                       SEL_GLOBAL const float* vertices)
 {
+    const real range2 = range * range;
     uint stack[SEL_TREE_STACK];
     uint top = 0;
     stack[top++] = node;
     while (top > 0) {
         const TreeNode box = nodes[stack[--top]];
         if (box_near2(p, box, origin) > range2) continue;
+        if (SEL_HAS_SLAB(box.count) && slab_beyond(p, box, origin, range)) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(box.count); ++k)
             if (triangle_distance2(p, origin, box.left_or_first + k, vertices) <= range2) return 1;
-        if (box.count > 0) continue;
+        if (SEL_LEAF_TRIANGLES(box.count) > 0) continue;
         stack[top++] = box.left_or_first + 1;
         stack[top++] = box.left_or_first;
     }
@@ -130,12 +133,12 @@ SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL co
         if (box_near2(p, node, origin) > range2) continue;
         const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1],
                    z = (real)node.hi[2] - (real)node.lo[2];
-        if (node.count == 0 && (x > size || y > size || z > size)) {
+        if (SEL_LEAF_TRIANGLES(node.count) == 0 && (x > size || y > size || z > size)) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;
             continue;
         }
-        if (!any) any = any_within(at, p, origin, range2, nodes, vertices);
+        if (!any) any = any_within(at, p, origin, range, nodes, vertices);
         if (count < slots) found[count] = at;
         ++count;
     }
