@@ -105,6 +105,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
+    clearances_ = device::Buffer(context, n * device_size<Clearance>(context));
     distance_buffer_ = device::Buffer(context, n * device_size<double>(context));
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
@@ -144,7 +145,7 @@ void CapsuleContact::launch_find(device::Lane at, std::size_t items, const Conta
 {
     const auto launch = [&](const auto& params, const auto& margin) {
         find_.launch(at, items, params, margin, find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                     wall_.vertices, candidates_, count_buffer_, found_buffer_);
+                     wall_.vertices, candidates_, count_buffer_, found_buffer_, clearances_);
     };
     if (context_.float32()) launch(narrow(par), static_cast<float>(list_margin_));
     else launch(par, list_margin_);
@@ -166,7 +167,7 @@ void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const C
         evaluate_.launch(at, items, params, list, models_, places_, candidates_, count_buffer_, wall_.nodes, wall_.vertices,
                          wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
                          nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
-                         multipliers_ ? multipliers_->states() : no_multipliers_);
+                         multipliers_ ? multipliers_->states() : no_multipliers_, clearances_);
     };
     if (context_.float32()) launch(narrow(par));
     else launch(par);

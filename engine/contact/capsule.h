@@ -79,7 +79,7 @@ private:
     std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, distance_, evaluate_, reduce_;
-    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, found_buffer_, distance_buffer_, active_list_,
+    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, found_buffer_, clearances_, distance_buffer_, active_list_,
         first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none

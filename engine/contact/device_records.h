@@ -6,6 +6,7 @@
 // (portable.h).
 
 #include "device/device.h"
+#include "shared/clearance.h"
 #include "shared/contact_types.h"
 
 #include <span>
@@ -34,6 +35,8 @@ template <>
 inline constexpr WordRun record_words<HardState>[] = {{9, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<EdgeForce>[] = {{71, true}, {2, false}};
+template <>
+inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>
 inline constexpr WordRun record_words<ContactParams>[] = {{6, false}, {3, true}};
 

@@ -54,7 +54,8 @@ public:
           forces_(context, n_ * sizeof(SampleForce)),
           barys_(context, n_ * sizeof(real)),
           ratios_(context, n_ * sizeof(real)),
-          found_(context, n_ * sizeof(uint))
+          found_(context, n_ * sizeof(uint)),
+          clearances_(context, n_ * sizeof(Clearance))
     {
         context_.enter(lane);
     }
@@ -67,14 +68,14 @@ public:
         const double pairs = per_item("contact_evaluate").pairs, lists = pairs * 2 * sizeof(uint);
         run("capsule.cl", "contact_find", n_, record + 2 * sizeof(uint) + lists / 2, [&](Kernel& k) {
             k.launch(lane_, n_, par, real(slack), list_, models_, places_, hi_, lo_, tree_, vertices_, candidates_, counts_,
-                     found_);
+                     found_, clearances_);
         });
         run("capsule.cl", "contact_distance", n_, sizeof(SamplePlace) + sizeof(uint) + sizeof(real), [&](Kernel& k) {
             k.launch(lane_, n_, static_cast<uint>(n_), real(1), list_, places_, hi_, lo_, tree_, vertices_, ratios_);
         });
         run("capsule.cl", "contact_evaluate", n_, record + touches + sizeof(SampleForce) + sizeof(real) + lists, [&](Kernel& k) {
             k.launch(lane_, n_, par, list_, models_, places_, candidates_, counts_, tree_, vertices_, rims_, hi_, lo_, theta_,
-                     hi_t0_, lo_t0_, theta_t0_, touches_t0_, touches_, forces_, barys_, hard_);
+                     hi_t0_, lo_t0_, theta_t0_, touches_t0_, touches_, forces_, barys_, hard_, clearances_);
         });
         const std::size_t edges = load_.layer_edges.size();
         const Buffer sums(context_, edges * sizeof(EdgeForce));
@@ -161,7 +162,7 @@ private:
     std::vector<KernelTiming>& out_;
     std::size_t n_;
     Buffer tree_, vertices_, rims_, hi_, lo_, theta_, hi_t0_, lo_t0_, theta_t0_, models_, places_, list_, first_, touches_t0_,
-        touches_, hard_, hard_next_, candidates_, counts_, forces_, barys_, ratios_, found_;
+        touches_, hard_, hard_next_, candidates_, counts_, forces_, barys_, ratios_, found_, clearances_;
 };
 
 std::vector<KernelTiming> time_all(Context& context, const BenchWall& wall, const std::vector<KernelWork>& work,

@@ -9,21 +9,24 @@
 // Cells of the tree near listed samples (walk.h).
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack,
+//   writes  clearances [samples]; cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack,
 //   also beyond `slots`; 0: nothing is
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
                              __global const TreeNode* restrict nodes, __global const float* restrict vertices,
-                             __global uint* restrict cells, __global uint* restrict counts, __global uint* restrict found)
+                             __global uint* restrict cells, __global uint* restrict counts, __global uint* restrict found,
+                             __global Clearance* restrict clearances)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, hi, lo);
-        counts[s] = found[item] =
-            find_cells(at.offset, at.origin, models[s].radius + models[s].reach + slack, SEL_CELL_SIZE * models[s].radius, nodes,
-                       vertices, par.slots, cells + (ulong)s * par.slots);
+        const real radius = models[s].radius, range = radius + models[s].reach + slack;
+        const uint count = find_cells(at.offset, at.origin, range, SEL_CELL_SIZE * radius, nodes, vertices, par.slots,
+                                      cells + (ulong)s * par.slots);
+        counts[s] = found[item] = count;
+        clearances[s] = found_clearance(at.origin + at.offset, range, slack, radius, count);
     }
 }
 
@@ -44,7 +47,8 @@ SEL_KERNEL void contact_distance(const uint item_count, const real most, __globa
 
 // Forces of active samples.
 //   item    one entry of `list` (samples with cells, ordered by wire and edge)
-//   reads   ... and touches_t0, hard [samples][2]      writes  forces, barys [item_count]; touches [samples][2]
+//   reads   ... and touches_t0, hard [samples][2]; clearances [samples]
+//   writes  forces, barys [item_count]; touches [samples][2]; clearances
 SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
                                  __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                                  __global const uint* restrict cells, __global const uint* restrict counts,
@@ -54,13 +58,18 @@ SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* r
                                  __global const float* restrict hi_t0, __global const real* restrict lo_t0,
                                  __global const real* restrict theta_t0, __global const TouchState* restrict touches_t0,
                                  __global TouchState* restrict touches, __global SampleForce* restrict forces,
-                                 __global real* restrict barys, __global const HardState* restrict hard)
+                                 __global real* restrict barys, __global const HardState* restrict hard,
+                               __global Clearance* restrict clearances)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
-        const uint s = list[item];
-        forces[item] = evaluate_sample(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices,
-                                       rims, hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard);
+        const uint s = list[item], count = counts[s];
+        __global const uint* near = cells + (ulong)s * par.slots;
+        if (is_clear(s, models[s], places[s], near, count, nodes, vertices, hi, lo, touches_t0, touches, clearances + s))
+            forces[item] = no_force(models[s]);
+        else
+            forces[item] = evaluate_sample(s, par, models[s], places[s], near, count, nodes, vertices, rims, hi, lo, theta, hi_t0,
+                                           lo_t0, theta_t0, touches_t0, touches, hard);
         barys[item] = places[s].bary;
     }
 }

@@ -4,6 +4,7 @@
 // Node positions come as hi (float) + lo (real) relative to the mesh centre; see portable.h.
 #ifndef SEL_SHARED_CONTACT_SAMPLE_H
 #define SEL_SHARED_CONTACT_SAMPLE_H
+#include "shared/clearance.h"
 #include "shared/contact_law.h"
 
 SEL_BEGIN
@@ -125,6 +126,19 @@ SEL_FN real fit(TouchState touch, HardState hard, int lives, vec3 normal)
     return normal.x * touch.normal[0] + normal.y * touch.normal[1] + normal.z * touch.normal[2];
 }
 
+SEL_FN SampleForce no_force(SampleModel m)
+{
+    SampleForce none;
+    for (int k = 0; k < 4; ++k) none.force[k] = 0;
+    for (int k = 0; k < 10; ++k) none.sym[k] = 0;
+    for (int k = 0; k < 12; ++k) none.skew[k] = 0;
+    none.depth = -(m.radius + m.reach);
+    none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
+    none.flags = 0;
+    none.contacts = 0;
+    return none;
+}
+
 // Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step; so is `hard`,
 // which only augmented, constraint and impulse read.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells,
@@ -134,15 +148,7 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
                                    SEL_GLOBAL const real* theta_t0, SEL_GLOBAL const TouchState* touches_t0,
                                    SEL_GLOBAL TouchState* touches, SEL_GLOBAL const HardState* hard)
 {
-    SampleForce out;
-    for (int k = 0; k < 4; ++k) out.force[k] = 0;
-    for (int k = 0; k < 10; ++k) out.sym[k] = 0;
-    for (int k = 0; k < 12; ++k) out.skew[k] = 0;
-    out.depth = -(m.radius + m.reach);
-    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
-    out.flags = 0;
-    out.contacts = 0;
-
+    SampleForce out = no_force(m);
     const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
     SampleMove mv;
     mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
@@ -182,6 +188,30 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     touches[2 * s] = now[0];
     touches[2 * s + 1] = now[1];
     return out;
+}
+
+SEL_FN TouchState no_touch(void)
+{
+    TouchState none;
+    for (int i = 0; i < 3; ++i) none.slip[i] = none.normal[i] = none.point[i] = none.friction[i] = 0;
+    none.gap = none.rate = none.approach = none.roll = none.normal_force = none.moment = 0;
+    none.triangle = none.flags = none.stamp = none.pad = 0;
+    return none;
+}
+
+// A sample that touched nothing in the last step and touches nothing now, without more ado. @return 0: it has to be evaluated
+SEL_FN int is_clear(uint s, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells, uint count,
+                    SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const float* hi,
+                    SEL_GLOBAL const real* lo, SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches,
+                    SEL_GLOBAL Clearance* clearance)
+{
+    for (uint k = 2 * s; k < 2 * s + 2; ++k)
+        if (touches_t0[k].stamp + 1 == place.stamp) return 0;
+    const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
+    if (!touches_nothing(at.offset, at.origin, m, cells, count, nodes, vertices, clearance)) return 0;
+    for (uint k = 2 * s; k < 2 * s + 2; ++k)  // what an earlier trial wrote; most are empty already
+        if (touches[k].stamp != 0) touches[k] = no_touch();
+    return 1;
 }
 
 // Sums the samples items[first..last) (consecutive on one edge) in order. barys: of those samples.

@@ -62,7 +62,7 @@ SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBA
     Walk walk;
     walk.top = walk.next = 0;
     TreeNode leaf;
-    while (next_leaf(&walk, cells, count, nodes, middle, base.origin, range * range, range * range, move, &leaf))
+    while (next_leaf(&walk, cells, count, nodes, middle, base.origin, range, range, move, &leaf))
         for (uint t = leaf.left_or_first; t < leaf.left_or_first + leaf.count; ++t)
             free_way =
                 min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));

@@ -156,17 +156,20 @@ std::vector<uint> up_to(std::size_t n)
 
 struct Found {
     std::vector<uint> candidates, counts;
+    std::vector<Clearance> clearances{};
     std::vector<real> touching{};  // layer: L'
 };
 
 Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint slots)
 {
-    Found out{std::vector<uint>(s.models.size() * slots), std::vector<uint>(s.models.size())};
+    const std::size_t n = s.models.size();
+    Found out{std::vector<uint>(n * slots), std::vector<uint>(n), std::vector<Clearance>(n)};
     for (uint sample : list) {
         const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        out.counts[sample] = find_cells(at.offset, at.origin, s.models[sample].radius + s.models[sample].reach + slack,
-                                        SEL_CELL_SIZE * s.models[sample].radius, s.nodes.data(), s.wall.vertices.data(), slots,
-                                        out.candidates.data() + sample * slots);
+        const real radius = s.models[sample].radius, range = radius + s.models[sample].reach + slack;
+        out.counts[sample] = find_cells(at.offset, at.origin, range, SEL_CELL_SIZE * radius, s.nodes.data(),
+                                        s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
+        out.clearances[sample] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[sample]);
     }
     return out;
 }
@@ -175,17 +178,24 @@ struct Evaluated {
     std::vector<SampleForce> forces;
     std::vector<real> barys;
     std::vector<TouchState> touches;
+    std::vector<Clearance> clearances;
 };
 
 Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vector<uint>& list, const Found& found)
 {
-    Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0};
+    Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0, found.clearances};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        out.forces[k] = evaluate_sample(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots,
-                                        found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(),
-                                        s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
-                                        s.touches_t0.data(), out.touches.data(), s.hard.data());
+        const uint* cells = found.candidates.data() + at * par.slots;
+        if (is_clear(at, s.models[at], s.places[at], cells, found.counts[at], s.nodes.data(), s.wall.vertices.data(),
+                     s.hi.data(), s.lo.data(), s.touches_t0.data(), out.touches.data(), &out.clearances[at]))
+            out.forces[k] = no_force(s.models[at]);
+        else
+            out.forces[k] =
+                evaluate_sample(at, par, s.models[at], s.places[at], cells, found.counts[at], s.nodes.data(),
+                                s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(),
+                                s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), out.touches.data(),
+                                s.hard.data());
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -208,11 +218,13 @@ Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<u
     Guarded<real> barys(context, lane, std::vector<real>(list.size()));
     Guarded<HardState> hard(context, lane, s.hard);
     Guarded<TreeNode> nodes(context, lane, s.nodes);
+    Guarded<Clearance> clearances(context, lane, found.clearances);
     kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
                   nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(),
-                  lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer());
+                  lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer(),
+                  clearances.buffer());
     (void)candidates.read();
-    return {forces.read(), barys.read(), t1.read()};
+    return {forces.read(), barys.read(), t1.read(), clearances.read()};
 }
 
 // layer: every edge of the scene, repeated until `count`
@@ -234,7 +246,7 @@ std::vector<LayerEdge> layer_edges(Scene& s, std::size_t count)
 
 Found host_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots)
 {
-    Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size()), std::vector<real>(edges.size())};
+    Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size()), {}, std::vector<real>(edges.size())};
     for (std::size_t k = 0; k < edges.size(); ++k)
         out.counts[k] = find_pairs(edges[k], s.hi.data(), s.lo.data(), s.nodes.data(), s.wall.vertices.data(), slots,
                                    out.candidates.data() + k * slots, &out.touching[k]);
@@ -257,7 +269,7 @@ Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uin
     Guarded<real> touching(context, lane, std::vector<real>(edges.size()));
     kernel.launch(lane, edges.size(), par, list.buffer(), hi.buffer(), lo.buffer(), nodes.buffer(), vertices.buffer(),
                   candidates.buffer(), counts.buffer(), touching.buffer());
-    return {candidates.read(), counts.read(), touching.read()};
+    return {candidates.read(), counts.read(), {}, touching.read()};
 }
 
 // the cases --------------------------------------------------------------------------------------------------------------------
@@ -279,17 +291,20 @@ void find_case()
                 const Found host = host_find(s, list, slack, slots);
                 Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
                     counts(context, lane, std::vector<uint>(n)), by_item(context, lane, std::vector<uint>(n));
+                Guarded<Clearance> clearances(context, lane, std::vector<Clearance>(n));
                 Guarded<SampleModel> models(context, lane, s.models);
                 Guarded<SamplePlace> places(context, lane, s.places);
                 Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
                 Guarded<real> lo(context, lane, s.lo);
                 Guarded<TreeNode> nodes(context, lane, s.nodes);
                 kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
-                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer(), by_item.buffer());
+                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer(), by_item.buffer(),
+                              clearances.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
                 CHECK(first_difference(counts.read(), host.counts) == -1);
                 CHECK(first_difference(candidates.read(), host.candidates) == -1);
+                CHECK(first_difference(clearances.read(), host.clearances) == -1);
                 std::vector<uint> listed;
                 for (uint sample : list) listed.push_back(host.counts[sample]);
                 CHECK(first_difference(by_item.read(), listed) == -1);
@@ -363,6 +378,7 @@ void evaluate_case()
                 CHECK(first_difference(device.forces, host.forces) == -1);
                 CHECK(first_difference(device.barys, host.barys) == -1);
                 CHECK(first_difference(device.touches, host.touches) == -1);
+                CHECK(first_difference(device.clearances, host.clearances) == -1);
                 for (const SampleForce& f : host.forces) {
                     touched += f.contacts > 0;
                     sliding += (f.flags & SEL_SAMPLE_SLIDING) != 0;
@@ -388,6 +404,7 @@ void evaluate_hard_case()
             CAPTURE(law);
             CHECK(first_difference(device.forces, host.forces) == -1);
             CHECK(first_difference(device.touches, host.touches) == -1);
+            CHECK(first_difference(device.clearances, host.clearances) == -1);
             for (const SampleForce& f : host.forces) {
                 touched += f.contacts > 0;
                 blocked += (f.flags & SEL_SAMPLE_BLOCKED) != 0;
