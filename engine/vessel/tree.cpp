@@ -218,7 +218,7 @@ void build_nodes(WallTree& tree, std::vector<Item>& items, int threads)
     for (std::size_t k = 0; k < parts.size(); ++k) {
         const auto offset = static_cast<std::uint32_t>(top.nodes.size()) - 1;  // part node i > 0 becomes offset + i
         for (TreeNode& node : parts[k].nodes)
-            if (SEL_LEAF_TRIANGLES(node.count) == 0) node.left_or_first += offset;
+            if (node.count == 0) node.left_or_first += offset;
         top.nodes[subtrees[k].node] = parts[k].nodes[0];
         top.nodes.insert(top.nodes.end(), parts[k].nodes.begin() + 1, parts[k].nodes.end());
         top.depth = std::max(top.depth, parts[k].depth);
@@ -239,76 +239,34 @@ void write_triangle(WallTree& tree, const WallMesh& mesh, std::size_t k)
     for (int d = 0; d < 3; ++d) tree.normals[3 * k + static_cast<std::size_t>(d)] = static_cast<float>(normal[d]);
 }
 
-// ---- slabs (tree_types.h) -------------------------------------------------------------------------------------------------
-
-struct Slab {
-    Vec3 normal, centre;
-    double half_height, rho;  // rho: everything is within that distance of the centre
-};
-
-Slab slab_of(const TreeNode& node)
+/// The slab of a leaf whose box and whose triangles' vertices are there (tree_types.h).
+void set_slab(const WallTree& tree, TreeNode& leaf)
 {
-    const Vec3 lo(node.lo[0], node.lo[1], node.lo[2]), half = (Vec3(node.hi[0], node.hi[1], node.hi[2]) - lo) / 2;
-    const double a = SEL_SLAB_TURN((node.count >> 3) & 1023u), b = SEL_SLAB_TURN((node.count >> 13) & 1023u), c = a * a + b * b;
-    return {Vec3(2 * a, 2 * b, 1 - c) / (1 + c), lo + half, SEL_SLAB_HEIGHT(node.count, half.sum()), half.norm()};
-}
-
-/// The slab round `normal` (of any length and sign) whose half height `height_of(slab)` measures.
-template <class Height>
-void set_slab(TreeNode& node, Vec3 normal, const Height& height_of)
-{
-    node.count = SEL_LEAF_TRIANGLES(node.count);
-    const double length = normal.norm();
-    if (!(length > 0)) return;
-    if (normal[2] < 0) normal = -normal;
-    const auto step = [](double u) { return static_cast<std::uint32_t>(std::clamp((u + 1) * 511.5 + 0.5, 0.0, 1023.0)); };
-    TreeNode slab = node;
-    slab.count |= step(normal[0] / (length + normal[2])) << 3 | step(normal[1] / (length + normal[2])) << 13 | 1u << 23;
-    const Slab as_read = slab_of(slab);
-    const double extents = (double{node.hi[0]} - node.lo[0] + node.hi[1] - node.lo[1] + node.hi[2] - node.lo[2]) / 2;
-    // a step more than needed: kernels compute in float, too
-    const double steps = extents > 0 ? height_of(as_read) / extents * SEL_SLAB_STEPS + 1 : SEL_SLAB_STEPS + 1;
-    if (steps < SEL_SLAB_STEPS) node.count = slab.count + (static_cast<std::uint32_t>(std::ceil(steps)) << 23);
-}
-
-/// Of a leaf whose box and whose triangles' vertices are there.
-void set_leaf_slab(const WallTree& tree, TreeNode& leaf)
-{
-    const std::size_t first = leaf.left_or_first, end = first + SEL_LEAF_TRIANGLES(leaf.count);
+    leaf.count = SEL_LEAF_TRIANGLES(leaf.count);
+    const std::size_t first = leaf.left_or_first, end = first + leaf.count;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (std::size_t t = first; t < end; ++t) {
         const Eigen::Map<const Eigen::Vector3f> a(&tree.vertices[9 * t]), b(&tree.vertices[9 * t + 3]),
             c(&tree.vertices[9 * t + 6]);
         sum += (b - a).cross(c - a);
     }
-    set_slab(leaf, sum.cast<double>(), [&](const Slab& slab) {
-        double most = 0;
-        for (std::size_t k = 9 * first; k < 9 * end; k += 3)
-            most = std::max(most, std::abs(slab.normal.dot(Vec3(tree.vertices[k], tree.vertices[k + 1], tree.vertices[k + 2]) -
-                                                           slab.centre)));
-        return most;
-    });
-}
-
-/// Of a node whose children have theirs: what lies in a child's slab reaches cos(angle) of its half height and sin(angle) of its
-/// rho beyond the child's centre, along the node's normal.
-void set_inner_slab(const WallTree& tree, TreeNode& node)
-{
-    node.count = 0;
-    const TreeNode* children = &tree.nodes[node.left_or_first];
-    if (!SEL_HAS_SLAB(children[0].count) || !SEL_HAS_SLAB(children[1].count)) return;
-    const Slab left = slab_of(children[0]), right = slab_of(children[1]);
-    const double along = left.normal.dot(right.normal) < 0 ? -1 : 1;
-    const double left_share = left.rho * left.rho, right_share = along * right.rho * right.rho;  // by area
-    set_slab(node, left_share * left.normal + right_share * right.normal, [&](const Slab& slab) {
-        double most = 0;
-        for (const Slab* child : {&left, &right}) {
-            const double cosine = slab.normal.dot(child->normal);
-            most = std::max(most, std::abs(slab.normal.dot(child->centre - slab.centre)) + std::abs(cosine) * child->half_height +
-                                      std::sqrt(std::max(0.0, 1 - cosine * cosine)) * child->rho);
-        }
-        return most;
-    });
+    if (sum[2] < 0) sum = -sum;
+    const float length = sum.norm();
+    if (!(length > 0)) return;
+    const auto step = [](float u) { return static_cast<std::uint32_t>(std::clamp((u + 1) * 511.5f + 0.5f, 0.0f, 1023.0f)); };
+    const std::uint32_t a_bits = step(sum[0] / (length + sum[2])), b_bits = step(sum[1] / (length + sum[2]));
+    // from here on with the normal as it will be read
+    const double a = SEL_SLAB_TURN(a_bits), b = SEL_SLAB_TURN(b_bits), c = a * a + b * b;
+    const Vec3 normal = Vec3(2 * a, 2 * b, 1 - c) / (1 + c);
+    const Vec3 lo(leaf.lo[0], leaf.lo[1], leaf.lo[2]), half = (Vec3(leaf.hi[0], leaf.hi[1], leaf.hi[2]) - lo) / 2,
+                                                       centre = lo + half;
+    double most = 0;
+    for (std::size_t k = 9 * first; k < 9 * end; k += 3)
+        most = std::max(most, std::abs(normal.dot(Vec3(tree.vertices[k], tree.vertices[k + 1], tree.vertices[k + 2]) - centre)));
+    const double extents = half.sum();
+    // a step more than needed: kernels compute in float, too
+    const double steps = extents > 0 ? most / extents * SEL_SLAB_STEPS + 1 : SEL_SLAB_STEPS + 1;
+    if (steps < SEL_SLAB_STEPS) leaf.count |= a_bits << 3 | b_bits << 13 | (static_cast<std::uint32_t>(std::ceil(steps)) + 1) << 23;
 }
 
 std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)
@@ -372,11 +330,8 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
         tree.edge_bits[k] = bits[tree.original[k]];
         write_triangle(tree, mesh, k);
     }
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
-        TreeNode& node = tree.nodes[i];
-        if (SEL_LEAF_TRIANGLES(node.count) > 0) set_leaf_slab(tree, node);
-        else set_inner_slab(tree, node);
-    }
+    for (TreeNode& node : tree.nodes)
+        if (node.count > 0) set_slab(tree, node);
     return tree;
 }
 
@@ -390,7 +345,7 @@ void refit_wall_tree(WallTree& tree, const WallMesh& moved)
         auto add = [&](const float* lo, const float* hi) {
             box.add(Lane4(lo[0], lo[1], lo[2], 0), Lane4(hi[0], hi[1], hi[2], 0));
         };
-        if (SEL_LEAF_TRIANGLES(node.count) == 0) {
+        if (node.count == 0) {
             for (std::uint32_t c = 0; c < 2; ++c)
                 add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
         } else {
@@ -399,8 +354,7 @@ void refit_wall_tree(WallTree& tree, const WallMesh& moved)
                 add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
         }
         box.store(node);
-        if (SEL_LEAF_TRIANGLES(node.count) > 0) set_leaf_slab(tree, node);
-        else set_inner_slab(tree, node);
+        if (node.count > 0) set_slab(tree, node);
     }
 }
 

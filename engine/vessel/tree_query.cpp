@@ -66,7 +66,7 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit)
     double current_entry = box_distance2(tree.nodes[0], local);
     while (true) {
         const TreeNode& node = tree.nodes[current];
-        if (current_entry <= best.distance2 && SEL_LEAF_TRIANGLES(node.count) > 0) {
+        if (current_entry <= best.distance2 && node.count > 0) {
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const ClosestPoint c = closest_point(local, tree.triangle(k));
                 const double d2 = (local - c.point).squaredNorm();
@@ -103,7 +103,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
     while (top > 0) {
         const TreeNode& node = tree.nodes[stack[--top]];
         if (!(box_entry(node, local, inverse) < best)) continue;
-        if (SEL_LEAF_TRIANGLES(node.count) > 0) {
+        if (node.count > 0) {
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));
                 if (t >= skip && t < best) best = t;
@@ -132,7 +132,7 @@ void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi,
         bool apart = false;
         for (int d = 0; d < 3; ++d) apart |= node.lo[d] > local_hi[d] || node.hi[d] < local_lo[d];
         if (apart) continue;
-        if (SEL_LEAF_TRIANGLES(node.count) > 0) {
+        if (node.count > 0) {
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k)
                 result.push_back(k);
             continue;

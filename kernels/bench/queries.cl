@@ -27,7 +27,7 @@ SEL_KERNEL void query_capsule(const uint item_count, const uint slots, __global 
         while (top > 0) {
             const TreeNode node = nodes[stack[--top]];
             if (!capsule_meets_box(capsule, node)) continue;
-            if (SEL_LEAF_TRIANGLES(node.count) == 0) {
+            if (node.count == 0) {
                 stack[top++] = node.left_or_first + 1;
                 stack[top++] = node.left_or_first;
                 continue;
@@ -59,7 +59,7 @@ SEL_KERNEL void query_nearest(const uint item_count, __global const real* restri
         vec3 closest = zero;
         for (;;) {
             const TreeNode node = nodes[at];
-            if (here < best2 && SEL_LEAF_TRIANGLES(node.count) == 0) {
+            if (here < best2 && node.count == 0) {
                 const uint left = node.left_or_first;
                 const real dl = box_near2(p, nodes[left], zero), dr = box_near2(p, nodes[left + 1], zero);
                 const int left_first = dl <= dr;

@@ -51,7 +51,7 @@ SEL_FN real wall_distance(vec3 p, real most, SEL_GLOBAL const TreeNode* nodes, S
         --top;
         if (away2[top] >= best2) continue;
         const TreeNode node = nodes[stack[top]];
-        if (SEL_LEAF_TRIANGLES(node.count) == 0) {  // the nearer child is looked at first
+        if (node.count == 0) {  // the nearer child is looked at first
             const uint left = node.left_or_first;
             const real to_left = box_distance2(p, nodes[left]), to_right = box_distance2(p, nodes[left + 1]);
             const uint right_first = to_right < to_left;
@@ -139,6 +139,22 @@ SEL_FN SampleForce no_force(SampleModel m)
     return none;
 }
 
+SEL_FN TouchState no_touch(void)
+{
+    TouchState none;
+    for (int i = 0; i < 3; ++i) none.slip[i] = none.normal[i] = none.point[i] = none.friction[i] = 0;
+    none.gap = none.rate = none.approach = none.roll = none.normal_force = none.moment = 0;
+    none.triangle = none.flags = none.stamp = none.pad = 0;
+    return none;
+}
+
+// Both records of a sample; most second ones are empty, before and after.
+SEL_FN void write_touches(uint s, const TouchState* now, SEL_GLOBAL TouchState* touches)
+{
+    for (uint k = 0; k < 2; ++k)
+        if (now[k].stamp != 0 || touches[2 * s + k].stamp != 0) touches[2 * s + k] = now[k];
+}
+
 // Contact of one sample. touches_t0, touches: two records for each sample, at the start and at the end of the step; so is `hard`,
 // which only augmented, constraint and impulse read.
 SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells,
@@ -163,15 +179,10 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         mv.spin = theta[place.edge] - theta_t0[place.edge_t0];
     }
 
+    const int a_lives = touches_t0[2 * s].stamp + 1 == place.stamp, b_lives = touches_t0[2 * s + 1].stamp + 1 == place.stamp;
+    const TouchState a = a_lives ? touches_t0[2 * s] : no_touch(), b = b_lives ? touches_t0[2 * s + 1] : no_touch();
     TouchState now[2];
-    for (int k = 0; k < 2; ++k) {
-        now[k] = touches_t0[2 * s + k];
-        for (int i = 0; i < 3; ++i) now[k].slip[i] = now[k].friction[i] = 0;
-        now[k].roll = now[k].normal_force = now[k].moment = 0;
-        now[k].flags = 0;
-    }
-    const TouchState a = touches_t0[2 * s], b = touches_t0[2 * s + 1];
-    const int a_lives = a.stamp + 1 == place.stamp, b_lives = b.stamp + 1 == place.stamp;
+    now[0] = now[1] = no_touch();
     const TouchPair touching = touches_of(at, m, par, a, a_lives, b, b_lives, cells, count, nodes, vertices, rims);
     const Touch first = touching.first, second = touching.second;
     if (first.found) {
@@ -185,18 +196,8 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
         if (second.found) add_touch(second, centre, m, mv, par, swap ? a : b, swap ? ha : hb, &now[swap ? 0 : 1], &out);
         if (out.contacts > 0) out.length = m.length;
     }
-    touches[2 * s] = now[0];
-    touches[2 * s + 1] = now[1];
+    write_touches(s, now, touches);
     return out;
-}
-
-SEL_FN TouchState no_touch(void)
-{
-    TouchState none;
-    for (int i = 0; i < 3; ++i) none.slip[i] = none.normal[i] = none.point[i] = none.friction[i] = 0;
-    none.gap = none.rate = none.approach = none.roll = none.normal_force = none.moment = 0;
-    none.triangle = none.flags = none.stamp = none.pad = 0;
-    return none;
 }
 
 // A sample that touched nothing in the last step and touches nothing now, without more ado. @return 0: it has to be evaluated
@@ -209,8 +210,9 @@ SEL_FN int is_clear(uint s, SampleModel m, SamplePlace place, SEL_GLOBAL const u
         if (touches_t0[k].stamp + 1 == place.stamp) return 0;
     const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
     if (!touches_nothing(at.offset, at.origin, m, cells, count, nodes, vertices, clearance)) return 0;
-    for (uint k = 2 * s; k < 2 * s + 2; ++k)  // what an earlier trial wrote; most are empty already
-        if (touches[k].stamp != 0) touches[k] = no_touch();
+    TouchState now[2];
+    now[0] = now[1] = no_touch();
+    write_touches(s, now, touches);
     return 1;
 }
 

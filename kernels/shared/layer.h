@@ -36,7 +36,7 @@ SEL_FN int sphere_touches(vec3 p, real radius, SEL_GLOBAL const TreeNode* nodes,
     while (top > 0) {
         const TreeNode node = nodes[stack[--top]];
         if (box_distance2(p, node) > r2) continue;
-        if (SEL_LEAF_TRIANGLES(node.count) == 0) {
+        if (node.count == 0) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;
             continue;
@@ -214,7 +214,7 @@ SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const
     while (top > 0) {
         const TreeNode node = nodes[stack[--top]];
         if (!layer_meets_box(layer, node)) continue;
-        if (SEL_LEAF_TRIANGLES(node.count) == 0) {
+        if (node.count == 0) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;
             continue;

@@ -44,19 +44,19 @@ SEL_FN real box_beyond(vec3 p, TreeNode box, vec3 origin, vec3 side)
     return x * side.x + y * side.y + z * side.z;
 }
 
-// Is everything in the node's slab, and within the half diagonal of its box from the box's centre, farther from p than `range`?
+// Is everything in the leaf's slab, and within the half diagonal of its box from the box's centre, farther from p than `range`?
 // With h the height of p over the slab's middle and l its distance from the centre along the slab: yes when
 //     up^2 + aside^2 > range^2,   up = |h| - thickness/2,   aside = l - rho   (each not below 0).
-// One division and one root: this is asked of every second box.
-SEL_FN int slab_beyond(vec3 p, TreeNode node, vec3 origin, real range)
+// One division and no root.
+SEL_FN int slab_beyond(vec3 p, TreeNode leaf, vec3 origin, real range)
 {
-    const real ex = (real)0.5 * ((real)node.hi[0] - (real)node.lo[0]), ey = (real)0.5 * ((real)node.hi[1] - (real)node.lo[1]),
-               ez = (real)0.5 * ((real)node.hi[2] - (real)node.lo[2]);
-    const vec3 q = make_vec3(p.x - ((real)node.lo[0] - origin.x) - ex, p.y - ((real)node.lo[1] - origin.y) - ey,
-                             p.z - ((real)node.lo[2] - origin.z) - ez);
-    const real a = SEL_SLAB_TURN((node.count >> 3) & 1023u), b = SEL_SLAB_TURN((node.count >> 13) & 1023u), c = a * a + b * b;
+    const real ex = (real)0.5 * ((real)leaf.hi[0] - (real)leaf.lo[0]), ey = (real)0.5 * ((real)leaf.hi[1] - (real)leaf.lo[1]),
+               ez = (real)0.5 * ((real)leaf.hi[2] - (real)leaf.lo[2]);
+    const vec3 q = make_vec3(p.x - ((real)leaf.lo[0] - origin.x) - ex, p.y - ((real)leaf.lo[1] - origin.y) - ey,
+                             p.z - ((real)leaf.lo[2] - origin.z) - ez);
+    const real a = SEL_SLAB_TURN((leaf.count >> 3) & 1023u), b = SEL_SLAB_TURN((leaf.count >> 13) & 1023u), c = a * a + b * b;
     const real h = (2 * (a * q.x + b * q.y) + (1 - c) * q.z) / (1 + c);
-    const real up = max_r(fabs(h) - SEL_SLAB_HEIGHT(node.count, ex + ey + ez), 0), left2 = range * range - up * up;
+    const real up = max_r(fabs(h) - SEL_SLAB_HEIGHT(leaf.count, ex + ey + ez), 0), left2 = range * range - up * up;
     if (left2 < 0) return 1;
     const real rho2 = ex * ex + ey * ey + ez * ez, aside2 = dot3(q, q) - h * h - rho2 - left2;  // l > rho + sqrt(left2)?
     return aside2 > 0 && aside2 * aside2 > 4 * rho2 * left2;
@@ -77,8 +77,8 @@ SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_G
         if (d2 > range2) continue;
         const int aside = shell < range && box_beyond(p, node, origin, side) < 0;
         if (aside && d2 > shell2) continue;
-        if (SEL_HAS_SLAB(node.count) && slab_beyond(p, node, origin, aside ? shell : range)) continue;
-        if (SEL_LEAF_TRIANGLES(node.count) > 0) {
+        if (node.count > 0) {
+            if (SEL_HAS_SLAB(node.count) && slab_beyond(p, node, origin, aside ? shell : range)) continue;
             *leaf = node;
             leaf->count = SEL_LEAF_TRIANGLES(node.count);
             return 1;
@@ -110,7 +110,7 @@ SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, SEL_GLOBAL con
         if (SEL_HAS_SLAB(box.count) && slab_beyond(p, box, origin, range)) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(box.count); ++k)
             if (triangle_distance2(p, origin, box.left_or_first + k, vertices) <= range2) return 1;
-        if (SEL_LEAF_TRIANGLES(box.count) > 0) continue;
+        if (box.count > 0) continue;
         stack[top++] = box.left_or_first + 1;
         stack[top++] = box.left_or_first;
     }
@@ -133,7 +133,7 @@ SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL co
         if (box_near2(p, node, origin) > range2) continue;
         const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1],
                    z = (real)node.hi[2] - (real)node.lo[2];
-        if (SEL_LEAF_TRIANGLES(node.count) == 0 && (x > size || y > size || z > size)) {
+        if (node.count == 0 && (x > size || y > size || z > size)) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;
             continue;

@@ -114,35 +114,27 @@ TEST_SUITE("contact/walk")
         REQUIRE(outside > 30);
     }
 
-    TEST_CASE("property: a node's slab holds its triangles, and is thin where the wall is flat")
+    TEST_CASE("property: a leaf's slab holds its triangles, and is thin where the wall is flat")
     {
         Random draw;
         const WallTree tree = build_wall_tree(subdivide_loop(bumpy_tube(6000, 0.003)));
-        int leaves = 0, thin = 0, inner = 0, beyond = 0;
+        int leaves = 0, thin = 0, beyond = 0;
         for (const TreeNode& node : tree.nodes) {
-            const bool is_leaf = SEL_LEAF_TRIANGLES(node.count) > 0;
-            leaves += is_leaf;
+            if (node.count == 0) continue;
+            ++leaves;
             if (!SEL_HAS_SLAB(node.count)) continue;
-            inner += !is_leaf;
-            thin += is_leaf && SEL_HAS_SLAB(node.count) < SEL_SLAB_STEPS / 4;
+            thin += SEL_HAS_SLAB(node.count) < SEL_SLAB_STEPS / 4;
             const vec3 origin = v3(node.lo[0], node.lo[1], node.lo[2]),
                        p = v3(draw(-1e-3, 1e-3), draw(-1e-3, 1e-3), draw(-1e-3, 1e-3));
-            const auto at = static_cast<std::size_t>(&node - tree.nodes.data());
-            std::size_t first = at, last = at;
-            while (SEL_LEAF_TRIANGLES(tree.nodes[first].count) == 0) first = tree.nodes[first].left_or_first;
-            while (SEL_LEAF_TRIANGLES(tree.nodes[last].count) == 0) last = tree.nodes[last].left_or_first + 1;
-            const uint end = tree.nodes[last].left_or_first + SEL_LEAF_TRIANGLES(tree.nodes[last].count);
             double nearest2 = 1e30;
-            for (uint t = tree.nodes[first].left_or_first; t < end; ++t)
-                nearest2 = std::min(nearest2, triangle_distance2(p, origin, t, tree.vertices.data()));
+            for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k)
+                nearest2 = std::min(nearest2, triangle_distance2(p, origin, node.left_or_first + k, tree.vertices.data()));
             const double nearest = std::sqrt(nearest2);
-            CAPTURE(at);
             REQUIRE_FALSE(slab_beyond(p, node, origin, nearest * (1 + 1e-12)));
             REQUIRE(box_near2(p, node, origin) <= nearest2 * (1 + 1e-12));
             beyond += slab_beyond(p, node, origin, 0.8 * nearest);
         }
-        REQUIRE(inner > 1000);
-        CHECK(beyond > leaves);  // nor does it hold much else
+        CHECK(beyond > leaves / 2);  // nor does it hold much else
         REQUIRE(leaves > 3000);
         // triangles of 0.2 mm in a lumen of 3 mm: a leaf of two stands 0.2^2 / (8 x 3) = 2 um high on a diagonal of 0.3 mm;
         // slivers of large boxes aside
