@@ -2,22 +2,16 @@
 
 #include "core/error.h"
 #include "device/enumerate.h"
+#include "device/shared_context.h"
 
 #include <fmt/format.h>
-#include <atomic>
-#include <mutex>
 
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 namespace seldinger::device {
-
-namespace {
 
 const char* error_name(cl_int status)
 {
@@ -57,29 +51,7 @@ const char* error_name(cl_int status)
     }
 }
 
-// PoCL's compiler counts its errors on stderr; what is wrong is in the build log, which our own message quotes.
-class QuietStderr {
-public:
-    QuietStderr() : saved_(dup(STDERR_FILENO))
-    {
-        std::fflush(stderr);
-        const int nowhere = open("/dev/null", O_WRONLY);
-        if (nowhere < 0) return;
-        dup2(nowhere, STDERR_FILENO);
-        close(nowhere);
-    }
-    ~QuietStderr()
-    {
-        if (saved_ < 0) return;
-        dup2(saved_, STDERR_FILENO);
-        close(saved_);
-    }
-    QuietStderr(const QuietStderr&) = delete;
-    QuietStderr& operator=(const QuietStderr&) = delete;
-
-private:
-    int saved_;
-};
+namespace {
 
 /// Kernel::workgroup, or what SEL_WORKGROUP in the environment says (1 to 1024): nothing may depend on it, and
 /// bench/pocl_variants.sh looks.
@@ -132,11 +104,11 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept
 
 namespace {
 
-// PoCL 3.1 keeps one table of loaded kernels for the whole process and loses count of their users when two contexts, in threads
-// of their own, launch the same kernel at once (abort in pocl_release_dlhandle_cache). With more than one context alive launches
-// take turns.
+// PoCL 3.1 keeps one table of loaded kernels for the whole process and loses count of their users when two threads launch the
+// same kernel at once (abort in pocl_release_dlhandle_cache). With more than one context alive launches take turns: none begins
+// before the one before has ended.
 std::mutex launching;
-std::atomic<int> contexts_alive{0};
+std::vector<Context*> alive;  // under `launching`
 
 }  // namespace
 
@@ -148,8 +120,6 @@ Context::Context(int index, bool float32) : float32_(float32)
     check_device_index(index);
     cl_device_id heavy = all[index < 0 ? default_device(all) : index];
     cl_device_id light = heavy;
-    cl_platform_id platform = nullptr;
-    CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_PLATFORM, sizeof platform, &platform, nullptr));
     cl_device_type type = 0;
     CL_CHECK(clGetDeviceInfo(heavy, CL_DEVICE_TYPE, sizeof type, &type, nullptr));
     cpu_ = type & CL_DEVICE_TYPE_CPU;
@@ -160,27 +130,34 @@ Context::Context(int index, bool float32) : float32_(float32)
         for (cl_device_id other : all)
             if (device_text(other, CL_DEVICE_NAME).rfind("basic", 0) == 0 && name_.rfind("pthread", 0) == 0) light = other;
 
-    devices_ = {heavy};
-    if (light != heavy) devices_.push_back(light);
+    std::vector<cl_device_id> devices = {heavy};
+    if (light != heavy) devices.push_back(light);
+    shared_ = &SharedContext::of(devices);
     cl_int status = CL_SUCCESS;
-    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(platform), 0};
-    context_ = clCreateContext(properties, static_cast<cl_uint>(devices_.size()), devices_.data(), nullptr, nullptr, &status);
-    check(status, "clCreateContext");
-    queues_[1] = clCreateCommandQueue(context_, heavy, 0, &status);
+    queues_[1] = clCreateCommandQueue(shared_->handle(), heavy, 0, &status);
     check(status, "clCreateCommandQueue");
-    queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(context_, light, 0, &status);
+    queues_[0] = light == heavy ? queues_[1] : clCreateCommandQueue(shared_->handle(), light, 0, &status);
     check(status, "clCreateCommandQueue");
-    ++contexts_alive;
+    const std::lock_guard<std::mutex> turn(launching);
+    for (Context* other : alive) {  // who was alone until now has not waited for its last launches
+        other->finish(Lane::Light);
+        other->finish(Lane::Heavy);
+    }
+    alive.push_back(this);
 }
 
 Context::~Context()
 {
-    --contexts_alive;
-    for (auto& entry : programs_) clReleaseProgram(entry.second);
+    {
+        const std::lock_guard<std::mutex> turn(launching);
+        for (cl_command_queue queue : queues_) clFinish(queue);  // what is left of its launches is not the next one's to wait for
+        std::erase(alive, this);
+    }
     if (queues_[0] && queues_[0] != queues_[1]) clReleaseCommandQueue(queues_[0]);
     if (queues_[1]) clReleaseCommandQueue(queues_[1]);
-    if (context_) clReleaseContext(context_);
 }
+
+cl_context Context::handle() const { return shared_->handle(); }
 
 void Context::enter(Lane lane)
 {
@@ -219,7 +196,7 @@ void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     const std::lock_guard<std::mutex> turn(launching);
     CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
-    if (contexts_alive > 1) CL_CHECK(clFinish(queue(lane)));
+    if (alive.size() > 1) CL_CHECK(clFinish(queue(lane)));
     counters_.launches++;
 }
 
@@ -227,34 +204,12 @@ cl_program Context::program(const std::string& file)
 {
     for (const auto& entry : programs_)
         if (entry.first == file) return entry.second;
-    const std::string source = assemble_source(file);
-    const char* text = source.c_str();
-    const std::size_t length = source.size();
-    cl_int status = CL_SUCCESS;
-    cl_program built = clCreateProgramWithSource(context_, 1, &text, &length, &status);
-    check(status, "clCreateProgramWithSource");
     const std::string options =
         fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", chosen_workgroup(), float32_ ? " -DSEL_FLOAT32" : "");
-    {
-        const QuietStderr quiet;
-        status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
-    }
-    if (status != CL_SUCCESS) {
-        std::size_t size = 0;
-        clGetProgramBuildInfo(built, devices_[0], CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
-        std::string log(size, '\0');
-        clGetProgramBuildInfo(built, devices_[0], CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
-        clReleaseProgram(built);
-        log.resize(std::strlen(log.c_str()));
-        const std::size_t at = log.find("error");
-        std::string first = log.substr(at == std::string::npos ? 0 : at);
-        first = first.substr(0, first.find('\n'));
-        throw Error(ExitCode::NoDevice,
-                    fmt::format("kernels/{} does not build on device \"{}\": {} ({})", file, name_, first, error_name(status)));
-    }
-    counters_.programs_built++;
-    programs_.emplace_back(file, built);
-    return built;
+    const auto [program, fresh] = shared_->program(file, assemble_source(file), options);
+    if (fresh) counters_.programs_built++;
+    programs_.emplace_back(file, program);
+    return program;
 }
 
 Kernel::Kernel(Context& context, const std::string& file, const char* name) : context_(&context)

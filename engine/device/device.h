@@ -1,5 +1,5 @@
 #pragma once
-// The only C++ that names OpenCL: devices, one context with its queues, buffers, programs and launches.
+// The only C++ that names OpenCL: devices, a context with its queues, buffers, programs and launches.
 //
 // On PoCL the context holds two devices on the same buffers: `pthread` (15 us a launch, all cores) and `basic` (0.35 us, the
 // caller's thread). A chain of launches goes to one of them, chosen by the amount of work alone (never by measured time or thread
@@ -20,6 +20,8 @@ namespace seldinger::device {
 /// Throws Error(NoDevice) naming the call, the OpenCL error and the device.
 void check(cl_int status, const char* call);
 #define CL_CHECK(call) ::seldinger::device::check((call), #call)
+/// OpenCL's own name for it.
+[[nodiscard]] const char* error_name(cl_int status);
 
 /// What the step loop did on the device, counted to prove that it neither allocates nor builds.
 struct Counters {
@@ -27,6 +29,7 @@ struct Counters {
 };
 
 class Context;
+class SharedContext;
 
 /// Device memory of fixed size, zero-filled. Grows only through a new Buffer.
 class Buffer {
@@ -65,11 +68,12 @@ public:
     /// Waits for the other lane when the lane changes, so that buffers written there are seen here.
     void enter(Lane lane);
 
-    /// Builds the .cl file (name relative to kernels/) once; later calls return the same program.
+    /// The .cl file (name relative to kernels/), built. The first context of a process on these devices builds it; others share
+    /// it.
     [[nodiscard]] cl_program program(const std::string& file);
     void enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup);
 
-    [[nodiscard]] cl_context handle() const { return context_; }
+    [[nodiscard]] cl_context handle() const;
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool float32() const { return float32_; }
     [[nodiscard]] bool on_cpu() const { return cpu_; }
@@ -79,8 +83,7 @@ public:
 
 private:
     [[nodiscard]] cl_command_queue queue(Lane lane) const { return queues_[lane == Lane::Light ? 0 : 1]; }
-    cl_context context_ = nullptr;
-    std::vector<cl_device_id> devices_;
+    SharedContext* shared_ = nullptr;
     cl_command_queue queues_[2] = {nullptr, nullptr};  // light, heavy; the same queue on one device
     std::vector<std::pair<std::string, cl_program>> programs_;
     std::string name_;

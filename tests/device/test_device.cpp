@@ -16,6 +16,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <thread>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -165,6 +166,60 @@ TEST_SUITE("device")
         CHECK(holds(missing, "contact/none.cl"));
         unsetenv("SEL_KERNEL_DIR");
         fs::remove_all(folder);
+    }
+
+    TEST_CASE(
+        "property: the second context of the same devices builds nothing, and what depends on a build's options is not shared")
+    {
+        const char* const file = "contact/capsule.cl";
+        device::Context first, second, single(-1, true);
+        const cl_program program = first.program(file);
+        CHECK(second.program(file) == program);
+        CHECK(second.counters().programs_built == 0);
+        CHECK(single.program(file) != program);
+        CHECK(device::Context(-1, true).program(file) == single.program(file));
+        if (first.two_lanes()) CHECK(device::Context(0).program(file) != program);  // one device alone
+        // another text of the same name: with SEL_KERNEL_DIR it changes while a process runs
+        namespace fs = std::filesystem;
+        const fs::path folder = fs::temp_directory_path() / ("seldinger-changed-" + std::to_string(::getpid()));
+        fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
+        setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
+        CHECK(device::Context().program(file) == program);
+        std::ofstream(folder / "contact" / "capsule.cl", std::ios::app) << "\n// changed\n";
+        device::Context changed;
+        CHECK(changed.program(file) != program);
+        CHECK(changed.counters().programs_built == 1);
+        unsetenv("SEL_KERNEL_DIR");
+        fs::remove_all(folder);
+        CHECK(second.program(file) == program);
+    }
+
+    TEST_CASE("property: worlds in threads of their own, of both precisions at once, have the bits that they have alone")
+    {
+        const auto setup_of = [](bool single) {
+            WorldSetup setup;
+            add_tube(setup, tube(0.003, 0.12));
+            setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
+            if (single) setup.wires[0].contact.precision = Precision::Float32;
+            return setup;
+        };
+        const auto hash_of = [&](bool single) {
+            World world(setup_of(single));
+            for (int k = 0; k < 150; ++k)
+                if (step(world, 1e-3).failed()) return std::string("failed");
+            return world.state_hash();
+        };
+        const std::string alone[2] = {hash_of(false), hash_of(true)};
+        REQUIRE(alone[0] != alone[1]);
+        std::array<std::string, 4> hashes;
+        for (int round = 0; round < 5; ++round) {
+            std::vector<std::thread> threads;
+            for (int k = 0; k < 4; ++k) threads.emplace_back([&, k] { hashes[k] = hash_of(k % 2 == 1); });
+            for (std::thread& thread : threads) thread.join();
+            for (int k = 0; k < 4; ++k) CHECK(hashes[k] == alone[k % 2]);
+        }
+        World again(setup_of(false));
+        CHECK(again.device_counts().programs_built == 0);
     }
 
     TEST_CASE("property: a failing call is named, with OpenCL's own name for the error")
