@@ -53,16 +53,15 @@ const char* error_name(cl_int status)
 
 namespace {
 
-/// Kernel::workgroup, or what SEL_WORKGROUP in the environment says (1 to 1024): nothing may depend on it, and
-/// bench/pocl_variants.sh looks.
-std::size_t chosen_workgroup()
+/// SEL_WORKGROUP in the environment (1 to 1024): nothing may depend on it, and bench/pocl_variants.sh looks. 0: it is not there
+std::size_t asked_workgroup()
 {
-    static const std::size_t chosen = [] {
+    static const std::size_t asked = [] {
         const char* text = std::getenv("SEL_WORKGROUP");
         const long size = text ? std::strtol(text, nullptr, 10) : 0;
-        return size >= 1 && size <= 1024 ? static_cast<std::size_t>(size) : Kernel::workgroup;
+        return static_cast<std::size_t>(size >= 1 && size <= 1024 ? size : 0);
     }();
-    return chosen;
+    return asked;
 }
 
 }  // namespace
@@ -192,7 +191,6 @@ void Context::finish(Lane lane) { CL_CHECK(clFinish(queue(lane))); }
 
 void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup)
 {
-    if (workgroup == Kernel::workgroup) workgroup = chosen_workgroup();
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     const std::lock_guard<std::mutex> turn(launching);
     CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
@@ -200,22 +198,28 @@ void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_
     counters_.launches++;
 }
 
-cl_program Context::program(const std::string& file)
+std::size_t Context::workgroup(Items items) const
 {
-    for (const auto& entry : programs_)
-        if (entry.first == file) return entry.second;
-    const std::string options =
-        fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", chosen_workgroup(), float32_ ? " -DSEL_FLOAT32" : "");
+    if (asked_workgroup() > 0) return asked_workgroup();
+    return cpu_ && items == Items::Branching ? 1 : 64;
+}
+
+cl_program Context::program(const std::string& file, std::size_t workgroup)
+{
+    for (const auto& [known_file, known_size, program] : programs_)
+        if (known_file == file && known_size == workgroup) return program;
+    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", workgroup, float32_ ? " -DSEL_FLOAT32" : "");
     const auto [program, fresh] = shared_->program(file, assemble_source(file), options);
     if (fresh) counters_.programs_built++;
-    programs_.emplace_back(file, program);
+    programs_.emplace_back(file, workgroup, program);
     return program;
 }
 
-Kernel::Kernel(Context& context, const std::string& file, const char* name) : context_(&context)
+Kernel::Kernel(Context& context, const std::string& file, const char* name, Items items)
+    : context_(&context), workgroup_(context.workgroup(items))
 {
     cl_int status = CL_SUCCESS;
-    kernel_ = clCreateKernel(context.program(file), name, &status);
+    kernel_ = clCreateKernel(context.program(file, workgroup_), name, &status);
     check(status, "clCreateKernel");
 }
 
@@ -224,12 +228,16 @@ Kernel::~Kernel()
     if (kernel_) clReleaseKernel(kernel_);
 }
 
-Kernel::Kernel(Kernel&& other) noexcept : context_(other.context_), kernel_(std::exchange(other.kernel_, nullptr)) {}
+Kernel::Kernel(Kernel&& other) noexcept
+    : context_(other.context_), kernel_(std::exchange(other.kernel_, nullptr)), workgroup_(other.workgroup_)
+{
+}
 
 Kernel& Kernel::operator=(Kernel&& other) noexcept
 {
     std::swap(context_, other.context_);
     std::swap(kernel_, other.kernel_);
+    std::swap(workgroup_, other.workgroup_);
     return *this;
 }
 

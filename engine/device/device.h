@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace seldinger::device {
@@ -50,6 +51,11 @@ private:
 /// Which queue a chain of launches goes to.
 enum class Lane { Light, Heavy };
 
+/// What a kernel's items are like. Branching: long, each its own way (walks through a tree): on a CPU one item is a work-group, as
+/// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
+/// Alike: short and without a branch, so that a group is one vector loop.
+enum class Items { Branching, Alike };
+
 class Context {
 public:
     /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first device with what is needed
@@ -68,9 +74,11 @@ public:
     /// Waits for the other lane when the lane changes, so that buffers written there are seen here.
     void enter(Lane lane);
 
-    /// The .cl file (name relative to kernels/), built. The first context of a process on these devices builds it; others share
-    /// it.
-    [[nodiscard]] cl_program program(const std::string& file);
+    /// Builds the .cl file (name relative to kernels/) for work-groups of that size, once per process (shared_context.h).
+    [[nodiscard]] cl_program program(const std::string& file, std::size_t workgroup);
+    [[nodiscard]] cl_program program(const std::string& file) { return program(file, workgroup(Items::Branching)); }
+    /// Items of a work-group for kernels of this sort.
+    [[nodiscard]] std::size_t workgroup(Items items) const;
     void enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup);
 
     [[nodiscard]] cl_context handle() const;
@@ -85,7 +93,7 @@ private:
     [[nodiscard]] cl_command_queue queue(Lane lane) const { return queues_[lane == Lane::Light ? 0 : 1]; }
     SharedContext* shared_ = nullptr;
     cl_command_queue queues_[2] = {nullptr, nullptr};  // light, heavy; the same queue on one device
-    std::vector<std::pair<std::string, cl_program>> programs_;
+    std::vector<std::tuple<std::string, std::size_t, cl_program>> programs_;  // file, work-group size
     std::string name_;
     bool float32_ = false, cpu_ = false;
     Lane lane_ = Lane::Light;
@@ -95,9 +103,8 @@ private:
 /// One kernel with its fixed work-group size. Arguments are set at every launch, in order.
 class Kernel {
 public:
-    static constexpr std::size_t workgroup = 64;
     Kernel() = default;
-    Kernel(Context& context, const std::string& file, const char* name);
+    Kernel(Context& context, const std::string& file, const char* name, Items items = Items::Branching);
     ~Kernel();
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
@@ -109,7 +116,7 @@ public:
         if (items == 0) return;
         cl_uint index = 0;
         (set(index++, args), ...);
-        context_->enqueue(lane, kernel_, items, workgroup);
+        context_->enqueue(lane, kernel_, items, workgroup_);
     }
 
 private:
@@ -125,6 +132,7 @@ private:
     }
     Context* context_ = nullptr;
     cl_kernel kernel_ = nullptr;
+    std::size_t workgroup_ = 1;
 };
 
 /// The text that the OpenCL compiler is given for a kernel file: includes replaced by their text, once each.
