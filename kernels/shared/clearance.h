@@ -1,0 +1,75 @@
+// Where a sample is known to touch nothing. Of the samples with a list of cells, those along which a wire merely runs near the
+// wall, four in five touch nothing: a sphere round each in which that stays so costs one distance now and then in place of an
+// evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it and without.
+#ifndef SEL_SHARED_CLEARANCE_H
+#define SEL_SHARED_CLEARANCE_H
+#include "shared/contact_types.h"
+#include "shared/walk.h"
+
+SEL_BEGIN
+
+// Zeros: nothing is known.
+typedef struct Clearance {
+    real list_at[3];  // where the list was found, relative to the mesh centre [m]
+    real range;       // every triangle within that of list_at is in the list [m]
+    real at[3];       // centre of the sphere
+    real clear;       // its radius: within it, no wall is within radius + reach [m]
+} Clearance;
+
+// Of lengths near the wire's radius, positions relative to the mesh centre being rounded (to 30 nm in float).
+#define SEL_CLEARANCE_MARGIN ((real)1e-3)
+
+SEL_FN real distance_from(vec3 p, const real* at)
+{
+    const vec3 d = make_vec3(p.x - at[0], p.y - at[1], p.z - at[2]);
+    return sqrt(dot3(d, d));
+}
+
+// What contact_find knows: the list, and that it is empty only if nothing is within `range`.
+SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count)
+{
+    Clearance known;
+    known.list_at[0] = known.at[0] = p.x;
+    known.list_at[1] = known.at[1] = p.y;
+    known.list_at[2] = known.at[2] = p.z;
+    known.range = range;
+    known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius;
+    return known;
+}
+
+// Distance from p to the nearest triangle of the cells, or `most`.
+SEL_FN real cells_distance(vec3 p, vec3 origin, real most, SEL_GLOBAL const uint* cells, uint count,
+                           SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices)
+{
+    real best = most;
+    Walk walk;
+    walk.top = walk.next = 0;
+    TreeNode leaf;
+    while (next_leaf(&walk, cells, count, nodes, p, origin, best, best, make_vec3(0, 0, 0), &leaf))
+        for (uint k = 0; k < leaf.count; ++k)
+            best = min_r(best, sqrt(triangle_distance2(p, origin, leaf.left_or_first + k, vertices)));
+    return best;
+}
+
+// Is it known, or can it be known from the list, that a sample at origin + offset touches nothing? Renews the sphere.
+SEL_FN int touches_nothing(vec3 offset, vec3 origin, SampleModel m, SEL_GLOBAL const uint* cells, uint count,
+                           SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL Clearance* clearance)
+{
+    Clearance known = *clearance;
+    const vec3 p = origin + offset;
+    if (distance_from(p, known.at) < known.clear) return 1;
+    const real margin = SEL_CLEARANCE_MARGIN * m.radius, touching = m.radius + m.reach + margin;
+    const real listed = known.range - distance_from(p, known.list_at) - margin;
+    if (!(listed > touching)) return 0;
+    const real distance = cells_distance(offset, origin, listed, cells, count, nodes, vertices);
+    if (!(distance > touching)) return 0;
+    known.at[0] = p.x;
+    known.at[1] = p.y;
+    known.at[2] = p.z;
+    known.clear = distance - touching;
+    *clearance = known;
+    return 1;
+}
+
+SEL_END
+#endif
