@@ -113,7 +113,9 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     some_first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     forces_ = device::Buffer(context, n * device_size<SampleForce>(context));
     barys_ = device::Buffer(context, n * device_size<double>(context));
-    edge_buffer_ = device::Buffer(context, most_edges * device_size<EdgeForce>(context));
+    const std::size_t sums = most_edges * device_size<EdgeForce>(context);
+    edge_buffer_ = device::Buffer(context, sums_.edges.data(), sums);
+    last_edge_buffer_ = device::Buffer(context, last_edges_.data(), sums);
     touches_t0_ = device::Buffer(context, 2 * n * device_size<TouchState>(context));
     touches_ = device::Buffer(context, 2 * n * device_size<TouchState>(context));
     no_multipliers_ = device::Buffer(context, sizeof(HardState));
@@ -281,7 +283,7 @@ Vec3 CapsuleContact::sample_position(int sample) const
 
 // Renews what is known of the wall near every live sample that has moved too far since it was found out; then the list of samples
 // that have candidates. Most of a wire is far from any wall: there one distance serves a stretch, for many steps.
-void CapsuleContact::find_candidates(bool all_live)
+void CapsuleContact::find_candidates(bool all_live, std::span<const std::uint8_t> active)
 {
     const int wires = static_cast<int>(samples_.wires.size());
     for_each_item(wires, wire_grain, [&](int w) { mark_stale(w, all_live); });
@@ -291,7 +293,7 @@ void CapsuleContact::find_candidates(bool all_live)
         probe(2);
     }
     if (any) find_listed();
-    if (any || list_stale_) rebuild_active_list();
+    if (any || list_stale_) rebuild_active_list(active);
 }
 
 // Samples that have left their sphere, and are in none of a neighbour's.
@@ -406,12 +408,13 @@ void CapsuleContact::forget()
     std::fill(counts_.begin(), counts_.end(), 0u);
 }
 
-void CapsuleContact::rebuild_active_list()
+void CapsuleContact::rebuild_active_list(std::span<const std::uint8_t> active)
 {
     active_.clear();
     edge_first_.clear();
     std::swap(sums_.wire_edges, last_wire_edges_);
     sums_.edges.swap(last_edges_);
+    std::swap(edge_buffer_, last_edge_buffer_);
     sums_.edge_node.clear();
     for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
         const WireSamples& wire = samples_.wires[w];
@@ -433,6 +436,7 @@ void CapsuleContact::rebuild_active_list()
     edge_first_.push_back(static_cast<std::uint32_t>(active_.size()));
     // wires that are not evaluated again in this step keep their sums; their edges are the ones they had
     for (std::size_t w = 0; w < samples_.wires.size() && !list_stale_; ++w) {
+        if (!active.empty() && active[w]) continue;
         const int first = sums_.wire_edges[w], count = sums_.wire_edges[w + 1] - first;
         if (count == last_wire_edges_[w + 1] - last_wire_edges_[w])
             std::copy_n(last_edges_.begin() + last_wire_edges_[w], count, sums_.edges.begin() + first);
@@ -492,7 +496,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
 {
     auto start = Clock::now();
     set_nodes(trial);
-    find_candidates(false);
+    find_candidates(false, active);
     const bool part = pick_some(active);
     const std::size_t samples = part ? some_.size() : active_.size();
     times.detect += since(start);
@@ -515,9 +519,9 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
             start = Clock::now();
         }
         const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
-        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_,
-                       edge_buffer_);
-        read_records(context_, at, edge_buffer_, part ? last_edges_.data() : sums_.edges.data(), edges, 0, narrow_);
+        const device::Buffer& sums = part ? last_edge_buffer_ : edge_buffer_;
+        reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_, sums);
+        read_records(context_, at, sums, part ? last_edges_.data() : sums_.edges.data(), edges, 0, narrow_);
         if (part) spread_sums(active);
         (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
     }

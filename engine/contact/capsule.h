@@ -31,13 +31,14 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:
-    void find_candidates(bool all_live);
+    /// @param active  wires that are evaluated next; empty: not said
+    void find_candidates(bool all_live, std::span<const std::uint8_t> active = {});
     void mark_stale(int wire, bool all_live);
     void take_spheres(int wire);
     void probe(int stride);
     void find_listed();
     void forget();
-    void rebuild_active_list();
+    void rebuild_active_list(std::span<const std::uint8_t> active);
     [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
     void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
@@ -80,7 +81,7 @@ private:
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, distance_, evaluate_, reduce_;
     device::Buffer models_, places_, candidates_, count_buffer_, find_list_, found_buffer_, clearances_, distance_buffer_, active_list_,
-        first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_;
+        first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse

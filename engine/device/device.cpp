@@ -85,6 +85,19 @@ Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : b
     context.finish(Lane::Light);
 }
 
+Buffer::Buffer(Context& context, void* host, std::size_t bytes)
+{
+    if (!context.on_cpu() || bytes == 0) {
+        *this = Buffer(context, bytes);
+        return;
+    }
+    bytes_ = bytes;
+    cl_int status = CL_SUCCESS;
+    memory_ = clCreateBuffer(context.handle(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes_, host, &status);
+    check(status, "clCreateBuffer");
+    context.counters().buffers_created++;
+}
+
 Buffer::~Buffer()
 {
     if (memory_) clReleaseMemObject(memory_);

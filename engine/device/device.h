@@ -37,6 +37,9 @@ class Buffer {
 public:
     Buffer() = default;
     Buffer(Context& context, std::size_t bytes);
+    /// On a CPU the host's memory itself: to read() it back to where it is costs nothing. Elsewhere memory of the device's own.
+    /// @param host  of `bytes`, which outlives the buffer
+    Buffer(Context& context, void* host, std::size_t bytes);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
