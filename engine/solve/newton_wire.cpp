@@ -333,13 +333,11 @@ int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int
     problem.assemble_tangent(mode, !unsymmetric_, contact, wire);
     // prescribed unknowns move by a known amount, which loads the others
     const int size = problem.size();
-    bool moves = false;
+    std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i) {
-        scratch_[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i] : 0.0;
-        moves = moves || scratch_[i] != 0;
+        if (!problem.prescribed[i] || problem.trial[i] == problem.prescribed_value[i]) continue;
+        problem.matrix.add_column(i, problem.prescribed_value[i] - problem.trial[i], coupling_);
     }
-    if (moves) problem.matrix.multiply(part(scratch_), part(coupling_));
-    else std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i)
         if (problem.prescribed[i] && !(problem.without_spins() && i % 4 == 3)) problem.matrix.fix(i);
     add_shift(shift_);
