@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/prefetch.h"
 #include "solve/solver_work.h"
 
 #include <algorithm>
@@ -47,6 +48,14 @@ void Solver::write_trial(int wire)
     }
 }
 
+/// What a loop over the wires comes to next, and where that next is found.
+void Solver::prefetch_after(int wire) const
+{
+    const int wires = rods_.wire_count();
+    if (wire + 2 < wires) prefetch(work_[wire + 2].get(), sizeof(Work));
+    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch();
+}
+
 /// The next trial of a wire that goes on, for contact to evaluate.
 void Solver::prepare_trial(int wire)
 {
@@ -76,6 +85,7 @@ void Solver::iterate(double h, ContactTerm* contact)
     while (any(running_)) {
         if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
         for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+            prefetch_after(w);
             if (!running_[w]) return;
             NewtonWire& newton = work_[w]->newton;
             newton.problem.work_in(workspaces_->here(), spec_.scheme == Scheme::Linearised);
@@ -144,6 +154,7 @@ void Solver::restore(int wire)
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(w);
         if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
@@ -170,6 +181,7 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(w);
         evaluate_[w] = running_[w] = with_spins_[w] = 0;
         if (!active[w]) return show_accepted(w);
         begin_wire(w, Motion::Implicit, h, constraints[w], spins);

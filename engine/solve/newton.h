@@ -133,6 +133,7 @@ private:
     void show_accepted(int wire);
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
+    void prefetch_after(int wire) const;
     void prepare_trial(int wire);
     void prepare_trials(std::span<const std::uint8_t> active);
     void iterate(double h, ContactTerm* contact);

@@ -1,5 +1,6 @@
 #include "solve/wire_problem.h"
 
+#include "core/prefetch.h"
 #include "rod/discrete_gradient.h"
 
 #include <Eigen/Dense>
@@ -76,6 +77,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     set_external(gravity);
     set_scales(spec, gravity);
     frames.spins = start_frames_.spins = !(kind == Motion::Implicit && may_leave(spins));
+    frames.material = conserving_ || !straight_by_nature(rod);
     matrix.set_fourth(frames.spins);
     for (int j = 0; j < n - 1 && !frames.spins; ++j) {
         prescribed[4 * j + 3] = 1;
@@ -177,8 +179,7 @@ void WireProblem::set_damping(const IntegratorSpec& spec)
     if (damping_stiffness_ == 0) return;
     damping_.reset(size());
     if (!update()) return;  // a broken start is found out by the first evaluation
-    std::fill_n(scratch_.begin(), size(), 0.0);
-    add_elastic(rod, clamps, frames, {scratch_.data(), static_cast<std::size_t>(size())}, &damping_, HessianMode::Safe);
+    add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Safe);
 }
 
 void WireProblem::work_in(Workspace& workspace, bool once)
@@ -187,6 +188,45 @@ void WireProblem::work_in(Workspace& workspace, bool once)
     matrix.use_rows(lasting ? nullptr : &workspace.matrix);
     matrix.use_factor(lasting || !once ? nullptr : &workspace.matrix);
     contact_tangent_.use_rows(lasting ? nullptr : &workspace.contact_tangent);
+}
+
+void WireProblem::prefetch() const
+{
+    const int n = rod.n;
+    for (const auto* array : {&start, &trial, &residual, &inertia, &acceleration_base_, &velocity_base_, &start_velocity_,
+                              &external_, &scratch_, &contact_gradient_})
+        seldinger::prefetch(*array, 4 * n);
+    seldinger::prefetch(split_, 4 * n);
+    for (const auto* array : {&frames.edge_length, &frames.chi, &frames.ref_twist, &frames.twist, &tension_, &base_tension_})
+        seldinger::prefetch(*array, n);
+    for (const auto* array : {&frames.tangent, &frames.d1, &frames.kb})
+        for (int c = 0; c < 3; ++c) seldinger::prefetch(array->component(c), n * sizeof(double));
+    for (const auto& array : {rod.rest_length,
+                              rod.stretch_stiffness,
+                              rod.bend_stiffness,
+                              rod.twist_stiffness,
+                              rod.rest_kappa1,
+                              rod.rest_kappa2,
+                              rod.rest_twist,
+                              rod.mass,
+                              rod.spin_inertia,
+                              rod.radius,
+                              rod.x,
+                              rod.y,
+                              rod.z,
+                              rod.theta,
+                              rod.vx,
+                              rod.vy,
+                              rod.vz,
+                              rod.spin_rate,
+                              rod.tx,
+                              rod.ty,
+                              rod.tz,
+                              rod.d1x,
+                              rod.d1y,
+                              rod.d1z,
+                              rod.ref_twist})
+        seldinger::prefetch(array.data(), n * sizeof(double));
 }
 
 RodTrial WireProblem::trial_view() const
@@ -375,7 +415,7 @@ void add_edge_block(BandMatrix& matrix, int j, const Mat3& k)
 {
     constexpr int centre = BandMatrix::half_bandwidth;
     for (int c = 0; c < 3; ++c) {
-        double* tip = matrix.row(4 * j + c) + centre - c;          // entries of node j, then of node j + 1
+        double* tip = matrix.row(4 * j + c) + centre - c;  // entries of node j, then of node j + 1
         double* hub = matrix.row(4 * (j + 1) + c) + centre - c - 4;
         for (int d = 0; d < 3; ++d) {
             tip[d] += k(c, d);
@@ -440,8 +480,7 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     const int size = 4 * rod.n;
     matrix.reset(size);
     const std::span<double> unused(scratch_.data(), size);
-    std::fill(unused.begin(), unused.end(), 0.0);
-    add_elastic(rod, clamps, frames, unused, &matrix, mode);
+    add_elastic(rod, clamps, frames, {}, &matrix, mode);
     if (conserving_) matrix.scale(end_share_);
     replace_tension(mode, symmetric);
     const double rate = acceleration_rate_ + damping_mass_ * damping_rate_;

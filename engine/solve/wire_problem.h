@@ -51,6 +51,9 @@ public:
     /// to them, and factors unless `once`, where a matrix is solved with as soon as it is factorised and never again.
     void work_in(Workspace& workspace, bool once);
 
+    /// Its arrays will be needed soon.
+    void prefetch() const;
+
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
     /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
