@@ -10,7 +10,7 @@ namespace seldinger {
 inline void prefetch(const void* memory, std::size_t bytes)
 {
     constexpr std::size_t line = 64;
-    for (std::size_t at = 0; at < bytes; at += line) __builtin_prefetch(static_cast<const char*>(memory) + at);
+    for (std::size_t at = 0; at < bytes; at += line) __builtin_prefetch(static_cast<const char*>(memory) + at, 0, 2);
 }
 
 /// The first `count` numbers.

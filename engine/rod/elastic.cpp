@@ -387,11 +387,10 @@ struct Walk {
 
 namespace {
 
-/// |kappa - rest_kappa|^2 at inner node i. Where there is no natural curvature it takes no frame.
+/// |kappa - rest_kappa|^2 at inner node i; of a wire that is straight by nature it takes no frame.
 double squared_bend(const RodView& rod, const RodFrames& frames, int i)
 {
-    if (rod.rest_kappa1[i] == 0 && rod.rest_kappa2[i] == 0)
-        return squared_curvature(curvature_q(rod.curvature), frames.chi[i], frames.kb[i]);
+    if (!frames.material) return squared_curvature(curvature_q(rod.curvature), frames.chi[i], frames.kb[i]);
     const double k1 = frames.kappa1[i] - rod.rest_kappa1[i], k2 = frames.kappa2[i] - rod.rest_kappa2[i];
     return k1 * k1 + k2 * k2;
 }
