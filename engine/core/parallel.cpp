@@ -2,7 +2,9 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace seldinger {
@@ -25,6 +27,11 @@ void set_thread_count(int count)
 }
 
 int thread_count() { return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)); }
+
+// Outside of an arena there is one thread.
+int thread_slot() { return std::max(0, tbb::this_task_arena::current_thread_index()); }
+
+int thread_slot_count() { return std::max(1, tbb::this_task_arena::max_concurrency()); }
 
 namespace detail {
 

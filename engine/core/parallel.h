@@ -12,6 +12,10 @@ namespace seldinger {
 void set_thread_count(int count);
 [[nodiscard]] int thread_count();
 
+/// A number below thread_slot_count() that no other thread of the same loop has while it runs an item: for scratch memory.
+[[nodiscard]] int thread_slot();
+[[nodiscard]] int thread_slot_count();
+
 namespace detail {
 void parallel_ranges(int count, int grain, const void* body, void (*call)(const void* body, int begin, int end));
 }

@@ -50,7 +50,8 @@ ClampSide clamp_side(const RodView& rod, const RodClamp& clamp, const RodFrames&
     pair.q = curvature_q(rod.curvature);
 
     result.spins = frames.spins;
-    if (!frames.spins) return result;
+    result.material = frames.spins && frames.material;
+    if (!result.material) return result;
     RestBend& rest = result.rest;
     rest.kappa1 = result.share * rod.rest_kappa1[clamp.node];
     rest.kappa2 = result.share * rod.rest_kappa2[clamp.node];
@@ -67,8 +68,10 @@ double clamp_energy(const RodView& rod, const RodClamp& clamp, const ClampSide& 
 {
     double energy = 0;
     if (clamp.direction) {
-        const Eigen::Vector2d residual = kappa_in(side.pair, side.rest.n1) - Eigen::Vector2d(side.rest.kappa1, side.rest.kappa2);
-        energy += rod.bend_stiffness[clamp.node] / (2 * side.half) * residual.squaredNorm();
+        const Pair& pair = side.pair;
+        double squared = squared_curvature(pair.q, pair.chi, pair.kb);  // of kappa - rest_kappa
+        if (side.material) squared = (kappa_in(pair, side.rest.n1) - Eigen::Vector2d(side.rest.kappa1, side.rest.kappa2)).squaredNorm();
+        energy += rod.bend_stiffness[clamp.node] / (2 * side.half) * squared;
     }
     if (clamp.spin) {
         const double strain = side.twist - side.share * rod.rest_twist[clamp.node];

@@ -14,7 +14,8 @@ struct ClampSide {
     double half = 0;    // a [m]
     double share = 0;   // of the node's rest curvature and twist that lies on this side
     double twist = 0;   // tau between clamp and edge, 0 without spin [rad]
-    bool spins = true;  // RodFrames::spins; else no rest and no twist
+    bool spins = true;     // RodFrames::spins; else no rest and no twist
+    bool material = true;  // there is a frame that `rest` is fixed to; else the wire is straight by nature
     RestBend rest;
 };
 

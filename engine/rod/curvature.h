@@ -30,6 +30,12 @@ inline double curvature_q(CurvatureMeasure measure) { return measure == Curvatur
 inline double curvature_factor_squared(double q, double chi) { return 1 - q + 0.5 * q * chi; }
 inline double curvature_factor(double q, double chi) { return std::sqrt(curvature_factor_squared(q, chi)); }
 
+/// f^2, from the curvature binormal.
+inline double squared_curvature(double q, double chi, const Vec3& kb)
+{
+    return curvature_factor_squared(q, chi) * kb.squaredNorm();
+}
+
 /// W = f^2/2 = 2 (1 - q)(2 - chi)/chi + q (2 - chi): first and second derivative with respect to chi.
 inline double bend_slope(double q, double chi) { return -4 * (1 - q) / (chi * chi) - q; }
 inline double bend_slope_rate(double q, double chi) { return 8 * (1 - q) / (chi * chi * chi); }

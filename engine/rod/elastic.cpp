@@ -8,23 +8,12 @@
 #include "rod/elastic.h"
 
 #include "core/check.h"
+#include "core/lanes.h"
 #include "rod/clamp.h"
 
 namespace seldinger {
 
 namespace {
-
-struct EdgeBlock {  // A_j
-    Mat3 xx = Mat3::Zero();
-    Vec3 xt = Vec3::Zero();
-    double tt = 0;
-};
-
-struct EdgeCoupling {  // C_j; xt: e_j with theta_{j+1}, tx: theta_j with e_{j+1}
-    Mat3 xx = Mat3::Zero();
-    Vec3 xt = Vec3::Zero(), tx = Vec3::Zero();
-    double tt = 0;
-};
 
 Pair node_pair(const RodView& rod, const RodFrames& frames, int i)
 {
@@ -45,20 +34,6 @@ double stretch_strain(const RodView& rod, const RodFrames& frames, int j)
     return (frames.edge_length[j] - rod.rest_length[j]) / rod.rest_length[j];
 }
 
-/// (D1) of edge j. Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force.
-/// Safe drops the second term in compression, where it is negative: the buckling term.
-void add_stretch(const RodView& rod, const RodFrames& frames, int j, HessianMode mode, Vec3& gradient, EdgeBlock& block)
-{
-    const Vec3& t = frames.tangent[j];
-    const double force = rod.stretch_stiffness[j] * stretch_strain(rod, frames, j);
-    gradient = force * t;
-    if (mode == HessianMode::None) return;
-    const double lateral = (mode == HessianMode::Safe ? std::max(force, 0.0) : force) / frames.edge_length[j];
-    const double axial = rod.stretch_stiffness[j] / rod.rest_length[j];
-    block.xx = outer((axial - lateral) * t, t);
-    block.xx.diagonal().array() += lateral;
-}
-
 /// (D2), (D3) of inner node i.
 void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int i, HessianMode mode,
               PairTerms& out)
@@ -70,113 +45,6 @@ void add_node(const RodView& rod, std::span<const RodClamp> clamps, const RodFra
     if (!clamped.twist && frames.spins)
         add_twist(pair, rod.twist_stiffness[i] * inv_cell, frames.twist[i] - rod.rest_twist[i], mode, out);
 }
-
-void add_vector(double* to, const Vec3& v)
-{
-    to[0] += v.x();
-    to[1] += v.y();
-    to[2] += v.z();
-}
-
-/// Rows of the band that belong to node i, and their mirror images below the diagonal. `before`, `after`: A_{i-1}, A_i;
-/// `c_before`, `c_after`: C_{i-1}, C_i; zero beyond the ends.
-void write_node(BandMatrix& band, int i, int n, const EdgeBlock& before, const EdgeBlock& after, const EdgeCoupling& c_before,
-                const EdgeCoupling& c_after)
-{
-    constexpr int centre = BandMatrix::half_bandwidth;
-    const Mat3 own = before.xx + after.xx - c_before.xx - c_before.xx.transpose();
-    const Vec3 own_t = c_before.xt - after.xt;
-    double* rows[4];  // entry of this node's first unknown in each of its rows
-    for (int c = 0; c < 4; ++c) rows[c] = band.row(4 * i + c) + centre - c;
-    for (int c = 0; c < 3; ++c) {
-        for (int d = 0; d < 3; ++d) rows[c][d] += own(c, d);
-        rows[c][3] += own_t[c];
-        rows[3][c] += own_t[c];
-    }
-    rows[3][3] += after.tt;
-    if (i + 1 == n) return;
-
-    const Mat3 next = c_before.xx + c_after.xx - after.xx;
-    const Vec3 next_tx = after.xt - c_after.tx;
-    double* next_rows[4];  // entry of this node's first unknown in the rows of node i + 1
-    for (int d = 0; d < 4; ++d) next_rows[d] = band.row(4 * (i + 1) + d) + centre - d - 4;
-    for (int c = 0; c < 3; ++c) {
-        for (int d = 0; d < 3; ++d) {
-            rows[c][4 + d] += next(c, d);
-            next_rows[d][c] += next(c, d);
-        }
-        rows[c][7] -= c_after.xt[c];
-        next_rows[3][c] -= c_after.xt[c];
-        rows[3][4 + c] += next_tx[c];
-        next_rows[c][3] += next_tx[c];
-    }
-    rows[3][7] += c_after.tt;
-    next_rows[3][3] += c_after.tt;
-    if (i + 2 == n) return;
-
-    for (int d = 0; d < 3; ++d) {
-        double* row = band.row(4 * (i + 2) + d) + centre - d - 8;
-        for (int c = 0; c < 3; ++c) {
-            rows[c][8 + d] -= c_after.xx(c, d);
-            row[c] -= c_after.xx(c, d);
-        }
-        rows[3][8 + d] += c_after.tx[d];
-        row[3] += c_after.tx[d];
-    }
-}
-
-/// The walk from tip to hub: what it holds while it stands at node i.
-struct Walk {
-    std::span<double> gradient;
-    BandMatrix* hessian;  // null: gradient only
-    int n;
-    EdgeBlock before = {}, current = {}, next = {};                                     // A_{i-2}, A_{i-1}, A_i
-    EdgeCoupling c_before = {}, c_current = {};                                         // C_{i-2}, C_{i-1}
-    Vec3 force_before = Vec3::Zero(), force = Vec3::Zero(), force_next = Vec3::Zero();  // dE/de of the same edges
-
-    /// The stencil at node i: e is edge i-1, f edge i.
-    void add(int i, const PairTerms& terms)
-    {
-        force += terms.ge;
-        force_next += terms.gf;
-        if (i > 0) gradient[4 * (i - 1) + 3] += terms.ga;
-        gradient[4 * i + 3] += terms.gb;
-        if (!hessian) return;
-        current.xx += terms.ee;
-        current.xt += terms.ea;
-        current.tt += terms.aa;
-        next.xx += terms.ff;
-        next.xt += terms.fb;
-        next.tt += terms.bb;
-        c_current.xx += terms.ef;
-        c_current.xt += terms.eb;
-        c_current.tx += terms.fa;
-        c_current.tt += terms.ab;
-    }
-
-    /// All of edge i-1 has been added, so node i-1 can be written; then on to node i+1.
-    void leave(int i)
-    {
-        if (i > 0) {
-            add_vector(&gradient[4 * (i - 1)], force_before - force);
-            if (hessian) write_node(*hessian, i - 1, n, before, current, c_before, c_current);
-        }
-        before = current;
-        current = next;
-        next = EdgeBlock();
-        c_before = c_current;
-        c_current = EdgeCoupling();
-        force_before = force;
-        force = force_next;
-        force_next.setZero();
-    }
-
-    void finish()
-    {
-        add_vector(&gradient[4 * (n - 1)], force_before);
-        if (hessian) write_node(*hessian, n - 1, n, before, EdgeBlock(), c_before, EdgeCoupling());
-    }
-};
 
 /// One side of clamp k, with the clamp's own angle prescribed: only the edge's part stays.
 PairTerms clamp_terms(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, int k, int side,
@@ -197,6 +65,336 @@ PairTerms clamp_terms(const RodView& rod, std::span<const RodClamp> clamps, cons
     return terms;
 }
 
+/// Stencils of nodes side by side: the lanes of PairTerms.
+struct StencilForces {
+    Lanes3 ge, gf;
+    Lanes ga, gb;
+};
+struct StencilBlocks {
+    Lanes ee[9], ef[9], ff[9];
+    Lanes3 ea, eb, fa, fb;
+    Lanes aa, ab, bb;
+};
+
+/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l
+/// and the edges before these, and write the nodes that these edges begin at, which need what the last lane of the step before
+/// had.
+struct Walk {
+    const RodView& rod;
+    std::span<const RodClamp> clamps;
+    const RodFrames& frames;
+    HessianMode mode;
+
+    /// What stencils are made of: pair.h's Pair and the stiffnesses over the cell, 0 where a clamp takes their place.
+    struct Pairs {
+        Lanes3 te, tf, kb;
+        Lanes inv_e, inv_f, chi, bend, twist, moment;
+        LaneMask inner;
+    };
+
+    [[nodiscard]] Pairs pairs(int first) const
+    {
+        Pairs p;
+        const int left = rod.n - 1 - first;  // inner nodes from `first` on
+        const auto of = [&](std::span<const double> values, int at) { return load_lanes(values.data() + at, rod.n - at, 1); };
+        p.te = load_lanes3(frames.tangent, first - 1);
+        p.tf = load_lanes3(frames.tangent, first);
+        p.inv_e = 1.0 / load_lanes(&frames.edge_length[first - 1]);
+        p.inv_f = 1.0 / load_lanes(&frames.edge_length[first]);
+        p.chi = load_lanes(&frames.chi[first]);
+        p.inner = first_lanes(left);
+        const Lanes inv_cell = 1.0 / (0.5 * (of(rod.rest_length, first - 1) + of(rod.rest_length, first)));
+        p.bend = of(rod.bend_stiffness, first) * inv_cell;
+        p.twist = of(rod.twist_stiffness, first) * inv_cell;
+        for (const RodClamp& clamp : clamps) {
+            const int l = clamp.node - first;
+            if (l < 0 || l >= lane_count) continue;
+            if (clamp.direction) p.bend[l] = 0;
+            if (clamp.spin) p.twist[l] = 0;
+        }
+        if (!frames.spins) return p;
+        p.kb = load_lanes3(frames.kb, first);
+        p.moment = p.twist * (load_lanes(&frames.twist[first]) - of(rod.rest_twist, first));
+        return p;
+    }
+
+    /// Calls put(lane, terms) for all stencils from `first` on that lanes do not know: natural curvature, which takes the place
+    /// of what is there, and clamps, which add to it. @param terms_of  which derivatives are wanted
+    template <class Replace, class Add>
+    void for_others(int first, bool every, HessianMode terms_of, const Replace& replace, const Add& add) const
+    {
+        for (int i = first; i < std::min(first + lane_count, rod.n - 1) && i > 0; ++i) {
+            if (!every && rod.rest_kappa1[i] == 0 && rod.rest_kappa2[i] == 0) continue;
+            PairTerms terms;
+            add_node(rod, clamps, frames, i, terms_of, terms);
+            replace(i - first, terms);
+        }
+        for (int k = 0; k < static_cast<int>(clamps.size()); ++k) {
+            const int l = clamps[k].node - first;
+            if (l < 0 || l >= lane_count) continue;
+            for (int side = 0; side < 2; ++side)
+                if (clamp_edge(rod, clamps[k].node, side) >= 0) add(l, clamp_terms(rod, clamps, frames, k, side, terms_of));
+        }
+    }
+
+    /// pair.h: add_bend_gradient(), add_twist()
+    [[nodiscard]] StencilForces forces(int first) const
+    {
+        const double q = curvature_q(rod.curvature);
+        const Pairs p = pairs(first);
+        const Lanes c = p.chi - 1.0, slope = p.bend * (-4 * (1 - q) / (p.chi * p.chi) - q);
+        StencilForces s;
+        s.ge = (slope * p.inv_e) * (p.tf - c * p.te);
+        s.gf = (slope * p.inv_f) * (p.te - c * p.tf);
+        s.ga = s.gb = Lanes{};
+        if (frames.spins) {
+            s.ge = s.ge + p.moment * ((0.5 * p.inv_e) * p.kb);
+            s.gf = s.gf + p.moment * ((0.5 * p.inv_f) * p.kb);
+            s.ga = -p.moment;
+            s.gb = p.moment;
+        }
+        for (Lanes* value : {&s.ge[0], &s.ge[1], &s.ge[2], &s.gf[0], &s.gf[1], &s.gf[2], &s.ga, &s.gb})
+            *value = p.inner ? *value : Lanes{};
+        const auto replace = [&](int l, const PairTerms& terms) {
+            for (int k = 0; k < 3; ++k) s.ge[k][l] = terms.ge[k], s.gf[k][l] = terms.gf[k];
+            s.ga[l] = terms.ga, s.gb[l] = terms.gb;
+        };
+        const auto add = [&](int l, const PairTerms& terms) {
+            for (int k = 0; k < 3; ++k) s.ge[k][l] += terms.ge[k], s.gf[k][l] += terms.gf[k];
+            s.ga[l] += terms.ga, s.gb[l] += terms.gb;
+        };
+        for_others(first, false, HessianMode::None, replace, add);
+        return s;
+    }
+
+    /// pair.h: add_bend_hessian_exact(), add_twist_curvature(), add_twist()
+    [[nodiscard]] StencilBlocks exact_blocks(int first) const
+    {
+        const double q = curvature_q(rod.curvature);
+        const Pairs p = pairs(first);
+        const Lanes c = p.chi - 1.0;
+        const Lanes d1 = p.bend * (-4 * (1 - q) / (p.chi * p.chi) - q), d2 = p.bend * (8 * (1 - q) / (p.chi * p.chi * p.chi));
+        const Lanes3 fe = p.tf - c * p.te, ef = p.te - c * p.tf, cte = c * p.te;
+        const Lanes3 fee = (d2 * p.inv_e * p.inv_e) * fe, eff = (d2 * p.inv_f * p.inv_f) * ef,
+                     fef = (d2 * p.inv_e * p.inv_f) * fe;
+        const Lanes per_ee = -p.inv_e * p.inv_e, per_ff = -p.inv_f * p.inv_f, per_ef = p.inv_e * p.inv_f;
+        StencilBlocks s;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const double one = i == j ? 1 : 0;
+                const Lanes ee = p.te[i] * p.te[j], ff = p.tf[i] * p.tf[j];
+                const Lanes chi_ee = per_ee * ((p.te[i] * fe[j] + p.te[j] * fe[i]) + c * (one - ee));
+                const Lanes chi_ff = per_ff * ((p.tf[i] * ef[j] + p.tf[j] * ef[i]) + c * (one - ff));
+                const Lanes chi_ef = per_ef * (((one - ee) - ff) + cte[i] * p.tf[j]);
+                s.ee[3 * i + j] = fee[i] * fe[j] + d1 * chi_ee;
+                s.ff[3 * i + j] = eff[i] * ef[j] + d1 * chi_ff;
+                s.ef[3 * i + j] = fef[i] * ef[j] + d1 * chi_ef;
+            }
+        if (frames.spins) add_twist_blocks(p, s);
+        return s;
+    }
+
+    static void add_twist_blocks(const Pairs& p, StencilBlocks& s)
+    {
+        const Lanes3 tt = (p.te + p.tf) / p.chi, mk = p.moment * p.kb, ett = p.te + tt, ftt = p.tf + tt;
+        const Lanes per_ee = 0.25 * p.inv_e * p.inv_e, per_ff = 0.25 * p.inv_f * p.inv_f, per_ef = 0.5 * p.inv_e * p.inv_f;
+        const Lanes3 v = (2.0 * p.moment / p.chi) * p.te;
+        const Lanes zero{}, skew[9] = {zero, -v[2], v[1], v[2], zero, -v[0], -v[1], v[0], zero};
+        const Lanes3 e = (0.5 * p.inv_e) * p.kb, f = (0.5 * p.inv_f) * p.kb, se = p.twist * e, sf = p.twist * f;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                Lanes &ee = s.ee[3 * i + j], &ff = s.ff[3 * i + j], &ef = s.ef[3 * i + j];
+                ee -= per_ee * (mk[i] * ett[j] + mk[j] * ett[i]);
+                ff -= per_ff * (mk[i] * ftt[j] + mk[j] * ftt[i]);
+                ef += per_ef * (skew[3 * i + j] - mk[i] * tt[j]);
+                ee += se[i] * e[j];
+                ff += sf[i] * f[j];
+                ef += se[i] * f[j];
+            }
+        for (int c = 0; c < 3; ++c) {
+            s.ea[c] = -se[c];
+            s.eb[c] = se[c];
+            s.fa[c] = -sf[c];
+            s.fb[c] = sf[c];
+        }
+        s.aa = s.bb = p.twist;
+        s.ab = -p.twist;
+    }
+
+    /// Every entry of the two with `how`.
+    template <class How>
+    static void each(StencilBlocks& s, int l, const PairTerms& terms, const How& how)
+    {
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                how(s.ee[3 * i + j], l, terms.ee(i, j));
+                how(s.ef[3 * i + j], l, terms.ef(i, j));
+                how(s.ff[3 * i + j], l, terms.ff(i, j));
+            }
+            how(s.ea[i], l, terms.ea[i]);
+            how(s.eb[i], l, terms.eb[i]);
+            how(s.fa[i], l, terms.fa[i]);
+            how(s.fb[i], l, terms.fb[i]);
+        }
+        how(s.aa, l, terms.aa);
+        how(s.ab, l, terms.ab);
+        how(s.bb, l, terms.bb);
+    }
+
+    [[nodiscard]] StencilBlocks blocks(int first) const
+    {
+        StencilBlocks s{};
+        const bool lanes = mode == HessianMode::Exact && first > 0;
+        if (lanes) s = exact_blocks(first);
+        if (lanes && !frames.spins) {
+            s.ea = s.eb = s.fa = s.fb = Lanes3{};
+            s.aa = s.ab = s.bb = Lanes{};
+        }
+        if (lanes && first + lane_count > rod.n - 1) {  // beyond the hub
+            Lanes* all = s.ee;
+            const LaneMask inner = first_lanes(rod.n - 1 - first);
+            for (std::size_t k = 0; k < sizeof s / sizeof(Lanes); ++k) all[k] = inner ? all[k] : Lanes{};
+        }
+        const auto set = [](Lanes& to, int l, double value) { to[l] = value; };
+        const auto more = [](Lanes& to, int l, double value) { to[l] += value; };
+        for_others(
+            first, !lanes, mode, [&](int l, const PairTerms& terms) { each(s, l, terms, set); },
+            [&](int l, const PairTerms& terms) { each(s, l, terms, more); });
+        return s;
+    }
+
+    /// Axial force of edges first, first + 1, ..., 0 beyond the hub.
+    [[nodiscard]] Lanes tension(int first) const
+    {
+        const int left = rod.n - 1 - first;
+        const Lanes rest = load_lanes(&rod.rest_length[first], left, 1), length = load_lanes(&frames.edge_length[first]);
+        const Lanes force = load_lanes(&rod.stretch_stiffness[first], left, 0) * ((length - rest) / rest);
+        return first_lanes(left) ? force : Lanes{};
+    }
+
+    void add_gradient(std::span<double> gradient) const
+    {
+        StencilForces last = end_forces();
+        Lanes3 last_force{};                              // dE/de of the edges before
+        for (int at = 0; at < rod.n; at += lane_count) {  // writes nodes at, at + 1, ...
+            const StencilForces next = forces(at + 1);
+            const Lanes pull = tension(at);
+            const Lanes3 t = load_lanes3(frames.tangent, at);
+            const LaneMask edges = first_lanes(rod.n - 1 - at);
+            double out[4][lane_count];
+            for (int c = 0; c < 3; ++c) {
+                const Lanes stretch = edges ? pull * t[c] : Lanes{};
+                const Lanes force = (stretch + shifted(last.gf[c], next.gf[c])) + next.ge[c];
+                store_lanes(out[c], shifted(last_force[c], force) - force);
+                last_force[c] = force;
+            }
+            const Lanes gb = shifted(last.gb, next.gb);
+            for (int l = 0; l < lane_count && at + l < rod.n; ++l) {
+                double* g = &gradient[4 * (at + l)];
+                for (int c = 0; c < 3; ++c) g[c] += out[c][l];
+                g[3] = (g[3] + gb[l]) + next.ga[l];
+            }
+            last = next;
+        }
+    }
+
+    /// Of the tip's clamp, in the last lane.
+    [[nodiscard]] StencilForces end_forces() const
+    {
+        StencilForces s{};
+        constexpr int l = lane_count - 1;
+        for_others(
+            -l, false, HessianMode::None, [](int, const PairTerms&) {},
+            [&](int at, const PairTerms& terms) {
+                for (int k = 0; k < 3; ++k) s.ge[k][at] += terms.ge[k], s.gf[k][at] += terms.gf[k];
+                s.ga[at] += terms.ga, s.gb[at] += terms.gb;
+            });
+        return s;
+    }
+
+    /// (D1). Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force. Safe drops the second term in compression, where it
+    /// is negative: the buckling term.
+    void stretch_blocks(int first, Lanes (&xx)[9]) const
+    {
+        const int left = rod.n - 1 - first;
+        const LaneMask edges = first_lanes(left);
+        const Lanes3 t = load_lanes3(frames.tangent, first);
+        Lanes force = tension(first);
+        if (mode == HessianMode::Safe) force = force > 0 ? force : Lanes{};
+        const Lanes lateral = force / load_lanes(&frames.edge_length[first]);
+        const Lanes axial = load_lanes(&rod.stretch_stiffness[first], left, 0) / load_lanes(&rod.rest_length[first], left, 1);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                Lanes entry = ((axial - lateral) * t[i]) * t[j];
+                if (i == j) entry += lateral;
+                xx[3 * i + j] = edges ? entry : Lanes{};
+            }
+    }
+
+    void add_hessian(BandMatrix& band) const
+    {
+        StencilBlocks last = blocks(-(lane_count - 1));
+        Lanes last_xx[9] = {};  // A of the edge before
+        for (int at = 0; at < rod.n; at += lane_count) {
+            const StencilBlocks next = blocks(at + 1);
+            Lanes rows[4][12];  // of nodes at, at + 1, ...: columns of this node and of the next two
+            Lanes xx[9];        // A of their edges
+            stretch_blocks(at, xx);
+            for (int k = 0; k < 9; ++k) xx[k] = (xx[k] + shifted(last.ff[k], next.ff[k])) + next.ee[k];
+            for (int c = 0; c < 3; ++c) {
+                for (int d = 0; d < 3; ++d) {
+                    const int k = 3 * c + d, turned = 3 * d + c;
+                    const Lanes before = shifted(last.ef[k], next.ef[k]),
+                                before_turned = shifted(last.ef[turned], next.ef[turned]);
+                    rows[c][d] = ((shifted(last_xx[k], xx[k]) + xx[k]) - before) - before_turned;
+                    rows[c][4 + d] = (before + next.ef[k]) - xx[k];
+                    rows[c][8 + d] = -next.ef[k];
+                }
+                const Lanes xt = shifted(last.fb[c], next.fb[c]) + next.ea[c];
+                rows[c][3] = rows[3][c] = shifted(last.eb[c], next.eb[c]) - xt;
+                rows[c][7] = -next.eb[c];
+                rows[3][4 + c] = xt - next.fa[c];
+                rows[3][8 + c] = next.fa[c];
+                rows[c][11] = Lanes{};
+            }
+            rows[3][3] = shifted(last.bb, next.bb) + next.aa;
+            rows[3][7] = next.ab;
+            rows[3][11] = Lanes{};
+            for (int l = 0; l < lane_count && at + l < rod.n; ++l) write_node(band, at + l, l, rows);
+            last = next;
+            for (int k = 0; k < 9; ++k) last_xx[k] = xx[k];
+        }
+    }
+
+    /// Rows of the band that belong to node i, and their mirror images below the diagonal.
+    void write_node(BandMatrix& band, int i, int l, const Lanes (&rows)[4][12]) const
+    {
+        constexpr int centre = BandMatrix::half_bandwidth;
+        const int after = std::min(2, rod.n - 1 - i);  // nodes
+        for (int p = 0; p < 4; ++p) {
+            double* row = band.row(4 * i + p) + centre - p;
+            for (int q = 0; q < 4 + 4 * after; ++q) row[q] += rows[p][q][l];
+        }
+        for (int b = 1; b <= after; ++b)
+            for (int d = 0; d < (b == 1 ? 4 : 3); ++d) {
+                double* row = band.row(4 * (i + b) + d) + centre - d - 4 * b;
+                for (int c = 0; c < 4; ++c) row[c] += rows[c][4 * b + d][l];
+            }
+    }
+};
+
+}  // namespace
+
+namespace {
+
+/// |kappa - rest_kappa|^2 at inner node i; of a wire that is straight by nature it takes no frame.
+double squared_bend(const RodView& rod, const RodFrames& frames, int i)
+{
+    if (!frames.material) return squared_curvature(curvature_q(rod.curvature), frames.chi[i], frames.kb[i]);
+    const double k1 = frames.kappa1[i] - rod.rest_kappa1[i], k2 = frames.kappa2[i] - rod.rest_kappa2[i];
+    return k1 * k1 + k2 * k2;
+}
+
 }  // namespace
 
 double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames)
@@ -210,9 +408,8 @@ double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, cons
     for (int i = 1; i < rod.n - 1; ++i) {
         const ClampedNode clamped = clamped_at(clamps, i);
         const double half_inv_cell = 0.5 / rod.voronoi_length(i);
-        const double k1 = frames.kappa1[i] - rod.rest_kappa1[i], k2 = frames.kappa2[i] - rod.rest_kappa2[i];
         const double twist = frames.twist[i] - rod.rest_twist[i];
-        if (!clamped.bend) energy += rod.bend_stiffness[i] * half_inv_cell * (k1 * k1 + k2 * k2);
+        if (!clamped.bend) energy += rod.bend_stiffness[i] * half_inv_cell * squared_bend(rod, frames, i);
         if (!clamped.twist) energy += rod.twist_stiffness[i] * half_inv_cell * twist * twist;
     }
     for (int k = 0; k < static_cast<int>(clamps.size()); ++k)
@@ -225,25 +422,13 @@ double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, cons
 void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
                  BandMatrix* hessian, HessianMode mode)
 {
-    const int n = rod.n;
-    SEL_ASSERT(static_cast<int>(gradient.size()) >= 4 * n);
+    SEL_ASSERT(gradient.empty() || static_cast<int>(gradient.size()) >= 4 * rod.n);
+    SEL_VALIDATE(!frames.spins || frames.material || straight_by_nature(rod));
     if (!hessian) mode = HessianMode::None;
-    SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * n);
-
-    Walk walk{gradient, mode == HessianMode::None ? nullptr : hessian, n};
-    for (int i = 0; i < n; ++i) {
-        if (i < n - 1) add_stretch(rod, frames, i, mode, walk.force_next, walk.next);
-        if (i > 0 && i < n - 1) {
-            PairTerms terms;
-            add_node(rod, clamps, frames, i, mode, terms);
-            walk.add(i, terms);
-        }
-        for (int k = 0; k < static_cast<int>(clamps.size()); ++k)
-            for (int side = 0; side < 2 && clamps[k].node == i; ++side)
-                if (clamp_edge(rod, i, side) >= 0) walk.add(i, clamp_terms(rod, clamps, frames, k, side, mode));
-        walk.leave(i);
-    }
-    walk.finish();
+    SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * rod.n);
+    const Walk walk{rod, clamps, frames, mode};
+    if (!gradient.empty()) walk.add_gradient(gradient);
+    if (mode != HessianMode::None) walk.add_hessian(*hessian);
 }
 
 // E depends on the base edge's rest length l through its strain and through the cells of its two ends, which grow by dl/2:
@@ -263,16 +448,16 @@ double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const Ro
     double force = -rod.stretch_stiffness[j] * strain * (1 + 0.5 * strain);
     force += rod.mass[j + 1] * (1 + strain) * gravity.dot(frames.tangent[j]);
 
-    const auto cell = [](double stiffness, double value, double rest, double length) {
-        return -0.25 * stiffness * (value * value - rest * rest) / (length * length);
+    const auto cell = [](double stiffness, double squared, double squared_rest, double length) {
+        return -0.25 * stiffness * (squared - squared_rest) / (length * length);
     };
+    const auto square = [](double a, double b = 0) { return a * a + b * b; };
     if (j > 0) {  // otherwise the tip is the other end, with no energy of its own
         const ClampedNode clamped = clamped_at(clamps, j);
-        const double length = rod.voronoi_length(j), b = rod.bend_stiffness[j];
-        if (!clamped.bend)
-            force +=
-                cell(b, frames.kappa1[j], rod.rest_kappa1[j], length) + cell(b, frames.kappa2[j], rod.rest_kappa2[j], length);
-        if (!clamped.twist) force += cell(rod.twist_stiffness[j], frames.twist[j], rod.rest_twist[j], length);
+        const double length = rod.voronoi_length(j), rest = square(rod.rest_kappa1[j], rod.rest_kappa2[j]);
+        const double bend = squared_curvature(curvature_q(rod.curvature), frames.chi[j], frames.kb[j]);
+        if (!clamped.bend) force += cell(rod.bend_stiffness[j], bend, rest, length);
+        if (!clamped.twist) force += cell(rod.twist_stiffness[j], square(frames.twist[j]), square(rod.rest_twist[j]), length);
     }
     for (int k = 0; k < static_cast<int>(clamps.size()); ++k) {
         const int side = clamps[k].node == j + 1 ? 0 : 1;
@@ -280,11 +465,11 @@ double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const Ro
         const ClampSide s = clamp_side(rod, clamps[k], frames, k, side);
         const int node = clamps[k].node;
         if (clamps[k].direction) {
-            const Eigen::Vector2d kappa = kappa_in(s.pair, s.rest.n1);
-            force += cell(rod.bend_stiffness[node], kappa[0], s.rest.kappa1, s.half) +
-                     cell(rod.bend_stiffness[node], kappa[1], s.rest.kappa2, s.half);
+            const double bend = squared_curvature(s.pair.q, s.pair.chi, s.pair.kb);
+            force += cell(rod.bend_stiffness[node], bend, square(s.rest.kappa1, s.rest.kappa2), s.half);
         }
-        if (clamps[k].spin) force += cell(rod.twist_stiffness[node], s.twist, s.share * rod.rest_twist[node], s.half);
+        if (clamps[k].spin)
+            force += cell(rod.twist_stiffness[node], square(s.twist), square(s.share * rod.rest_twist[node]), s.half);
     }
     return force;
 }

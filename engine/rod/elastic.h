@@ -32,14 +32,39 @@ struct RodClamp {
     double turns = 0;
 };
 
-/// Scratch of one wire at a trial configuration; allocated once for the capacity.
+/// Arrays that are read and written in whole vectors have this many entries beyond their last: the most that core/lanes.h has.
+inline constexpr int lane_padding = 8;
+
+/// A vector per node or edge, kept as three arrays; read as one.
+class Vec3Array {
+public:
+    explicit Vec3Array(int size = 0) : size_(size), all_(3 * static_cast<std::size_t>(size)) {}
+    [[nodiscard]] int size() const { return size_; }
+    [[nodiscard]] Vec3 operator[](int i) const { return {all_[i], all_[size_ + i], all_[2 * size_ + i]}; }
+    void set(int i, const Vec3& v)
+    {
+        for (int c = 0; c < 3; ++c) all_[c * size_ + i] = v[c];
+    }
+    /// All x, y or z.
+    [[nodiscard]] double* component(int c) { return all_.data() + c * size_; }
+    [[nodiscard]] const double* component(int c) const { return all_.data() + c * size_; }
+
+private:
+    int size_;
+    std::vector<double> all_;
+};
+
+/// Scratch of one wire at a trial configuration; allocated once for the capacity. Arrays are longer than that: whole vectors of
+/// numbers are read and written at their ends (core/lanes.h).
 struct RodFrames {
-    explicit RodFrames(int capacity = 0, int clamp_capacity = 16);
+    explicit RodFrames(int nodes = 0, int clamp_capacity = 16);
+    int capacity = 0;  // nodes
     // False: the wire is straight by nature and isotropic, and its spin angles stay as they are: its gradient and Hessian need
     // neither directors nor twist, and update_frames() leaves out d1, m1, m2, ref_twist, kappa1, kappa2, twist and the clamps'.
     bool spins = true;
-    std::vector<Vec3> tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
-    std::vector<double> edge_length;            // [n-1] [m]
+    bool material = true;  // False: the wire is straight by nature, and update_frames() leaves out m1, m2, kappa1 and kappa2.
+    Vec3Array tangent, d1, m1, m2, kb;  // [n-1] tangents, reference director, material directors; [n] kb
+    std::vector<double> edge_length;    // [n-1] [m]
     // [n], 0 at tip and hub; kappa in the frame midway between the edges' material frames (rod/pair.h), twist unbounded [rad]
     std::vector<double> chi, ref_twist, kappa1, kappa2, twist;  // chi = 1 + cos(turning angle)
     // clamps, side 0: edge on the tip side, side 1: on the hub side
@@ -56,11 +81,14 @@ enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite pe
 /// `frames` is then meaningless and must not be used; the accepted state is untouched.
 [[nodiscard]] bool update_frames(const RodView& rod, const RodTrial& trial, std::span<const RodClamp> clamps, RodFrames& frames);
 
+/// Whether every node's natural curvature is 0.
+[[nodiscard]] bool straight_by_nature(const RodView& rod);
+
 /// Elastic energy [J] at the configuration of `frames`.
 [[nodiscard]] double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames);
 
-/// Adds +dE/dq to `gradient` [4n] (x, y, z, theta per node; theta of the last node unused) and d2E/dq2 to `hessian` (may be
-/// null). O(n), no allocation.
+/// Adds +dE/dq to `gradient` [4n] (x, y, z, theta per node; theta of the last node unused; left out when empty) and d2E/dq2 to
+/// `hessian` (may be null). O(n), no allocation.
 ///
 /// dE/dx is the force for a change of shape in which no material frame spins about its own tangent. At the accepted state
 /// that is the derivative of E(x, theta). At a trial state away from it, moving edge j also spins its frame by

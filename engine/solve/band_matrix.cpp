@@ -18,21 +18,49 @@ typedef double Vec4d __attribute__((vector_size(32), may_alias));
 inline Vec4d& block(double* p) { return *reinterpret_cast<Vec4d*>(p); }
 inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4d*>(p); }
 
+/// The same anywhere.
+inline Vec4d any_block(const double* p)
+{
+    Vec4d v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+}
+
+inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
+
+/// Rows become columns.
+inline void transpose(Vec4d (&m)[4])
+{
+    typedef long Lanes __attribute__((vector_size(32)));
+    const Vec4d a = __builtin_shuffle(m[0], m[1], Lanes{0, 4, 2, 6}), b = __builtin_shuffle(m[0], m[1], Lanes{1, 5, 3, 7});
+    const Vec4d c = __builtin_shuffle(m[2], m[3], Lanes{0, 4, 2, 6}), d = __builtin_shuffle(m[2], m[3], Lanes{1, 5, 3, 7});
+    m[0] = __builtin_shuffle(a, c, Lanes{0, 1, 4, 5});
+    m[1] = __builtin_shuffle(b, d, Lanes{0, 1, 4, 5});
+    m[2] = __builtin_shuffle(a, c, Lanes{2, 3, 6, 7});
+    m[3] = __builtin_shuffle(b, d, Lanes{2, 3, 6, 7});
+}
+
 }  // namespace
 
-BandMatrix::BandMatrix(int max_size)
+BandMatrix::Storage::Storage(int max_size)
+    : rows(static_cast<std::size_t>(max_size) * stride + 4),  // whole vectors may be read at the last row's end
+      factor(max_size / node_size + 2)
+{
+}
+
+BandMatrix::BandMatrix(int max_size) : own_(max_size)
 {
     SEL_ASSERT(max_size % node_size == 0);
-    rows_.resize(static_cast<std::size_t>(max_size) * stride);
     scratch_.resize(max_size + 2 * node_size + 4);  // 4 more to align it
-    factor_.resize(max_size / node_size + 2);
+    use_rows(nullptr);
+    use_factor(nullptr);
 }
 
 void BandMatrix::reset(int size)
 {
-    SEL_ASSERT(size % node_size == 0 && static_cast<std::size_t>(size) * stride <= rows_.size());
+    SEL_ASSERT(size % node_size == 0 && static_cast<std::size_t>(size) * stride <= own_.rows.size());
     size_ = size;
-    std::fill_n(rows_.begin(), static_cast<std::size_t>(size) * stride, 0.0);
+    std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
 }
 
 void BandMatrix::fix(int i)
@@ -64,10 +92,20 @@ void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
     }
 }
 
+void BandMatrix::add_column(int j, double x_j, std::span<double> y) const
+{
+    const int first = std::max(0, j - half_bandwidth), last = std::min(size_ - 1, j + half_bandwidth);
+    for (int i = first; i <= last; ++i) y[i] += at(i, j) * x_j;
+}
+
 double BandMatrix::row_scale(int i) const
 {
-    double scale = 0;
-    for (int c = 0; c < row_width; ++c) scale = std::max(scale, std::abs(row(i)[c]));
+    Vec4d most{};
+    for (int c = 0; c < stride; c += 4) {  // what lies beyond row_width is 0
+        const Vec4d entry = any_block(row(i) + c), size = entry < 0 ? -entry : entry;
+        most = most < size ? size : most;
+    }
+    const double scale = largest(most);
     return scale > 0 ? scale : 1.0;
 }
 
@@ -81,22 +119,21 @@ void BandMatrix::load_upper()
     for (int b = nodes; b < nodes + 2; ++b) std::memset(&factor_[b], 0, sizeof(NodeFactor));
 }
 
+// Row t of the next two nodes has this node's columns at offset 6 - t; its last entry there is one before the row's first where
+// t = 7, and no entry of the matrix.
 void BandMatrix::load_lower()
 {
     const int nodes = size_ / node_size;
     for (int b = 0; b < nodes; ++b)
-        for (int p = 0; p < 4; ++p)
-            for (int t = 0; t < 8; ++t) {
-                const int i = 4 * b + 4 + t, j = 4 * b + p;
-                factor_[b].lower[p][t] = i < size_ && i - j <= half_bandwidth ? at(i, j) : 0.0;
-            }
+        for (int half = 0; half < 2; ++half) {
+            Vec4d block_of[4] = {};
+            for (int t = 0; t < 4 && b + 1 + half < nodes; ++t)
+                block_of[t] = any_block(row(4 * (b + 1 + half) + t) + 6 - 4 * half - t);
+            if (half == 1) block_of[3][0] = 0.0;
+            transpose(block_of);
+            for (int p = 0; p < 4; ++p) block(factor_[b].lower[p] + 4 * half) = block_of[p];
+        }
 }
-
-namespace {
-
-inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
-
-}  // namespace
 
 template <int active>
 int BandMatrix::factor_ldlt_of()

@@ -20,7 +20,31 @@ public:
     static constexpr int stride = 24;    // doubles per row, a multiple of the SIMD width; those past row_width stay zero
     static constexpr int node_size = 4;  // unknowns of a node, the block of the factorisation
 
+private:
+    // Factors of one node's rows: columns of this node and of the next two, and (LU) the multipliers of the next two nodes'
+    // rows, transposed. In the LU upper[p][0..p-1] holds the multipliers inside the block.
+    struct alignas(32) NodeFactor {
+        double upper[4][12];
+        double lower[4][8];
+        double inverse_pivot[4];
+        double inverse_diagonal[4];  // 1 / |a_kk| of the matrix itself
+    };
+
+public:
+    /// Memory for entries and factors.
+    struct Storage {
+        explicit Storage(int max_size = 0);
+        std::vector<double> rows;
+        std::vector<NodeFactor> factor;  // two more than nodes, so that the last ones need no special case
+    };
+
     explicit BandMatrix(int max_size = 0);
+    BandMatrix(BandMatrix&&) = default;
+    BandMatrix& operator=(BandMatrix&&) = default;
+    /// From now on entries (factors) are in that memory, which is as large as its own; null: in its own. Nothing is copied. A
+    /// thread that assembles one small matrix after the other in the same place finds it in its cache.
+    void use_rows(Storage* storage) { rows_ = (storage ? *storage : own_).rows.data(); }
+    void use_factor(Storage* storage) { factor_ = (storage ? *storage : own_).factor.data(); }
     void reset(int size);  // size = 4 n unknowns, <= max_size; zero entries
     /// Whether every node's fourth unknown takes part in factors and solutions (default). If not it is 0 in any solution, and
     /// what the matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
@@ -35,8 +59,8 @@ public:
     }
     [[nodiscard]] double at(int i, int j) const { return rows_[i * stride + (j - i) + half_bandwidth]; }
     /// Row i, entry for column i at offset half_bandwidth.
-    [[nodiscard]] double* row(int i) { return rows_.data() + i * stride; }
-    [[nodiscard]] const double* row(int i) const { return rows_.data() + i * stride; }
+    [[nodiscard]] double* row(int i) { return rows_ + i * stride; }
+    [[nodiscard]] const double* row(int i) const { return rows_ + i * stride; }
 
     /// Makes unknown i prescribed: row and column zero, unit diagonal.
     void fix(int i);
@@ -45,6 +69,8 @@ public:
     void add_scaled(const BandMatrix& other, double factor);
     /// y = A x
     void multiply(std::span<const double> x, std::span<double> y) const;
+    /// y += x_j times column j
+    void add_column(int j, double x_j, std::span<double> y) const;
 
     /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot
     /// that no positive definite matrix could have (below pivot_floor times its diagonal a_kk, or below c_kj^2 / a_jj for
@@ -65,15 +91,6 @@ public:
     static constexpr double pivot_floor = 1e-14;
 
 private:
-    // Factors of one node's rows: columns of this node and of the next two, and (LU) the multipliers of the next two nodes'
-    // rows, transposed. In the LU upper[p][0..p-1] holds the multipliers inside the block.
-    struct alignas(32) NodeFactor {
-        double upper[4][12];
-        double lower[4][8];
-        double inverse_pivot[4];
-        double inverse_diagonal[4];  // 1 / |a_kk| of the matrix itself
-    };
-
     // `active`: unknowns of a node that take part. Blocks stay four wide: with three, the fourth lane carries numbers that reach
     // no other lane, since its pivots' inverses are 0.
     template <int active>
@@ -90,8 +107,10 @@ private:
 
     int size_ = 0, negative_pivots_ = 0;
     bool fourth_ = true;
-    std::vector<double> rows_, scratch_;
-    std::vector<NodeFactor> factor_;  // two more than nodes, so that the last ones need no special case
+    Storage own_;
+    double* rows_ = nullptr;
+    NodeFactor* factor_ = nullptr;
+    std::vector<double> scratch_;
 };
 
 }  // namespace seldinger

@@ -20,6 +20,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
     newton.max_iterations = 150;
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w]) work_[w]->newton.start(newton, move_limit(contact, w));
+    prepare_trials(active);
     iterate_with_multipliers(0, contact, active);
 
     NewtonOptions flow = newton, patient = newton;
@@ -27,6 +28,8 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
     flow.max_iterations = patient.max_iterations = 3000;
     for (const NewtonOptions& again : {flow, patient}) {
         bool any = false;
+        std::fill(running_.begin(), running_.end(), 0);
+        std::fill(evaluate_.begin(), evaluate_.end(), 0);
         for (int w = 0; w < rods_.wire_count(); ++w) {
             NewtonWire& wire = work_[w]->newton;
             if (!active[w] || wire.converged()) continue;
@@ -34,6 +37,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
             wire.problem.restore_reference();
             wire.problem.trial = wire.problem.start;
             wire.start(again, move_limit(contact, w));
+            prepare_trial(w);
         }
         if (any) iterate_with_multipliers(0, contact, active);
     }

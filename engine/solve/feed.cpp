@@ -151,7 +151,7 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     if (!split && !merge) return {};
     WireConstraints& inlet = scratch.inlet;
     RodFrames& frames = scratch.frames;
-    if (static_cast<int>(frames.tangent.size()) < rods.capacity(index)) frames = RodFrames(rods.capacity(index));
+    if (frames.capacity < rods.capacity(index)) frames = RodFrames(rods.capacity(index));
     inlet.prescribed.clear();
     inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/prefetch.h"
 #include "solve/solver_work.h"
 
 #include <algorithm>
@@ -22,6 +23,9 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
                     "integrator.beta: must be greater than 0 (0.25 is the trapezoid); for an explicit "
                     "method set scheme = \"explicit\"");
     for (int w = 0; w < rods.wire_count(); ++w) work_.push_back(std::make_unique<Work>(rods.capacity(w), spec));
+    int most_nodes = 0;
+    for (int w = 0; w < rods.wire_count(); ++w) most_nodes = std::max(most_nodes, rods.capacity(w));
+    workspaces_ = std::make_unique<Workspaces>(most_nodes);
     for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
     for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
     first_.resize(rods.wire_count());
@@ -44,35 +48,58 @@ void Solver::write_trial(int wire)
     }
 }
 
-void Solver::iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+/// What a loop over the wires comes to next, and where that next is found.
+void Solver::prefetch_after(int wire) const
 {
     const int wires = rods_.wire_count();
+    if (wire + 2 < wires) prefetch(work_[wire + 2].get(), sizeof(Work));
+    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch();
+}
+
+/// The next trial of a wire that goes on, for contact to evaluate.
+void Solver::prepare_trial(int wire)
+{
+    NewtonWire& newton = work_[wire]->newton;
+    evaluate_[wire] = 0;
+    running_[wire] = newton.running();
+    if (!running_[wire]) return;
+    write_trial(wire);
+    evaluate_[wire] = newton.problem.update();
+}
+
+void Solver::prepare_trials(std::span<const std::uint8_t> active)
+{
+    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        evaluate_[w] = running_[w] = 0;
+        if (active[w]) prepare_trial(w);
+    });
+}
+
+/// Until none is running. A wire takes its decision and sets up its next trial in one go, while its arrays are in the cache.
+void Solver::iterate(double h, ContactTerm* contact)
+{
+    workspaces_->provide();
     const auto any = [](const std::vector<std::uint8_t>& flags) {
         return std::find(flags.begin(), flags.end(), 1) != flags.end();
     };
-    for (;;) {
-        for_each_item(wires, wire_grain, [&](int w) {
-            NewtonWire& newton = work_[w]->newton;
-            evaluate_[w] = 0;
-            running_[w] = active[w] && newton.running();
-            if (!running_[w]) return;
-            write_trial(w);
-            evaluate_[w] = newton.problem.update();
-        });
-        if (!any(running_)) return;
+    while (any(running_)) {
         if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
-        for_each_item(wires, wire_grain, [&](int w) {
+        for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+            prefetch_after(w);
             if (!running_[w]) return;
-            work_[w]->newton.advance(evaluate_[w], contact, w);
-            if (contact && work_[w]->newton.took_trial()) contact->take(w);
+            NewtonWire& newton = work_[w]->newton;
+            newton.problem.work_in(workspaces_->here(), spec_.scheme == Scheme::Linearised);
+            newton.advance(evaluate_[w], contact, w);
+            if (contact && newton.took_trial()) contact->take(w);
+            prepare_trial(w);
         });
     }
 }
 
-/// Newton, and again each time that contact renews its multipliers (D8).
+/// Newton from trials that have been prepared, and again each time that contact renews its multipliers (D8).
 void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
-    iterate(h, contact, active);
+    iterate(h, contact);
     if (!contact) return;
     for (int round = 0; round <= most_rounds; ++round) {
         for (int w = 0; w < rods_.wire_count(); ++w) solved_[w] = active[w] && work_[w]->newton.converged();
@@ -82,26 +109,36 @@ void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<
             if (round < most_rounds) work_[w]->newton.resume();
             else work_[w]->newton.stop_short();
         }
-        iterate(h, contact, again_);
+        prepare_trials(again_);
+        iterate(h, contact);
     }
 }
 
-void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-                   SpinAngles spins)
+void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
-    std::fill(with_spins_.begin(), with_spins_.end(), 0);
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        WireProblem& problem = work_[w]->newton.problem;
-        const auto choice = spin_records_[w].wait == 0 ? spins : SpinAngles::SolvedFor;
-        if (active[w]) problem.begin(rods_.view(w), constraints[w], spec_, gravity_, motion, h, choice);
-        const RodView rod = rods_.view(w);
-        const int at = rods_.node_begin(w);
-        std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
-        std::copy_n(rod.y.begin(), rod.n, trial_.y.begin() + at);
-        std::copy_n(rod.z.begin(), rod.n, trial_.z.begin() + at);
-        std::copy_n(rod.theta.begin(), rod.n - 1, trial_.theta.begin() + at);
+        if (active[w]) begin_wire(w, motion, h, constraints[w], SpinAngles::SolvedFor);
+        show_accepted(w);
     });
+}
+
+void Solver::begin_wire(int wire, Motion motion, double h, const WireConstraints& constraints, SpinAngles spins)
+{
+    with_spins_[wire] = 0;
+    if (spin_records_[wire].wait > 0) spins = SpinAngles::SolvedFor;
+    work_[wire]->newton.problem.begin(rods_.view(wire), constraints, spec_, gravity_, motion, h, spins);
+}
+
+/// The accepted state as the trial.
+void Solver::show_accepted(int wire)
+{
+    const RodView rod = rods_.view(wire);
+    const int at = rods_.node_begin(wire);
+    std::copy_n(rod.x.begin(), rod.n, trial_.x.begin() + at);
+    std::copy_n(rod.y.begin(), rod.n, trial_.y.begin() + at);
+    std::copy_n(rod.z.begin(), rod.n, trial_.z.begin() + at);
+    std::copy_n(rod.theta.begin(), rod.n - 1, trial_.theta.begin() + at);
 }
 
 /// Failure leaves the wire as it was: the trial and the frames are those of the accepted state again.
@@ -117,6 +154,7 @@ void Solver::restore(int wire)
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(w);
         if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
@@ -138,12 +176,17 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
     using enum SpinAngles;
-    begin(Motion::Implicit, h, constraints, active, spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree);
+    const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree;
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        if (active[w]) work_[w]->newton.start(options, move_limit(contact, w));
+        prefetch_after(w);
+        evaluate_[w] = running_[w] = with_spins_[w] = 0;
+        if (!active[w]) return show_accepted(w);
+        begin_wire(w, Motion::Implicit, h, constraints[w], spins);
+        work_[w]->newton.start(options, move_limit(contact, w));
+        prepare_trial(w);
     });
     iterate_with_multipliers(h, contact, active);
     check_spins(h, constraints, contact, active, options);
@@ -175,7 +218,9 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
         newton.start(options, move_limit(contact, w));
     }
-    if (any) iterate_with_multipliers(h, contact, with_spins_);
+    if (!any) return;
+    prepare_trials(with_spins_);
+    iterate_with_multipliers(h, contact, with_spins_);
 }
 
 double Solver::move_limit(const ContactTerm* contact, int wire)

@@ -127,11 +127,16 @@ public:
 
 private:
     struct Work;
-    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
-               SpinAngles spins = SpinAngles::SolvedFor);
+    struct Workspaces;
+    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active);
+    void begin_wire(int wire, Motion motion, double h, const WireConstraints& constraints, SpinAngles spins);
+    void show_accepted(int wire);
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
-    void iterate(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void prefetch_after(int wire) const;
+    void prepare_trial(int wire);
+    void prepare_trials(std::span<const std::uint8_t> active);
+    void iterate(double h, ContactTerm* contact);
     void iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
     void finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports);
     void step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
@@ -145,6 +150,7 @@ private:
     IntegratorSpec spec_;
     Vec3 gravity_;
     std::vector<std::unique_ptr<Work>> work_;
+    std::unique_ptr<Workspaces> workspaces_;
     TrialState trial_;
     bool best_effort_ = false;
     std::vector<std::uint8_t> solved_, again_;      // [wires] between two rounds of multipliers

@@ -1,5 +1,7 @@
 #include "solve/newton_wire.h"
 
+#include "core/prefetch.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -20,6 +22,13 @@ NewtonWire::NewtonWire(int capacity, const IntegratorSpec& spec) : problem(capac
 {
     for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_, &scratch_})
         array->resize(4 * capacity);
+}
+
+void NewtonWire::prefetch() const
+{
+    problem.prefetch();
+    for (const auto* array : {&base_, &base_residual_, &direction_, &coupling_, &scratch_})
+        seldinger::prefetch(*array, problem.size());
 }
 
 SolveReport NewtonWire::report() const
@@ -46,32 +55,34 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
     iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
     norm_ = contraction_ = 0;
-    const int size = problem.size(), n = problem.rod.n;
-    std::fill(guess_.begin(), guess_.begin() + size, 0.0);
-    if (problem.motion == Motion::Implicit && !options.linearised)
-        for (int i = 0; i < n; ++i) {
-            const RodView& rod = problem.rod;
-            const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < n - 1 ? rod.spin_rate[i] : 0.0};
-            for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
-        }
-    if (problem.fed()) std::fill_n(&guess_[4 * (n - 1)], 3, 0.0);  // material moves through the inlet, the node does not
+    shift_ = options.gradient_flow ? 100 : 0;
+    if (options.shifted) set_shift_weights();
+    if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
+
+    const RodView& rod = problem.rod;
+    for (int i = 0; i < rod.n; ++i) {
+        const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < rod.n - 1 ? rod.spin_rate[i] : 0.0};
+        for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
+    }
+    if (problem.fed()) std::fill_n(&guess_[4 * (rod.n - 1)], 3, 0.0);  // material moves through the inlet, the node does not
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
     if (move > move_limit) fraction = move_limit / move;
     if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
     set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
+}
 
-    // shift: in units of B/L^3 per node, so that 1 doubles a cantilever's stiffness or so
-    double length = 0, bend = 0, mass = 0;
-    for (int j = 0; j < n - 1; ++j) length += problem.rod.rest_length[j];
-    for (int i = 0; i < n; ++i) {
-        bend = std::max(bend, problem.rod.bend_stiffness[i]);
-        mass += problem.rod.mass[i];
-    }
-    const double unit = 3 * bend / (length * length * length * n);
-    for (int i = 0; i < size; ++i) shift_weight_[i] = i % 4 == 3 ? unit * problem.length_scale * problem.length_scale : unit;
+/// The shift's unit is B/L^3 per node, so that 1 doubles a cantilever's stiffness or so.
+void NewtonWire::set_shift_weights()
+{
+    const RodView& rod = problem.rod;
+    double length = 0, bend = 0;
+    for (int j = 0; j < rod.n - 1; ++j) length += rod.rest_length[j];
+    for (int i = 0; i < rod.n; ++i) bend = std::max(bend, rod.bend_stiffness[i]);
+    const double unit = 3 * bend / (length * length * length * rod.n);
+    for (int i = 0; i < problem.size(); ++i)
+        shift_weight_[i] = i % 4 == 3 ? unit * problem.length_scale * problem.length_scale : unit;
     smallest_shift_ = 1e-3;
-    shift_ = options.gradient_flow ? 100 : 0;
 }
 
 // A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
@@ -79,7 +90,7 @@ void NewtonWire::set_guess(double fraction)
 {
     guess_fraction_ = fraction;
     for (int i = 0; i < problem.size(); ++i) {
-        problem.trial[i] = problem.start[i] + fraction * guess_[i];
+        problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * guess_[i];
         if (problem.prescribed[i] && std::abs(problem.prescribed_value[i] - problem.trial[i]) < 1e-6 * problem.length_scale)
             problem.trial[i] = problem.prescribed_value[i];
     }
@@ -333,13 +344,11 @@ int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int
     problem.assemble_tangent(mode, !unsymmetric_, contact, wire);
     // prescribed unknowns move by a known amount, which loads the others
     const int size = problem.size();
-    bool moves = false;
+    std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i) {
-        scratch_[i] = problem.prescribed[i] ? problem.prescribed_value[i] - problem.trial[i] : 0.0;
-        moves = moves || scratch_[i] != 0;
+        if (!problem.prescribed[i] || problem.trial[i] == problem.prescribed_value[i]) continue;
+        problem.matrix.add_column(i, problem.prescribed_value[i] - problem.trial[i], coupling_);
     }
-    if (moves) problem.matrix.multiply(part(scratch_), part(coupling_));
-    else std::fill_n(coupling_.begin(), size, 0.0);
     for (int i = 0; i < size; ++i)
         if (problem.prescribed[i] && !(problem.without_spins() && i % 4 == 3)) problem.matrix.fix(i);
     add_shift(shift_);
@@ -396,6 +405,7 @@ bool NewtonWire::may_be_saddle() const
 /// From the trial, whose equations hold. @return whether it was one
 bool NewtonWire::leave_saddle(const ContactTerm* contact, int wire)
 {
+    set_shift_weights();
     const bool saddle = !stable(contact, wire);
     if (saddle) kick();
     shift_ = 0;

@@ -42,6 +42,9 @@ class NewtonWire {
 public:
     NewtonWire(int capacity, const IntegratorSpec& spec);
 
+    /// Its arrays will be needed soon.
+    void prefetch() const;
+
     /// Starts a solve of `problem`, begun by the caller; the first trial is set.
     void start(const NewtonOptions& options, double move_limit);
     /// Takes in the evaluation at problem.trial and decides: done, failed, or a new trial.
@@ -66,6 +69,7 @@ private:
     enum class Jump { None, Turns, Passed };
 
     void set_guess(double fraction);
+    void set_shift_weights();
     void retreat(double free_way);
     void give_up();
     [[nodiscard]] bool at_prescribed() const;

@@ -1,5 +1,6 @@
 #include "solve/wire_problem.h"
 
+#include "core/prefetch.h"
 #include "rod/discrete_gradient.h"
 
 #include <Eigen/Dense>
@@ -76,6 +77,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     set_external(gravity);
     set_scales(spec, gravity);
     frames.spins = start_frames_.spins = !(kind == Motion::Implicit && may_leave(spins));
+    frames.material = conserving_ || !straight_by_nature(rod);
     matrix.set_fourth(frames.spins);
     for (int j = 0; j < n - 1 && !frames.spins; ++j) {
         prescribed[4 * j + 3] = 1;
@@ -177,8 +179,54 @@ void WireProblem::set_damping(const IntegratorSpec& spec)
     if (damping_stiffness_ == 0) return;
     damping_.reset(size());
     if (!update()) return;  // a broken start is found out by the first evaluation
-    std::fill_n(scratch_.begin(), size(), 0.0);
-    add_elastic(rod, clamps, frames, {scratch_.data(), static_cast<std::size_t>(size())}, &damping_, HessianMode::Safe);
+    add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Safe);
+}
+
+void WireProblem::work_in(Workspace& workspace, bool once)
+{
+    const bool lasting = motion == Motion::Static;
+    matrix.use_rows(lasting ? nullptr : &workspace.matrix);
+    matrix.use_factor(lasting || !once ? nullptr : &workspace.matrix);
+    contact_tangent_.use_rows(lasting ? nullptr : &workspace.contact_tangent);
+}
+
+void WireProblem::prefetch() const
+{
+    const int n = rod.n;
+    for (const auto* array : {&start, &trial, &residual, &inertia, &acceleration_base_, &velocity_base_, &start_velocity_,
+                              &external_, &scratch_, &contact_gradient_})
+        seldinger::prefetch(*array, 4 * n);
+    seldinger::prefetch(split_, 4 * n);
+    for (const auto* array : {&frames.edge_length, &frames.chi, &frames.ref_twist, &frames.twist, &tension_, &base_tension_})
+        seldinger::prefetch(*array, n);
+    for (const auto* array : {&frames.tangent, &frames.d1, &frames.kb})
+        for (int c = 0; c < 3; ++c) seldinger::prefetch(array->component(c), n * sizeof(double));
+    for (const auto& array : {rod.rest_length,
+                              rod.stretch_stiffness,
+                              rod.bend_stiffness,
+                              rod.twist_stiffness,
+                              rod.rest_kappa1,
+                              rod.rest_kappa2,
+                              rod.rest_twist,
+                              rod.mass,
+                              rod.spin_inertia,
+                              rod.radius,
+                              rod.x,
+                              rod.y,
+                              rod.z,
+                              rod.theta,
+                              rod.vx,
+                              rod.vy,
+                              rod.vz,
+                              rod.spin_rate,
+                              rod.tx,
+                              rod.ty,
+                              rod.tz,
+                              rod.d1x,
+                              rod.d1y,
+                              rod.d1z,
+                              rod.ref_twist})
+        seldinger::prefetch(array.data(), n * sizeof(double));
 }
 
 RodTrial WireProblem::trial_view() const
@@ -236,6 +284,25 @@ double WireProblem::acceleration(int i) const
     return acceleration_rate_ * (trial[i] - start[i]) + acceleration_base_[i];
 }
 
+// velocity() and acceleration() of all unknowns, in loops that vectorise; there are few prescribed ones.
+void WireProblem::velocities(double* out) const
+{
+    const int size = 4 * rod.n;
+    const double *q = trial.data(), *q0 = start.data(), *base = velocity_base_.data(), rate = velocity_rate_;
+    for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
+    for (int i = 0; i < size; ++i)
+        if (prescribed[i]) out[i] = velocity(i);
+}
+
+void WireProblem::accelerations(double* out) const
+{
+    const int size = 4 * rod.n;
+    const double *q = trial.data(), *q0 = start.data(), *base = acceleration_base_.data(), rate = acceleration_rate_;
+    for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
+    for (int i = 0; i < size; ++i)
+        if (prescribed[i]) out[i] = acceleration(i);
+}
+
 bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
 {
     const std::size_t size = 4 * rod.n;
@@ -265,7 +332,10 @@ void WireProblem::evaluate_host_residual()
 {
     const int size = 4 * rod.n;
     const std::span<double> r(residual.data(), size);
-    for (int i = 0; i < size; ++i) r[i] = inertia[i] * (acceleration(i) + damping_mass_ * mean_velocity(i)) - external_[i];
+    accelerations(r.data());
+    if (damping_mass_ > 0)
+        for (int i = 0; i < size; ++i) r[i] += damping_mass_ * mean_velocity(i);
+    for (int i = 0; i < size; ++i) r[i] = inertia[i] * r[i] - external_[i];
     if (damping_stiffness_ > 0) {
         for (int i = 0; i < size; ++i) damped_velocity_[i] = damping_stiffness_ * mean_velocity(i);
         damping_.multiply(damped_velocity_, scratch_);
@@ -343,13 +413,17 @@ using Mat3 = Eigen::Matrix3d;
 /// A stiffness between the ends of edge j: K (dx_{j+1} - dx_j) is the force on node j + 1, and its opposite that on node j.
 void add_edge_block(BandMatrix& matrix, int j, const Mat3& k)
 {
-    for (int c = 0; c < 3; ++c)
+    constexpr int centre = BandMatrix::half_bandwidth;
+    for (int c = 0; c < 3; ++c) {
+        double* tip = matrix.row(4 * j + c) + centre - c;  // entries of node j, then of node j + 1
+        double* hub = matrix.row(4 * (j + 1) + c) + centre - c - 4;
         for (int d = 0; d < 3; ++d) {
-            matrix.add(4 * j + c, 4 * j + d, k(c, d));
-            matrix.add(4 * j + 4 + c, 4 * j + 4 + d, k(c, d));
-            matrix.add(4 * j + c, 4 * j + 4 + d, -k(c, d));
-            matrix.add(4 * j + 4 + c, 4 * j + d, -k(c, d));
+            tip[d] += k(c, d);
+            hub[4 + d] += k(c, d);
+            tip[4 + d] -= k(c, d);
+            hub[d] -= k(c, d);
         }
+    }
 }
 
 }  // namespace
@@ -406,8 +480,7 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     const int size = 4 * rod.n;
     matrix.reset(size);
     const std::span<double> unused(scratch_.data(), size);
-    std::fill(unused.begin(), unused.end(), 0.0);
-    add_elastic(rod, clamps, frames, unused, &matrix, mode);
+    add_elastic(rod, clamps, frames, {}, &matrix, mode);
     if (conserving_) matrix.scale(end_share_);
     replace_tension(mode, symmetric);
     const double rate = acceleration_rate_ + damping_mass_ * damping_rate_;
@@ -509,13 +582,13 @@ void WireProblem::mixed_residual(std::span<double> out) const
     }
 }
 
-void WireProblem::write_velocity(int i, const double (&v)[4])
+void WireProblem::write_velocity(int i, const double* v)
 {
     rod.set_vel(i, {v[0], v[1], v[2]});
     if (i < rod.n - 1) rod.spin_rate[i] = v[3];
 }
 
-void WireProblem::write_acceleration(int i, const double (&a)[4])
+void WireProblem::write_acceleration(int i, const double* a)
 {
     rod.ax[i] = a[0];
     rod.ay[i] = a[1];
@@ -566,14 +639,18 @@ std::array<std::span<double>, WireProblem::reference_count> WireProblem::referen
 
 void WireProblem::commit(bool newmark)
 {
+    const int size = 4 * rod.n;
+    double *v = scratch_.data(), *a = damped_velocity_.data();
+    if (motion == Motion::Implicit) {
+        velocities(v);
+        if (newmark) accelerations(a);
+    } else {
+        std::fill_n(v, size, 0.0);
+        std::fill_n(a, size, 0.0);
+    }
     for (int i = 0; i < rod.n; ++i) {
-        double v[4] = {}, a[4] = {};
-        for (int c = 0; c < 4 && motion == Motion::Implicit; ++c) {
-            v[c] = velocity(4 * i + c);
-            a[c] = acceleration(4 * i + c);
-        }
-        write_velocity(i, v);
-        if (newmark) write_acceleration(i, a);
+        write_velocity(i, v + 4 * i);
+        if (newmark) write_acceleration(i, a + 4 * i);
     }
     accept_frames(rod, trial_view(), frames);
 }

@@ -25,6 +25,13 @@ namespace seldinger {
 
 class WireProblem {
 public:
+    /// What one thread assembles the matrix of one wire after the other in. Of 1,000 wires the matrices alone would be more than
+    /// any cache holds.
+    struct Workspace {
+        explicit Workspace(int capacity) : matrix(4 * capacity), contact_tangent(4 * capacity) {}
+        BandMatrix::Storage matrix, contact_tangent;
+    };
+
     WireProblem(int capacity, const IntegratorSpec& spec);
 
     /// Takes over the start of the step and the constraints at its end. No allocation once clamps have been seen.
@@ -39,6 +46,13 @@ public:
     /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first
     /// follow the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
+
+    /// Assembles and factorises in `workspace` until the next call. Entries outlive that in a static solve only, which goes back
+    /// to them, and factors unless `once`, where a matrix is solved with as soon as it is factorised and never again.
+    void work_in(Workspace& workspace, bool once);
+
+    /// Its arrays will be needed soon.
+    void prefetch() const;
 
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
@@ -114,8 +128,10 @@ public:
     double force_scale = 0, tolerance = 0;  // [N], see set_scales
 
 private:
-    void write_velocity(int i, const double (&v)[4]);
-    void write_acceleration(int i, const double (&a)[4]);
+    void write_velocity(int i, const double* v);
+    void write_acceleration(int i, const double* a);
+    void velocities(double* out) const;
+    void accelerations(double* out) const;
     [[nodiscard]] double actual_tension(int j) const;
     [[nodiscard]] double flow(int i) const;
     void set_kinematics(const IntegratorSpec& spec);
