@@ -48,12 +48,12 @@ void Solver::write_trial(int wire)
     }
 }
 
-/// What a loop over the wires comes to next, and where that next is found.
-void Solver::prefetch_after(int wire) const
+/// What a loop over the wires comes to after this one, and where what comes then is found.
+void Solver::prefetch_after(int wire, SolveStage stage) const
 {
     const int wires = rods_.wire_count();
     if (wire + 2 < wires) prefetch(work_[wire + 2].get(), sizeof(Work));
-    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch();
+    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch(stage);
 }
 
 /// The next trial of a wire that goes on, for contact to evaluate.
@@ -85,7 +85,7 @@ void Solver::iterate(double h, ContactTerm* contact)
     while (any(running_)) {
         if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
         for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-            prefetch_after(w);
+            prefetch_after(w, SolveStage::Advance);
             if (!running_[w]) return;
             NewtonWire& newton = work_[w]->newton;
             newton.problem.work_in(workspaces_->here(), spec_.scheme == Scheme::Linearised);
@@ -154,7 +154,7 @@ void Solver::restore(int wire)
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(w);
+        prefetch_after(w, SolveStage::Commit);
         if (!active[w]) return;
         NewtonWire& newton = work_[w]->newton;
         reports[w] = newton.report();
@@ -181,7 +181,7 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(w);
+        prefetch_after(w, SolveStage::Begin);
         evaluate_[w] = running_[w] = with_spins_[w] = 0;
         if (!active[w]) return show_accepted(w);
         begin_wire(w, Motion::Implicit, h, constraints[w], spins);

@@ -24,9 +24,10 @@ NewtonWire::NewtonWire(int capacity, const IntegratorSpec& spec) : problem(capac
         array->resize(4 * capacity);
 }
 
-void NewtonWire::prefetch() const
+void NewtonWire::prefetch(SolveStage next) const
 {
-    problem.prefetch();
+    problem.prefetch(next);
+    if (next != SolveStage::Advance) return;
     for (const auto* array : {&base_, &base_residual_, &direction_, &coupling_, &scratch_})
         seldinger::prefetch(*array, problem.size());
 }

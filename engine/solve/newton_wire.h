@@ -43,7 +43,7 @@ public:
     NewtonWire(int capacity, const IntegratorSpec& spec);
 
     /// Its arrays will be needed soon.
-    void prefetch() const;
+    void prefetch(SolveStage next) const;
 
     /// Starts a solve of `problem`, begun by the caller; the first trial is set.
     void start(const NewtonOptions& options, double move_limit);

@@ -52,7 +52,7 @@ public:
     void work_in(Workspace& workspace, bool once);
 
     /// Its arrays will be needed soon.
-    void prefetch() const;
+    void prefetch(SolveStage next) const;
 
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
@@ -149,6 +149,8 @@ private:
     void replace_tension(HessianMode mode, bool symmetric);
     void restore_positions();
     [[nodiscard]] double mean_velocity(int i) const;
+    [[nodiscard]] double velocity_base(int i) const { return euler_ ? 0.0 : velocity_base_[i]; }
+    [[nodiscard]] double acceleration_base(int i) const { return euler_ ? -start_velocity_[i] / h : acceleration_base_[i]; }
     [[nodiscard]] double stretched_length(int j) const;
     [[nodiscard]] Vec3 tension_direction(int j) const;
 
@@ -156,10 +158,11 @@ private:
     [[nodiscard]] std::array<std::span<double>, reference_count> reference_arrays() const;
 
     const WireConstraints* constraints_ = nullptr;
-    bool conserving_ = false, start_usable_ = true;
+    bool conserving_ = false, euler_ = false, start_usable_ = true;
     double end_share_ = 1;    // of the end of the step in what the elastic force is taken from: 1/2 conserving
     RodFrames start_frames_;  // conserving: of q_0
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
+    // the first two not for backward Euler, where they are 0 and -start_velocity_/h
     std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
     mutable std::vector<double> split_;   // trial as separate x, y, z, theta for the rod's functions
     std::vector<double> kept_reference_;  // [reference_count * capacity]
