@@ -11,6 +11,7 @@
 namespace seldinger {
 
 struct NewtonOptions;  // solve/newton_wire.h
+class NewtonWire;
 
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
@@ -136,6 +137,7 @@ private:
     void show_accepted(int wire);
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
+    [[nodiscard]] NewtonWire& newton_of(int wire);
     void prefetch_after(int wire, SolveStage stage) const;
     void prepare_trial(int wire);
     void prepare_trials(std::span<const std::uint8_t> active);

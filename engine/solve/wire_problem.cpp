@@ -33,7 +33,7 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
       damping_(spec.damping_stiffness > 0 ? 4 * capacity : 0)
 {
     for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
-                        &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_, &contact_gradient_})
+                        &start_velocity_, &external_})
         array->resize(4 * capacity);
     prescribed.resize(4 * capacity);
     for (auto* array : {&tension_, &base_tension_, &base_longer_, &turned_}) array->resize(capacity);
@@ -182,12 +182,19 @@ void WireProblem::set_damping(const IntegratorSpec& spec)
     add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Safe);
 }
 
-void WireProblem::work_in(Workspace& workspace, bool once)
+std::span<double> WireProblem::work_in(Workspace& workspace, bool once)
 {
     const bool lasting = motion == Motion::Static;
     matrix.use_rows(lasting ? nullptr : &workspace.matrix);
     matrix.use_factor(lasting || !once ? nullptr : &workspace.matrix);
     contact_tangent_.use_rows(lasting ? nullptr : &workspace.contact_tangent);
+    std::span<double> left = workspace.numbers;
+    const std::size_t size = start.size();
+    for (auto* part : {&scratch_, &damped_velocity_, &split_, &contact_gradient_}) {
+        *part = left.first(size);
+        left = left.subspan(size);
+    }
+    return left.first(size);
 }
 
 void WireProblem::prefetch(SolveStage next) const
@@ -198,7 +205,7 @@ void WireProblem::prefetch(SolveStage next) const
     const auto vectors = [&](const auto&... arrays) {
         for (int c = 0; c < 3; ++c) (seldinger::prefetch(arrays.component(c), n * sizeof(double)), ...);
     };
-    unknowns(start, trial, split_);
+    unknowns(start, trial);
     nodes(frames.ref_twist, rod.tx, rod.ty, rod.tz, rod.d1x, rod.d1y, rod.d1z, rod.ref_twist);
     vectors(frames.tangent, frames.d1);
     if (next != SolveStage::Commit) {
@@ -207,7 +214,7 @@ void WireProblem::prefetch(SolveStage next) const
               rod.twist_stiffness, rod.rest_kappa1, rod.rest_kappa2, rod.rest_twist);
         vectors(frames.kb);
     }
-    if (next == SolveStage::Advance) unknowns(residual, scratch_, contact_gradient_);
+    if (next == SolveStage::Advance) unknowns(residual);
     else nodes(rod.x, rod.y, rod.z, rod.theta, rod.vx, rod.vy, rod.vz, rod.spin_rate);
     if (next == SolveStage::Begin) nodes(rod.mass, rod.spin_inertia, rod.radius);
     if (next != SolveStage::Commit || !euler_) unknowns(start_velocity_);
