@@ -1,6 +1,7 @@
 #include "step_stages.h"
 
 #include "core/parallel.h"
+#include "core/prefetch.h"
 #include "vessel/repair.h"
 
 #include <algorithm>
@@ -16,6 +17,13 @@ constexpr double most_feed_parts = 4096;
 constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
 
 using Clock = std::chrono::steady_clock;
+
+/// What a loop over the wires comes to next: the arrays of the wire after this one.
+void prefetch_after(World::Impl& state, int w)
+{
+    if (w + 1 >= state.wire_count()) return;
+    for (const std::span<double>& array : state.rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
+}
 
 // Feeding and holds at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
 void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
@@ -101,7 +109,10 @@ void collect_timers(World::Impl& state, StepReport& report)
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
-    for_each_item(state.wire_count(), wire_grain, [&](int w) { state.save_wire(w); });
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(state, w);
+        state.save_wire(w);
+    });
     state.contact_in_solve = 0;
     state.wire_reports.assign(state.wire_count(), WireReport{});
 }
@@ -151,6 +162,7 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
     }
     if (state.contact) state.contact->commit(done);
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(state, w);
         if (!done[w]) return;
         state.wire_time[w] += h;
         state.read_results(w, h);

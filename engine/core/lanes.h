@@ -68,7 +68,10 @@ inline bool all_set(const LaneMask& mask, int count)
 }
 
 /// The last lane of `before`, then all but the last of `now`.
-inline Lanes shifted(const Lanes& before, const Lanes& now) { return __builtin_shuffle(before, now, lane_index + (lane_count - 1)); }
+inline Lanes shifted(const Lanes& before, const Lanes& now)
+{
+    return __builtin_shuffle(before, now, lane_index + (lane_count - 1));
+}
 
 inline Lanes sqrt_lanes(const Lanes& v)
 {

@@ -11,9 +11,9 @@ namespace seldinger {
 struct ClampSide {
     int edge = -1;
     Pair pair;
-    double half = 0;    // a [m]
-    double share = 0;   // of the node's rest curvature and twist that lies on this side
-    double twist = 0;   // tau between clamp and edge, 0 without spin [rad]
+    double half = 0;       // a [m]
+    double share = 0;      // of the node's rest curvature and twist that lies on this side
+    double twist = 0;      // tau between clamp and edge, 0 without spin [rad]
     bool spins = true;     // RodFrames::spins; else no rest and no twist
     bool material = true;  // there is a frame that `rest` is fixed to; else the wire is straight by nature
     RestBend rest;

@@ -360,17 +360,22 @@ struct Walk {
             rows[3][3] = shifted(last.bb, next.bb) + next.aa;
             rows[3][7] = next.ab;
             rows[3][11] = Lanes{};
-            for (int l = 0; l < lane_count && at + l < rod.n; ++l) write_node(band, at + l, l, rows);
+            for (int l = 0; l < lane_count && at + l < rod.n; ++l) {
+                const int after = rod.n - 1 - (at + l);
+                if (after >= 2) write_node<2>(band, at + l, l, rows);
+                else if (after == 1) write_node<1>(band, at + l, l, rows);
+                else write_node<0>(band, at + l, l, rows);
+            }
             last = next;
             for (int k = 0; k < 9; ++k) last_xx[k] = xx[k];
         }
     }
 
-    /// Rows of the band that belong to node i, and their mirror images below the diagonal.
-    void write_node(BandMatrix& band, int i, int l, const Lanes (&rows)[4][12]) const
+    /// Rows of the band that belong to node i, and their mirror images below the diagonal. `after`: nodes that follow, 2 at most.
+    template <int after>
+    static void write_node(BandMatrix& band, int i, int l, const Lanes (&rows)[4][12])
     {
         constexpr int centre = BandMatrix::half_bandwidth;
-        const int after = std::min(2, rod.n - 1 - i);  // nodes
         for (int p = 0; p < 4; ++p) {
             double* row = band.row(4 * i + p) + centre - p;
             for (int q = 0; q < 4 + 4 * after; ++q) row[q] += rows[p][q][l];

@@ -14,12 +14,12 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
 {
     begin(Motion::Static, 0, constraints, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (active[w]) work_[w]->newton.problem.keep_reference();
+        if (active[w]) newton_of(w).problem.keep_reference();
     NewtonOptions newton;
     newton.shifted = true;
     newton.max_iterations = 150;
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (active[w]) work_[w]->newton.start(newton, move_limit(contact, w));
+        if (active[w]) newton_of(w).start(newton, move_limit(contact, w));
     prepare_trials(active);
     iterate_with_multipliers(0, contact, active);
 
@@ -31,7 +31,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
         std::fill(running_.begin(), running_.end(), 0);
         std::fill(evaluate_.begin(), evaluate_.end(), 0);
         for (int w = 0; w < rods_.wire_count(); ++w) {
-            NewtonWire& wire = work_[w]->newton;
+            NewtonWire& wire = newton_of(w);
             if (!active[w] || wire.converged()) continue;
             any = true;
             wire.problem.restore_reference();
@@ -42,7 +42,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
         if (any) iterate_with_multipliers(0, contact, active);
     }
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (active[w] && !work_[w]->newton.converged()) work_[w]->newton.problem.restore_reference();
+        if (active[w] && !newton_of(w).converged()) newton_of(w).problem.restore_reference();
     finish(active, reports);
 }
 

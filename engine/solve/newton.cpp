@@ -38,7 +38,7 @@ Solver::~Solver() = default;
 
 void Solver::write_trial(int wire)
 {
-    const WireProblem& problem = work_[wire]->newton.problem;
+    const WireProblem& problem = newton_of(wire).problem;
     const int begin = rods_.node_begin(wire);
     for (int i = 0; i < problem.rod.n; ++i) {
         trial_.x[begin + i] = problem.trial[4 * i];
@@ -48,18 +48,26 @@ void Solver::write_trial(int wire)
     }
 }
 
-/// What a loop over the wires comes to next, and where that next is found.
-void Solver::prefetch_after(int wire) const
+/// The wire's solve, in the memory of this thread.
+NewtonWire& Solver::newton_of(int wire)
+{
+    NewtonWire& newton = work_[wire]->newton;
+    newton.work_in(workspaces_->here(), spec_.scheme == Scheme::Linearised);
+    return newton;
+}
+
+/// What a loop over the wires comes to after this one, and where what comes then is found.
+void Solver::prefetch_after(int wire, SolveStage stage) const
 {
     const int wires = rods_.wire_count();
     if (wire + 2 < wires) prefetch(work_[wire + 2].get(), sizeof(Work));
-    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch();
+    if (wire + 1 < wires) work_[wire + 1]->newton.prefetch(stage);
 }
 
 /// The next trial of a wire that goes on, for contact to evaluate.
 void Solver::prepare_trial(int wire)
 {
-    NewtonWire& newton = work_[wire]->newton;
+    NewtonWire& newton = newton_of(wire);
     evaluate_[wire] = 0;
     running_[wire] = newton.running();
     if (!running_[wire]) return;
@@ -78,17 +86,15 @@ void Solver::prepare_trials(std::span<const std::uint8_t> active)
 /// Until none is running. A wire takes its decision and sets up its next trial in one go, while its arrays are in the cache.
 void Solver::iterate(double h, ContactTerm* contact)
 {
-    workspaces_->provide();
     const auto any = [](const std::vector<std::uint8_t>& flags) {
         return std::find(flags.begin(), flags.end(), 1) != flags.end();
     };
     while (any(running_)) {
         if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
         for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-            prefetch_after(w);
+            prefetch_after(w, SolveStage::Advance);
             if (!running_[w]) return;
-            NewtonWire& newton = work_[w]->newton;
-            newton.problem.work_in(workspaces_->here(), spec_.scheme == Scheme::Linearised);
+            NewtonWire& newton = newton_of(w);
             newton.advance(evaluate_[w], contact, w);
             if (contact && newton.took_trial()) contact->take(w);
             prepare_trial(w);
@@ -102,12 +108,12 @@ void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<
     iterate(h, contact);
     if (!contact) return;
     for (int round = 0; round <= most_rounds; ++round) {
-        for (int w = 0; w < rods_.wire_count(); ++w) solved_[w] = active[w] && work_[w]->newton.converged();
+        for (int w = 0; w < rods_.wire_count(); ++w) solved_[w] = active[w] && newton_of(w).converged();
         if (!contact->refine(solved_, again_)) return;
         for (int w = 0; w < rods_.wire_count(); ++w) {
             if (!again_[w]) continue;
-            if (round < most_rounds) work_[w]->newton.resume();
-            else work_[w]->newton.stop_short();
+            if (round < most_rounds) newton_of(w).resume();
+            else newton_of(w).stop_short();
         }
         prepare_trials(again_);
         iterate(h, contact);
@@ -117,6 +123,7 @@ void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<
 void Solver::begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active)
 {
     SEL_ASSERT(static_cast<int>(active.size()) >= rods_.wire_count());
+    workspaces_->provide();
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
         if (active[w]) begin_wire(w, motion, h, constraints[w], SpinAngles::SolvedFor);
         show_accepted(w);
@@ -127,7 +134,7 @@ void Solver::begin_wire(int wire, Motion motion, double h, const WireConstraints
 {
     with_spins_[wire] = 0;
     if (spin_records_[wire].wait > 0) spins = SpinAngles::SolvedFor;
-    work_[wire]->newton.problem.begin(rods_.view(wire), constraints, spec_, gravity_, motion, h, spins);
+    newton_of(wire).problem.begin(rods_.view(wire), constraints, spec_, gravity_, motion, h, spins);
 }
 
 /// The accepted state as the trial.
@@ -144,7 +151,7 @@ void Solver::show_accepted(int wire)
 /// Failure leaves the wire as it was: the trial and the frames are those of the accepted state again.
 void Solver::restore(int wire)
 {
-    WireProblem& problem = work_[wire]->newton.problem;
+    WireProblem& problem = newton_of(wire).problem;
     problem.trial = problem.start;
     if (problem.without_spins()) problem.take_spins_in();
     (void)problem.update();
@@ -154,9 +161,9 @@ void Solver::restore(int wire)
 void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(w);
+        prefetch_after(w, SolveStage::Commit);
         if (!active[w]) return;
-        NewtonWire& newton = work_[w]->newton;
+        NewtonWire& newton = newton_of(w);
         reports[w] = newton.report();
         if (with_spins_[w]) {
             reports[w].iterations += first_[w].iterations;
@@ -176,16 +183,17 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
     if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
     if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
     using enum SpinAngles;
+    workspaces_->provide();
     const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree;
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
     for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        prefetch_after(w);
+        prefetch_after(w, SolveStage::Begin);
         evaluate_[w] = running_[w] = with_spins_[w] = 0;
         if (!active[w]) return show_accepted(w);
         begin_wire(w, Motion::Implicit, h, constraints[w], spins);
-        work_[w]->newton.start(options, move_limit(contact, w));
+        newton_of(w).start(options, move_limit(contact, w));
         prepare_trial(w);
     });
     iterate_with_multipliers(h, contact, active);
@@ -200,7 +208,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
     bool any = false;
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!active[w]) continue;
-        NewtonWire& newton = work_[w]->newton;
+        NewtonWire& newton = newton_of(w);
         SpinRecord& record = spin_records_[w];
         ++record.steps;
         if (record.wait > 0) --record.wait;
@@ -236,7 +244,7 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
     evaluate_forces(h, contact, active);
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!active[w]) continue;
-        WireProblem& problem = work_[w]->newton.problem;
+        WireProblem& problem = newton_of(w).problem;
         for (int i = 0; i < problem.size(); ++i) {
             if (problem.prescribed[i]) problem.move_prescribed(i);
             else problem.trial[i] += h * (problem.velocity(i) - h * problem.residual[i] / problem.inertia[i]);
@@ -247,7 +255,7 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
     if (contact) contact->evaluate(trial_, h, evaluate_);  // so that contact keeps the state that is accepted
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!active[w]) continue;
-        WireProblem& problem = work_[w]->newton.problem;
+        WireProblem& problem = newton_of(w).problem;
         reports[w] = {};
         reports[w].evaluations = 2;
         reports[w].converged = evaluate_[w] && (!contact || contact->admissible(w));
@@ -260,10 +268,10 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
 /// R at the present state into each active wire's residual; evaluate_[w] = 0 where that is not possible.
 void Solver::evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
-    for (int w = 0; w < rods_.wire_count(); ++w) evaluate_[w] = active[w] && work_[w]->newton.problem.update();
+    for (int w = 0; w < rods_.wire_count(); ++w) evaluate_[w] = active[w] && newton_of(w).problem.update();
     if (contact) contact->evaluate(trial_, h, evaluate_);
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (evaluate_[w]) evaluate_[w] = work_[w]->newton.problem.evaluate_residual(contact, w);
+        if (evaluate_[w]) evaluate_[w] = newton_of(w).problem.evaluate_residual(contact, w);
 }
 
 void Solver::initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
@@ -272,7 +280,7 @@ void Solver::initialise_acceleration(std::span<const WireConstraints> constraint
     begin(Motion::Explicit, 0, constraints, active);
     evaluate_forces(0, contact, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (evaluate_[w]) work_[w]->newton.problem.set_acceleration_from_residual();
+        if (evaluate_[w]) newton_of(w).problem.set_acceleration_from_residual();
 }
 
 // ---- readings -------------------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@
 namespace seldinger {
 
 struct NewtonOptions;  // solve/newton_wire.h
+class NewtonWire;
 
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
@@ -82,6 +83,9 @@ enum class Motion { Static, Implicit, Explicit };  // which equations: see wire_
 /// Whether a step may leave spin angles out (solve/spins.cpp): if no torque acts; and, in contact, if they do not move either.
 enum class SpinAngles { SolvedFor, LeftIfFree, LeftIfStill };
 
+/// What a loop over the wires does to each: begins its step, takes in an evaluation and prepares the next, ends its step.
+enum class SolveStage { Begin, Advance, Commit };
+
 /// Workspace and options for a fixed set of wires.
 class Solver {
 public:
@@ -133,7 +137,8 @@ private:
     void show_accepted(int wire);
     void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
-    void prefetch_after(int wire) const;
+    [[nodiscard]] NewtonWire& newton_of(int wire);
+    void prefetch_after(int wire, SolveStage stage) const;
     void prepare_trial(int wire);
     void prepare_trials(std::span<const std::uint8_t> active);
     void iterate(double h, ContactTerm* contact);

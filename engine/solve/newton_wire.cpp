@@ -20,15 +20,15 @@ constexpr double located = 1e-6;  // of the wire's radius: a position known to w
 
 NewtonWire::NewtonWire(int capacity, const IntegratorSpec& spec) : problem(capacity, spec)
 {
-    for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_, &scratch_})
+    for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &coupling_, &guess_, &shift_weight_})
         array->resize(4 * capacity);
 }
 
-void NewtonWire::prefetch() const
+void NewtonWire::prefetch(SolveStage next) const
 {
-    problem.prefetch();
-    for (const auto* array : {&base_, &base_residual_, &direction_, &coupling_, &scratch_})
-        seldinger::prefetch(*array, problem.size());
+    problem.prefetch(next);
+    if (next != SolveStage::Advance) return;
+    for (const auto* array : {&base_, &base_residual_, &direction_, &coupling_}) seldinger::prefetch(*array, problem.size());
 }
 
 SolveReport NewtonWire::report() const

@@ -42,8 +42,10 @@ class NewtonWire {
 public:
     NewtonWire(int capacity, const IntegratorSpec& spec);
 
+    /// See WireProblem::work_in().
+    void work_in(WireProblem::Workspace& workspace, bool once) { scratch_ = problem.work_in(workspace, once); }
     /// Its arrays will be needed soon.
-    void prefetch() const;
+    void prefetch(SolveStage next) const;
 
     /// Starts a solve of `problem`, begun by the caller; the first trial is set.
     void start(const NewtonOptions& options, double move_limit);
@@ -99,7 +101,7 @@ private:
     void polish(const ContactTerm* contact);
     void set_trial(double alpha);
 
-    [[nodiscard]] std::span<double> part(std::vector<double>& v) { return {v.data(), static_cast<std::size_t>(problem.size())}; }
+    [[nodiscard]] std::span<double> part(std::span<double> v) const { return v.first(static_cast<std::size_t>(problem.size())); }
 
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
@@ -110,7 +112,8 @@ private:
     double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;
-    std::vector<double> base_, base_residual_, direction_, correction_, coupling_, guess_, shift_weight_, scratch_;
+    std::vector<double> base_, base_residual_, direction_, correction_, coupling_, guess_, shift_weight_;
+    std::span<double> scratch_;  // in the workspace
 };
 
 }  // namespace seldinger

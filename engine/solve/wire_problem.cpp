@@ -33,7 +33,7 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
       damping_(spec.damping_stiffness > 0 ? 4 * capacity : 0)
 {
     for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value, &velocity_base_, &acceleration_base_,
-                        &start_velocity_, &external_, &scratch_, &damped_velocity_, &split_, &contact_gradient_})
+                        &start_velocity_, &external_})
         array->resize(4 * capacity);
     prescribed.resize(4 * capacity);
     for (auto* array : {&tension_, &base_tension_, &base_longer_, &turned_}) array->resize(capacity);
@@ -91,6 +91,12 @@ void WireProblem::set_kinematics(const IntegratorSpec& spec)
 {
     const int size = 4 * rod.n;
     velocity_rate_ = acceleration_rate_ = damping_rate_ = 0;
+    euler_ = motion == Motion::Implicit && !conserving_ && !spec.newmark;
+    if (euler_) {
+        damping_rate_ = velocity_rate_ = 1 / h;
+        acceleration_rate_ = 1 / (h * h);
+        return;
+    }
     std::fill_n(velocity_base_.begin(), size, 0.0);
     std::fill_n(acceleration_base_.begin(), size, 0.0);
     if (motion == Motion::Explicit) std::copy_n(start_velocity_.begin(), size, velocity_base_.begin());
@@ -103,12 +109,6 @@ void WireProblem::set_kinematics(const IntegratorSpec& spec)
             velocity_base_[i] = -start_velocity_[i];
             acceleration_base_[i] = -2 * start_velocity_[i] / h;
         }
-        return;
-    }
-    if (!spec.newmark) {  // backward Euler
-        velocity_rate_ = 1 / h;
-        acceleration_rate_ = 1 / (h * h);
-        for (int i = 0; i < size; ++i) acceleration_base_[i] = -start_velocity_[i] / h;
         return;
     }
     // D4 solved for a+ and v+
@@ -182,51 +182,43 @@ void WireProblem::set_damping(const IntegratorSpec& spec)
     add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Safe);
 }
 
-void WireProblem::work_in(Workspace& workspace, bool once)
+std::span<double> WireProblem::work_in(Workspace& workspace, bool once)
 {
     const bool lasting = motion == Motion::Static;
     matrix.use_rows(lasting ? nullptr : &workspace.matrix);
     matrix.use_factor(lasting || !once ? nullptr : &workspace.matrix);
     contact_tangent_.use_rows(lasting ? nullptr : &workspace.contact_tangent);
+    std::span<double> left = workspace.numbers;
+    const std::size_t size = start.size();
+    for (auto* part : {&scratch_, &damped_velocity_, &split_, &contact_gradient_}) {
+        *part = left.first(size);
+        left = left.subspan(size);
+    }
+    return left.first(size);
 }
 
-void WireProblem::prefetch() const
+void WireProblem::prefetch(SolveStage next) const
 {
     const int n = rod.n;
-    for (const auto* array : {&start, &trial, &residual, &inertia, &acceleration_base_, &velocity_base_, &start_velocity_,
-                              &external_, &scratch_, &contact_gradient_})
-        seldinger::prefetch(*array, 4 * n);
-    seldinger::prefetch(split_, 4 * n);
-    for (const auto* array : {&frames.edge_length, &frames.chi, &frames.ref_twist, &frames.twist, &tension_, &base_tension_})
-        seldinger::prefetch(*array, n);
-    for (const auto* array : {&frames.tangent, &frames.d1, &frames.kb})
-        for (int c = 0; c < 3; ++c) seldinger::prefetch(array->component(c), n * sizeof(double));
-    for (const auto& array : {rod.rest_length,
-                              rod.stretch_stiffness,
-                              rod.bend_stiffness,
-                              rod.twist_stiffness,
-                              rod.rest_kappa1,
-                              rod.rest_kappa2,
-                              rod.rest_twist,
-                              rod.mass,
-                              rod.spin_inertia,
-                              rod.radius,
-                              rod.x,
-                              rod.y,
-                              rod.z,
-                              rod.theta,
-                              rod.vx,
-                              rod.vy,
-                              rod.vz,
-                              rod.spin_rate,
-                              rod.tx,
-                              rod.ty,
-                              rod.tz,
-                              rod.d1x,
-                              rod.d1y,
-                              rod.d1z,
-                              rod.ref_twist})
-        seldinger::prefetch(array.data(), n * sizeof(double));
+    const auto unknowns = [&](auto&... arrays) { (seldinger::prefetch(arrays, 4 * n), ...); };
+    const auto nodes = [&](const auto&... arrays) { (seldinger::prefetch(arrays.data(), n * sizeof(double)), ...); };
+    const auto vectors = [&](const auto&... arrays) {
+        for (int c = 0; c < 3; ++c) (seldinger::prefetch(arrays.component(c), n * sizeof(double)), ...);
+    };
+    unknowns(start, trial);
+    nodes(frames.ref_twist, rod.tx, rod.ty, rod.tz, rod.d1x, rod.d1y, rod.d1z, rod.ref_twist);
+    vectors(frames.tangent, frames.d1);
+    if (next != SolveStage::Commit) {
+        unknowns(inertia, external_);
+        nodes(frames.edge_length, frames.chi, frames.twist, tension_, rod.rest_length, rod.stretch_stiffness, rod.bend_stiffness,
+              rod.twist_stiffness, rod.rest_kappa1, rod.rest_kappa2, rod.rest_twist);
+        vectors(frames.kb);
+    }
+    if (next == SolveStage::Advance) unknowns(residual);
+    else nodes(rod.x, rod.y, rod.z, rod.theta, rod.vx, rod.vy, rod.vz, rod.spin_rate);
+    if (next == SolveStage::Begin) nodes(rod.mass, rod.spin_inertia, rod.radius);
+    if (next != SolveStage::Commit || !euler_) unknowns(start_velocity_);
+    if (!euler_) unknowns(velocity_base_, acceleration_base_);
 }
 
 RodTrial WireProblem::trial_view() const
@@ -264,7 +256,7 @@ double WireProblem::flow(int i) const
 double WireProblem::velocity(int i) const
 {
     if (motion == Motion::Implicit && prescribed[i]) return (trial[i] - start[i]) / h + flow(i);
-    return velocity_rate_ * (trial[i] - start[i]) + velocity_base_[i];
+    return velocity_rate_ * (trial[i] - start[i]) + velocity_base(i);
 }
 
 /// Over the step when conserving, at its end otherwise.
@@ -281,7 +273,7 @@ bool WireProblem::unsymmetric() const
 double WireProblem::acceleration(int i) const
 {
     if (motion == Motion::Implicit && prescribed[i]) return (velocity(i) - start_velocity_[i]) / h;
-    return acceleration_rate_ * (trial[i] - start[i]) + acceleration_base_[i];
+    return acceleration_rate_ * (trial[i] - start[i]) + acceleration_base(i);
 }
 
 // velocity() and acceleration() of all unknowns, in loops that vectorise; there are few prescribed ones.
@@ -289,7 +281,10 @@ void WireProblem::velocities(double* out) const
 {
     const int size = 4 * rod.n;
     const double *q = trial.data(), *q0 = start.data(), *base = velocity_base_.data(), rate = velocity_rate_;
-    for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
+    if (euler_)
+        for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + 0.0;
+    else
+        for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
     for (int i = 0; i < size; ++i)
         if (prescribed[i]) out[i] = velocity(i);
 }
@@ -297,8 +292,12 @@ void WireProblem::velocities(double* out) const
 void WireProblem::accelerations(double* out) const
 {
     const int size = 4 * rod.n;
-    const double *q = trial.data(), *q0 = start.data(), *base = acceleration_base_.data(), rate = acceleration_rate_;
-    for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
+    const double *q = trial.data(), *q0 = start.data(), *v0 = start_velocity_.data(), *base = acceleration_base_.data();
+    const double rate = acceleration_rate_, step = h;
+    if (euler_)
+        for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + -v0[i] / step;
+    else
+        for (int i = 0; i < size; ++i) out[i] = rate * (q[i] - q0[i]) + base[i];
     for (int i = 0; i < size; ++i)
         if (prescribed[i]) out[i] = acceleration(i);
 }

@@ -25,11 +25,16 @@ namespace seldinger {
 
 class WireProblem {
 public:
-    /// What one thread assembles the matrix of one wire after the other in. Of 1,000 wires the matrices alone would be more than
-    /// any cache holds.
+    /// What one thread works with on one wire after the other. Of 1,000 wires the matrices alone would be more than any cache
+    /// holds.
     struct Workspace {
-        explicit Workspace(int capacity) : matrix(4 * capacity), contact_tangent(4 * capacity) {}
+        explicit Workspace(int capacity)
+            : matrix(4 * capacity), contact_tangent(4 * capacity), numbers(numbers_per_node * capacity)
+        {
+        }
         BandMatrix::Storage matrix, contact_tangent;
+        std::vector<double> numbers;
+        static constexpr int numbers_per_node = 5 * 4;
     };
 
     WireProblem(int capacity, const IntegratorSpec& spec);
@@ -47,12 +52,13 @@ public:
     /// follow the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
 
-    /// Assembles and factorises in `workspace` until the next call. Entries outlive that in a static solve only, which goes back
-    /// to them, and factors unless `once`, where a matrix is solved with as soon as it is factorised and never again.
-    void work_in(Workspace& workspace, bool once);
+    /// Works in `workspace` until the next call: to be called before anything else, by whatever thread. Entries of the matrix
+    /// outlive that in a static solve only, which goes back to them, and its factors unless `once`, where it is solved with as
+    /// soon as it is factorised and never again. @return memory [4 capacity] for the caller
+    std::span<double> work_in(Workspace& workspace, bool once);
 
     /// Its arrays will be needed soon.
-    void prefetch() const;
+    void prefetch(SolveStage next) const;
 
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
@@ -149,6 +155,8 @@ private:
     void replace_tension(HessianMode mode, bool symmetric);
     void restore_positions();
     [[nodiscard]] double mean_velocity(int i) const;
+    [[nodiscard]] double velocity_base(int i) const { return euler_ ? 0.0 : velocity_base_[i]; }
+    [[nodiscard]] double acceleration_base(int i) const { return euler_ ? -start_velocity_[i] / h : acceleration_base_[i]; }
     [[nodiscard]] double stretched_length(int j) const;
     [[nodiscard]] Vec3 tension_direction(int j) const;
 
@@ -156,20 +164,22 @@ private:
     [[nodiscard]] std::array<std::span<double>, reference_count> reference_arrays() const;
 
     const WireConstraints* constraints_ = nullptr;
-    bool conserving_ = false, start_usable_ = true;
+    bool conserving_ = false, euler_ = false, start_usable_ = true;
     double end_share_ = 1;    // of the end of the step in what the elastic force is taken from: 1/2 conserving
     RodFrames start_frames_;  // conserving: of q_0
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;
-    std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_, scratch_, damped_velocity_;
-    mutable std::vector<double> split_;   // trial as separate x, y, z, theta for the rod's functions
+    // the first two not for backward Euler, where they are 0 and -start_velocity_/h
+    std::vector<double> velocity_base_, acceleration_base_, start_velocity_, external_;
+    // [4 capacity] in the workspace; the third is the trial as separate x, y, z, theta for the rod's functions, the last
+    // contact's gradient at its last evaluation
+    std::span<double> scratch_, damped_velocity_, split_, contact_gradient_;
     std::vector<double> kept_reference_;  // [reference_count * capacity]
     // [capacity] per edge: tension at the base and predicted for the trial [N], the base's elongation [m], its tangents and the
     // directions of its tensions (conserving, the mean of start and trial; else the tangents)
     std::vector<double> base_tension_, tension_, base_longer_;
     std::vector<Vec3> base_tangent_, base_direction_;
-    std::vector<double> turned_;            // [capacity] conserving: turn of each edge's frame over the step [rad]
-    std::vector<double> contact_gradient_;  // [4 capacity] at the last evaluation of contact
-    BandMatrix contact_tangent_;            // at the last assemble_tangent
+    std::vector<double> turned_;  // [capacity] conserving: turn of each edge's frame over the step [rad]
+    BandMatrix contact_tangent_;  // at the last assemble_tangent
     BandMatrix damping_;
 };
 

@@ -103,6 +103,38 @@ TEST_SUITE("solve/band_matrix")
         CHECK((y - dense * x).norm() < 1e-14 * y.norm());
     }
 
+    TEST_CASE("property: columns add up to the product")
+    {
+        BandMatrix band(40);
+        (void)fill(band, 40, false, 0.0, 4);
+        const Eigen::VectorXd x = Eigen::VectorXd::Random(40);
+        Eigen::VectorXd y(40), sum = Eigen::VectorXd::Zero(40);
+        band.multiply({x.data(), 40}, {y.data(), 40});
+        for (int j = 0; j < 40; ++j) band.add_column(j, x[j], {sum.data(), 40});
+        CHECK(sum == y);
+    }
+
+    TEST_CASE("property: matrices that use the same memory in turn give the bits that each gives in its own")
+    {
+        BandMatrix::Storage shared(64), factors(64);
+        for (const bool symmetric : {true, false})
+            for (const int size : {64, 24, 40}) {
+                CAPTURE(size);
+                BandMatrix own(64), guest(64);
+                guest.use_rows(&shared);
+                guest.use_factor(&factors);
+                (void)fill(own, size, symmetric, 15, 9);
+                (void)fill(guest, size, symmetric, 15, 9);
+                Eigen::VectorXd x = Eigen::VectorXd::Random(size), y = x;
+                for (auto& [band, v] : {std::pair{&own, &x}, std::pair{&guest, &y}}) {
+                    const std::span<double> part(v->data(), size);
+                    REQUIRE((symmetric ? band->factor_ldlt() == 0 : band->factor_lu()));
+                    symmetric ? band->solve_ldlt(part) : band->solve_lu(part);
+                }
+                CHECK(x == y);
+            }
+    }
+
     // Sylvester: an indefinite matrix has a pivot that is not positive. The raised factorisation stands for a definite matrix,
     // so that the direction it gives always goes downhill: x . rhs > 0.
     TEST_CASE("property: an indefinite matrix has its pivots raised and still gives descent")
