@@ -59,6 +59,10 @@ public:
     }
     [[nodiscard]] bool unsymmetric(int wire) const final { return sums_.unsymmetric(wire); }
     [[nodiscard]] double largest_force(int wire) const final { return sums_.largest_force(wire); }
+    [[nodiscard]] double rounding(int wire) const final
+    {
+        return context_.float32() ? sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire)) : 0;
+    }
     [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
     /// Adds contact forces on the nodes of a wire, [n].
     void add_nodal_forces(int wire, std::span<Vec3> forces) const

@@ -1,6 +1,7 @@
 #include "contact/edge_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace seldinger {
 
@@ -23,6 +24,19 @@ double EdgeSums::largest_force(int wire) const
     double most = 0;
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) most = std::max(most, edges[e].normal_sum);
     return most;
+}
+
+double EdgeSums::rounding(int wire, int begin, const RodView& rod) const
+{
+    double most = 0;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        const EdgeForce& f = edges[e];
+        const int edge = static_cast<int>(edge_node[e]) - begin;
+        double stiffness = 0;  // of both ends together
+        for (const double* block : {f.s_aa, f.s_ab, f.s_ab, f.s_bb}) stiffness += std::abs(block[0] + block[3] + block[5]);
+        most = std::max(most, stiffness * (rod.rest_length[edge] + rod.radius[edge]));
+    }
+    return 4 * 0x1p-24 * most;  // difference, product, sum and root of a distance; another edge at the node
 }
 
 void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const

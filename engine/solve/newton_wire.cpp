@@ -40,7 +40,7 @@ SolveReport NewtonWire::report() const
     report.iterations = iterations_;
     report.evaluations = evaluations_;
     report.residual = norm_;
-    report.tolerance = problem.tolerance;
+    report.tolerance = problem.tolerance + rounding_;
     report.force_scale = problem.force_scale;
     return report;
 }
@@ -54,7 +54,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     phase_ = Phase::Guess;
     non_finite_ = unsymmetric_ = shortened_ = settling_ = false;
     iterations_ = first_iteration_ = evaluations_ = retreats_ = safe_steps_ = kicks_ = jumps_passed_ = 0;
-    norm_ = contraction_ = 0;
+    norm_ = contraction_ = rounding_ = 0;
     shift_ = options.gradient_flow ? 100 : 0;
     if (options.shifted) set_shift_weights();
     if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
@@ -148,7 +148,8 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         else give_up();
         return;
     }
-    if (norm_ <= problem.tolerance && at_prescribed()) {
+    rounding_ = contact ? contact->rounding(wire) : 0;
+    if (norm_ <= problem.tolerance + rounding_ && at_prescribed()) {
         if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
         if (may_be_saddle() && leave_saddle(contact, wire)) return;
         phase_ = Phase::Done;

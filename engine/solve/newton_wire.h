@@ -109,7 +109,7 @@ private:
     bool non_finite_ = false, unsymmetric_ = false, shortened_ = false, took_trial_ = false;
     int safe_steps_ = 0;  // full steps in a row with the safe Hessian
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, retreats_ = 0, kicks_ = 0, jumps_passed_ = 0;
-    double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0;
+    double move_limit_ = 0, guess_fraction_ = 1, norm_ = 0, rounding_ = 0;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
     double shift_ = 0, smallest_shift_ = 0;
     std::vector<double> base_, base_residual_, direction_, correction_, coupling_, guess_, shift_weight_;
