@@ -18,13 +18,8 @@ typedef double Vec4d __attribute__((vector_size(32), may_alias));
 inline Vec4d& block(double* p) { return *reinterpret_cast<Vec4d*>(p); }
 inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4d*>(p); }
 
-/// The same anywhere.
-inline Vec4d any_block(const double* p)
-{
-    Vec4d v;
-    std::memcpy(&v, p, sizeof v);
-    return v;
-}
+/// From anywhere. (Not returned: without AVX there is no register for it, and g++ warns.)
+inline void read_block(const double* p, Vec4d& to) { std::memcpy(&to, p, sizeof to); }
 
 inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
 
@@ -102,7 +97,9 @@ double BandMatrix::row_scale(int i) const
 {
     Vec4d most{};
     for (int c = 0; c < stride; c += 4) {  // what lies beyond row_width is 0
-        const Vec4d entry = any_block(row(i) + c), size = entry < 0 ? -entry : entry;
+        Vec4d entry;
+        read_block(row(i) + c, entry);
+        const Vec4d size = entry < 0 ? -entry : entry;
         most = most < size ? size : most;
     }
     const double scale = largest(most);
@@ -128,7 +125,7 @@ void BandMatrix::load_lower()
         for (int half = 0; half < 2; ++half) {
             Vec4d block_of[4] = {};
             for (int t = 0; t < 4 && b + 1 + half < nodes; ++t)
-                block_of[t] = any_block(row(4 * (b + 1 + half) + t) + 6 - 4 * half - t);
+                read_block(row(4 * (b + 1 + half) + t) + 6 - 4 * half - t, block_of[t]);
             if (half == 1) block_of[3][0] = 0.0;
             transpose(block_of);
             for (int p = 0; p < 4; ++p) block(factor_[b].lower[p] + 4 * half) = block_of[p];

@@ -49,6 +49,8 @@ struct Linearised {
     Linearised(WireProblem& problem, const std::vector<double>& trial)
     {
         const int size = problem.size();
+        WireProblem::Workspace workspace(static_cast<int>(problem.start.size()) / 4);
+        (void)problem.work_in(workspace, false);
         problem.trial = trial;
         REQUIRE(problem.update());
         REQUIRE(problem.evaluate_residual(nullptr, 0));
