@@ -1,0 +1,39 @@
+#ifndef SEL_SHARED_WIDE_TYPES_H
+#define SEL_SHARED_WIDE_TYPES_H
+// Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children, whose boxes are bytes on a grid of the node
+// [Ylitie17, doi:10.1145/3105762.3105773]: eight children are tested at once, and a node is two cache lines. Built from a WallTree
+// by engine/vessel/wide_tree.cpp.
+#ifdef __cplusplus
+    #include <cstdint>
+namespace seldinger {
+using uint = std::uint32_t;
+using uchar = unsigned char;
+#endif
+
+#define SEL_WIDE_LEAF 8  // most triangles in a leaf
+// Entries that a walk may have to remember: the builder opens whole levels of the binary tree (depth < 48) before it goes deeper,
+// so that a wide node is at least three of its levels and a walk at most 16 nodes deep, each of which leaves seven children behind.
+#define SEL_WIDE_STACK 128
+
+// child: SEL_WIDE_NONE; index of a node; or, with the top bit, a leaf: bits 28-30 its triangles less one, the others the first.
+#define SEL_WIDE_NONE 0xffffffffu
+#define SEL_WIDE_IS_LEAF(child) ((child) >> 31)
+#define SEL_WIDE_FIRST(child) ((child)&0x0fffffffu)
+#define SEL_WIDE_COUNT(child) ((((child) >> 28) & 7u) + 1u)
+
+// Corner d of child k's box: origin[d] + step[d] * lo[d][k], no less and no more than the triangles in it to the last bit of what
+// real numbers would give; a walk adds a margin for its own rounding.
+// Vertices of a leaf lie as [9][count] floats from 9 * first on, so that one load gives the same coordinate of all its triangles;
+// eight more floats follow the last leaf.
+typedef struct WideNode {
+    float origin[3], step[3];  // [m], relative to the tree's centre
+    uchar lo[3][8], hi[3][8];
+    uchar tilt_a[8], tilt_b[8], thickness[8];
+    uint child[8];
+} WideNode;  // 128 bytes
+
+#ifdef __cplusplus
+static_assert(sizeof(WideNode) == 128, "layout shared with kernels");
+}  // namespace seldinger
+#endif
+#endif
