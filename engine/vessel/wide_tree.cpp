@@ -11,9 +11,15 @@
 namespace seldinger {
 namespace {
 
-/// Triangles [first, first + count) below a node of the binary tree.
+constexpr std::uint32_t most_in_slab = 1024;  // more are hardly ever flat
+
+/// Of every node of the binary tree, from the leaves up.
 struct Span {
-    std::uint32_t first, count;
+    std::uint32_t first, count;  // triangles below it
+    // Were it the root of a wide node, that node would have `children` children and `level` levels of wide nodes from it down; 0:
+    // a leaf. Nodes fill from the leaves up, where most of them are: two nodes of a level become one as long as their children
+    // fit, and children of the next one when they do not.
+    std::uint8_t level, children;
 };
 
 std::vector<Span> find_spans(const WallTree& tree)
@@ -21,17 +27,20 @@ std::vector<Span> find_spans(const WallTree& tree)
     std::vector<Span> spans(tree.nodes.size());
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
         const TreeNode& node = tree.nodes[i];
-        if (node.count > 0) spans[i] = {node.left_or_first, SEL_LEAF_TRIANGLES(node.count)};
-        else
-            spans[i] = {spans[node.left_or_first].first, spans[node.left_or_first].count + spans[node.left_or_first + 1].count};
+        Span& span = spans[i];
+        if (node.count > 0) {
+            span = {node.left_or_first, SEL_LEAF_TRIANGLES(node.count), 0, 0};
+            continue;
+        }
+        const Span &left = spans[node.left_or_first], &right = spans[node.left_or_first + 1];
+        span = {left.first, left.count + right.count, 0, 0};
+        if (span.count <= SEL_WIDE_LEAF) continue;
+        const std::uint8_t level = std::max({left.level, right.level, std::uint8_t{1}});
+        const int children = (left.level == level ? left.children : 1) + (right.level == level ? right.children : 1);
+        span.level = children <= 8 ? level : level + 1;
+        span.children = static_cast<std::uint8_t>(children <= 8 ? children : 2);
     }
     return spans;
-}
-
-float half_area(const TreeNode& node)
-{
-    const float x = node.hi[0] - node.lo[0], y = node.hi[1] - node.lo[1], z = node.hi[2] - node.lo[2];
-    return x * y + y * z + z * x;
 }
 
 struct Builder {
@@ -39,32 +48,20 @@ struct Builder {
     const std::vector<Span>& spans;
     WideTree wide{};
 
-    [[nodiscard]] bool is_leaf(std::uint32_t node) const { return spans[node].count <= SEL_WIDE_LEAF; }
+    [[nodiscard]] bool is_leaf(std::uint32_t node) const { return spans[node].level == 0; }
 
-    /// The nodes of the binary tree that become children: two levels opened whole, then the largest one after the other.
-    std::size_t choose_children(std::uint32_t node, std::array<std::uint32_t, 8>& children) const
+    /// Nodes of the binary tree that become children of a wide node of `level`, in their order.
+    void add_children(std::uint32_t node, int level, std::vector<std::uint32_t>& children) const
     {
-        std::size_t count = 1;
-        children[0] = node;
-        std::array<int, 8> depth{};
-        while (count < 8) {
-            std::size_t widest = count;
-            float most = -1;
-            for (std::size_t k = 0; k < count; ++k) {
-                if (is_leaf(children[k])) continue;
-                const float size = depth[k] < 3 ? std::numeric_limits<float>::max() : half_area(tree.nodes[children[k]]);
-                if (size > most) most = size, widest = k;
-            }
-            if (widest == count) break;
-            const std::uint32_t left = tree.nodes[children[widest]].left_or_first;
-            children[widest] = left;
-            depth[count] = ++depth[widest];
-            children[count++] = left + 1;
+        if (spans[node].level < level) {
+            children.push_back(node);
+            return;
         }
-        return count;
+        add_children(tree.nodes[node].left_or_first, level, children);
+        add_children(tree.nodes[node].left_or_first + 1, level, children);
     }
 
-    void set_box(WideNode& to, int k, const TreeNode& box) const
+    void set_box(WideNode& to, std::size_t k, const TreeNode& box) const
     {
         for (int d = 0; d < 3; ++d) {
             const double origin = to.origin[d], step = to.step[d];
@@ -76,6 +73,40 @@ struct Builder {
             to.lo[d][k] = static_cast<uchar>(lo);
             to.hi[d][k] = static_cast<uchar>(hi);
         }
+    }
+
+    /// Between which two planes the triangles of child k lie.
+    void set_slab(WideNode& to, std::size_t k, Span span) const
+    {
+        to.tilt_a[k] = to.tilt_b[k] = 128;
+        to.thickness[k] = 255;
+        if (span.count > most_in_slab) return;
+        const auto vertex = [&](std::size_t v) { return Eigen::Map<const Eigen::Vector3f>(&tree.vertices[3 * v]); };
+        const std::size_t first = 3 * std::size_t{span.first}, end = first + 3 * std::size_t{span.count};
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        for (std::size_t v = first; v < end; v += 3) sum += (vertex(v + 1) - vertex(v)).cross(vertex(v + 2) - vertex(v));
+        if (sum[2] < 0) sum = -sum;
+        const float size = sum.cwiseAbs().sum();
+        if (!(size > 0)) return;
+        const auto step = [](float u) { return static_cast<uchar>(std::clamp((u + 1) * 127.5f + 0.5f, 0.0f, 255.0f)); };
+        to.tilt_a[k] = step((sum[0] + sum[1]) / size);
+        to.tilt_b[k] = step((sum[0] - sum[1]) / size);
+        // from here on with the normal and the box as they will be read
+        const float a = static_cast<float>(to.tilt_a[k]) / 127.5f - 1, b = static_cast<float>(to.tilt_b[k]) / 127.5f - 1,
+                    nx = (a + b) / 2, ny = (a - b) / 2;
+        const Eigen::Vector3f normal = Eigen::Vector3f(nx, ny, 1 - std::abs(nx) - std::abs(ny)).normalized();
+        Eigen::Vector3f centre, half;
+        for (int d = 0; d < 3; ++d) {
+            const float lo = to.origin[d] + to.step[d] * static_cast<float>(to.lo[d][k]),
+                        hi = to.origin[d] + to.step[d] * static_cast<float>(to.hi[d][k]);
+            centre[d] = (lo + hi) / 2;
+            half[d] = (hi - lo) / 2;
+        }
+        float most = 0;
+        for (std::size_t v = first; v < end; ++v) most = std::max(most, std::abs(normal.dot(vertex(v) - centre)));
+        // a walk's margin covers the rounding of places, the step more that of the ratio
+        const float steps = 254 * most / half.norm() + 1;
+        if (steps < 254) to.thickness[k] = static_cast<uchar>(std::ceil(steps));
     }
 
     std::uint32_t make_leaf(std::uint32_t node)
@@ -97,11 +128,13 @@ struct Builder {
             while (static_cast<double>(node.origin[d]) + 255.0 * static_cast<double>(node.step[d]) < box.hi[d])
                 node.step[d] = std::nextafter(node.step[d], std::numeric_limits<float>::infinity());
         }
-        std::array<std::uint32_t, 8> children{};
-        const std::size_t count = choose_children(from, children);
+        std::vector<std::uint32_t> children;
+        add_children(from, std::max<int>(spans[from].level, 1), children);
+        const std::size_t count = children.size();
         std::fill(std::begin(node.child), std::end(node.child), SEL_WIDE_NONE);
         for (std::size_t k = 0; k < count; ++k) {
-            set_box(node, static_cast<int>(k), tree.nodes[children[k]]);
+            set_box(node, k, tree.nodes[children[k]]);
+            set_slab(node, k, spans[children[k]]);
             node.child[k] = is_leaf(children[k]) ? make_leaf(children[k]) : static_cast<std::uint32_t>(wide.nodes.size());
             if (!is_leaf(children[k])) wide.nodes.emplace_back();
         }

@@ -28,7 +28,8 @@ using uchar = unsigned char;
 typedef struct WideNode {
     float origin[3], step[3];  // [m], relative to the tree's centre
     uchar lo[3][8], hi[3][8];
-    uchar tilt_a[8], tilt_b[8], thickness[8];
+    uchar tilt_a[8], tilt_b[8];  // normal n of the slab: a = k/127.5 - 1, b alike, n ~ ((a + b)/2, (a - b)/2, 1 - |n_x| - |n_y|)
+    uchar thickness[8];          // |n . (x - centre of the box)| <= k/254 of the box's half diagonal; 255: no less than the box
     uint child[8];
 } WideNode;  // 128 bytes
 
