@@ -11,8 +11,6 @@
 namespace seldinger {
 namespace {
 
-constexpr std::uint32_t most_in_slab = 1024;  // more are hardly ever flat
-
 /// Of every node of the binary tree, from the leaves up.
 struct Span {
     std::uint32_t first, count;  // triangles below it
@@ -75,40 +73,6 @@ struct Builder {
         }
     }
 
-    /// Between which two planes the triangles of child k lie.
-    void set_slab(WideNode& to, std::size_t k, Span span) const
-    {
-        to.tilt_a[k] = to.tilt_b[k] = 128;
-        to.thickness[k] = 255;
-        if (span.count > most_in_slab) return;
-        const auto vertex = [&](std::size_t v) { return Eigen::Map<const Eigen::Vector3f>(&tree.vertices[3 * v]); };
-        const std::size_t first = 3 * std::size_t{span.first}, end = first + 3 * std::size_t{span.count};
-        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-        for (std::size_t v = first; v < end; v += 3) sum += (vertex(v + 1) - vertex(v)).cross(vertex(v + 2) - vertex(v));
-        if (sum[2] < 0) sum = -sum;
-        const float size = sum.cwiseAbs().sum();
-        if (!(size > 0)) return;
-        const auto step = [](float u) { return static_cast<uchar>(std::clamp((u + 1) * 127.5f + 0.5f, 0.0f, 255.0f)); };
-        to.tilt_a[k] = step((sum[0] + sum[1]) / size);
-        to.tilt_b[k] = step((sum[0] - sum[1]) / size);
-        // from here on with the normal and the box as they will be read
-        const float a = static_cast<float>(to.tilt_a[k]) / 127.5f - 1, b = static_cast<float>(to.tilt_b[k]) / 127.5f - 1,
-                    nx = (a + b) / 2, ny = (a - b) / 2;
-        const Eigen::Vector3f normal = Eigen::Vector3f(nx, ny, 1 - std::abs(nx) - std::abs(ny)).normalized();
-        Eigen::Vector3f centre, half;
-        for (int d = 0; d < 3; ++d) {
-            const float lo = to.origin[d] + to.step[d] * static_cast<float>(to.lo[d][k]),
-                        hi = to.origin[d] + to.step[d] * static_cast<float>(to.hi[d][k]);
-            centre[d] = (lo + hi) / 2;
-            half[d] = (hi - lo) / 2;
-        }
-        float most = 0;
-        for (std::size_t v = first; v < end; ++v) most = std::max(most, std::abs(normal.dot(vertex(v) - centre)));
-        // a walk's margin covers the rounding of places, the step more that of the ratio
-        const float steps = 254 * most / half.norm() + 1;
-        if (steps < 254) to.thickness[k] = static_cast<uchar>(std::ceil(steps));
-    }
-
     std::uint32_t make_leaf(std::uint32_t node)
     {
         const Span span = spans[node];
@@ -134,7 +98,6 @@ struct Builder {
         std::fill(std::begin(node.child), std::end(node.child), SEL_WIDE_NONE);
         for (std::size_t k = 0; k < count; ++k) {
             set_box(node, k, tree.nodes[children[k]]);
-            set_slab(node, k, spans[children[k]]);
             node.child[k] = is_leaf(children[k]) ? make_leaf(children[k]) : static_cast<std::uint32_t>(wide.nodes.size());
             if (!is_leaf(children[k])) wide.nodes.emplace_back();
         }

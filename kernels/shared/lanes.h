@@ -85,7 +85,8 @@ typedef long8 mask8;
         #define real8_of(x) ((double8)(x))
     #endif
     #define load8(from) vload8(0, from)
-    #define float8_of_bytes(from) convert_float8(vload8(0, from))
+    // as two words: PoCL loads bytes in four pieces
+    #define float8_of_bytes(from) convert_float8(as_uchar8(vload2(0, (__global const uint*)(from))))
     #define store8(v, to) vstore8(v, 0, to)
     #define float8_of(x) ((float8)(x))
     #define uint8_of(x) ((uint8)(x))

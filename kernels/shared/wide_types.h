@@ -13,7 +13,7 @@ using uchar = unsigned char;
 #define SEL_WIDE_LEAF 8  // most triangles in a leaf
 // Entries that a walk may have to remember: the builder opens whole levels of the binary tree (depth < 48) before it goes deeper,
 // so that a wide node is at least three of its levels and a walk at most 16 nodes deep, each of which leaves seven children behind.
-#define SEL_WIDE_STACK 128
+#define SEL_WIDE_STACK 104
 
 // child: SEL_WIDE_NONE; index of a node; or, with the top bit, a leaf: bits 28-30 its triangles less one, the others the first.
 #define SEL_WIDE_NONE 0xffffffffu
@@ -28,13 +28,11 @@ using uchar = unsigned char;
 typedef struct WideNode {
     float origin[3], step[3];  // [m], relative to the tree's centre
     uchar lo[3][8], hi[3][8];
-    uchar tilt_a[8], tilt_b[8];  // normal n of the slab: a = k/127.5 - 1, b alike, n ~ ((a + b)/2, (a - b)/2, 1 - |n_x| - |n_y|)
-    uchar thickness[8];          // |n . (x - centre of the box)| <= k/254 of the box's half diagonal; 255: no less than the box
     uint child[8];
-} WideNode;  // 128 bytes
+} WideNode;  // 104 bytes
 
 #ifdef __cplusplus
-static_assert(sizeof(WideNode) == 128, "layout shared with kernels");
+static_assert(sizeof(WideNode) == 104, "layout shared with kernels");
 }  // namespace seldinger
 #endif
 #endif

@@ -61,22 +61,7 @@ SEL_LANES_FN float8 wide_distance2(SEL_GLOBAL const WideNode* node, float px, fl
                  hz = node->step[2] * float8_of_bytes(node->hi[2]) + (oz + margin);
     const float8 x = lx > zero ? lx : (hx < zero ? hx : zero), y = ly > zero ? ly : (hy < zero ? hy : zero),
                  z = lz > zero ? lz : (hz < zero ? hz : zero);
-    const float8 box2 = x * x + y * y + z * z;
-
-    // what is within the slab and within the half diagonal of the box's centre; both margins are in lx and hx
-    const float8 one = float8_of(1), half_of = float8_of(0.5f);
-    const float8 cx = half_of * (lx + hx), cy = half_of * (ly + hy), cz = half_of * (lz + hz);
-    const float8 ex = hx - cx, ey = hy - cy, ez = hz - cz, rho2 = ex * ex + ey * ey + ez * ez, rho = sqrt8(rho2);
-    const float8 a = float8_of_bytes(node->tilt_a) * float8_of(1 / 127.5f) - one,
-                 b = float8_of_bytes(node->tilt_b) * float8_of(1 / 127.5f) - one, thickness = float8_of_bytes(node->thickness);
-    const float8 nx = half_of * (a + b), ny = half_of * (a - b), nz = one - fabs8(nx) - fabs8(ny);
-    const float8 along = cx * nx + cy * ny + cz * nz, height2 = along * along / (nx * nx + ny * ny + nz * nz),
-                 q2 = cx * cx + cy * cy + cz * cz, rest2 = q2 - height2;
-    const float8 over = sqrt8(height2) - thickness * rho * float8_of(1 / 254.0f) - float8_of(margin),
-                 beside = sqrt8(rest2 > zero ? rest2 : zero) - rho;
-    const float8 up = over > zero ? over : zero, aside = beside > zero ? beside : zero;
-    const float8 slab2 = up * up + aside * aside - float8_of(2e-6f) * q2;
-    return slab2 > box2 ? slab2 : box2;
+    return x * x + y * y + z * z;
 }
 
 SEL_LANES_FN int8 used_children(SEL_GLOBAL const WideNode* node) { return load8(node->child) != uint8_of(SEL_WIDE_NONE); }
