@@ -4,9 +4,11 @@
 #include "vessel/tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <thread>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -45,8 +47,7 @@ struct Builder {
     const WallTree& tree;
     const std::vector<Span>& spans;
     WideTree wide{};
-
-    [[nodiscard]] bool is_leaf(std::uint32_t node) const { return spans[node].level == 0; }
+    std::vector<std::uint32_t> roots{};  // of each wide node, in the binary tree
 
     /// Nodes of the binary tree that become children of a wide node of `level`, in their order.
     void add_children(std::uint32_t node, int level, std::vector<std::uint32_t>& children) const
@@ -58,52 +59,68 @@ struct Builder {
         add_children(tree.nodes[node].left_or_first, level, children);
         add_children(tree.nodes[node].left_or_first + 1, level, children);
     }
-
-    void set_box(WideNode& to, std::size_t k, const TreeNode& box) const
+    void find_children(std::size_t at, std::vector<std::uint32_t>& children) const
     {
-        for (int d = 0; d < 3; ++d) {
-            const double origin = to.origin[d], step = to.step[d];
-            const auto line = [&](double q) { return origin + q * step; };  // exact: 24 and 8 bits
-            double lo = step > 0 ? std::floor((box.lo[d] - origin) / step) : 0, hi = step > 0 ? std::ceil((box.hi[d] - origin) / step) : 0;
-            if (line(lo) > box.lo[d]) --lo;
-            if (line(hi) < box.hi[d]) ++hi;
-            SEL_ASSERT(lo >= 0 && hi <= 255);
-            to.lo[d][k] = static_cast<uchar>(lo);
-            to.hi[d][k] = static_cast<uchar>(hi);
-        }
+        children.clear();
+        add_children(roots[at], std::max<int>(spans[roots[at]].level, 1), children);
     }
 
-    std::uint32_t make_leaf(std::uint32_t node)
+    /// Numbers the nodes below `at`, which has its own: siblings side by side, each followed by what is below it.
+    void link(std::size_t at)
     {
-        const Span span = spans[node];
-        for (std::uint32_t k = 0; k < span.count; ++k)
-            for (std::uint32_t i = 0; i < 9; ++i)
-                wide.vertices[9 * std::size_t{span.first} + i * span.count + k] = tree.vertices[9 * std::size_t{span.first + k} + i];
-        return 1u << 31 | (span.count - 1) << 28 | span.first;
-    }
-
-    void build(std::uint32_t from, std::uint32_t to)
-    {
-        const TreeNode& box = tree.nodes[from];
-        WideNode node{};
-        for (int d = 0; d < 3; ++d) {
-            node.origin[d] = box.lo[d];
-            node.step[d] = (box.hi[d] - box.lo[d]) / 255;
-            while (static_cast<double>(node.origin[d]) + 255.0 * static_cast<double>(node.step[d]) < box.hi[d])
-                node.step[d] = std::nextafter(node.step[d], std::numeric_limits<float>::infinity());
-        }
         std::vector<std::uint32_t> children;
-        add_children(from, std::max<int>(spans[from].level, 1), children);
-        const std::size_t count = children.size();
-        std::fill(std::begin(node.child), std::end(node.child), SEL_WIDE_NONE);
-        for (std::size_t k = 0; k < count; ++k) {
-            set_box(node, k, tree.nodes[children[k]]);
-            node.child[k] = is_leaf(children[k]) ? make_leaf(children[k]) : static_cast<std::uint32_t>(wide.nodes.size());
-            if (!is_leaf(children[k])) wide.nodes.emplace_back();
+        find_children(at, children);
+        const std::size_t first = roots.size();
+        std::uint32_t child[8];
+        std::fill(std::begin(child), std::end(child), SEL_WIDE_NONE);
+        for (std::size_t k = 0; k < children.size(); ++k) {
+            const Span& span = spans[children[k]];
+            const bool leaf = span.level == 0;
+            child[k] = leaf ? 1u << 31 | (span.count - 1) << 28 | span.first : static_cast<std::uint32_t>(roots.size());
+            if (!leaf) roots.push_back(children[k]);
         }
-        wide.nodes[to] = node;
-        for (std::size_t k = 0; k < count; ++k)
-            if (!SEL_WIDE_IS_LEAF(node.child[k])) build(children[k], node.child[k]);
+        const std::size_t end = roots.size();
+        wide.nodes.resize(end);
+        std::copy(std::begin(child), std::end(child), std::begin(wide.nodes[at].child));
+        for (std::size_t k = first; k < end; ++k) link(k);
+    }
+
+    /// Boxes of the children of `at` and vertices of those that are leaves.
+    void fill(std::size_t at, const std::vector<std::uint32_t>& children)
+    {
+        WideNode& node = wide.nodes[at];
+        const TreeNode& all = tree.nodes[roots[at]];
+        for (std::size_t d = 0; d < 3; ++d) {
+            const double origin = all.lo[d], end = all.hi[d];
+            float step = (all.hi[d] - all.lo[d]) / 255;
+            while (origin + 255.0 * step < end) step = std::nextafter(step, std::numeric_limits<float>::infinity());
+            node.origin[d] = all.lo[d];
+            node.step[d] = step;
+            for (std::size_t k = 0; k < children.size(); ++k) {
+                const TreeNode& box = tree.nodes[children[k]];
+                // outwards, and judged by what the grid's lines are: exact in double, of 24 and 8 bits
+                double lo = step > 0 ? std::floor((box.lo[d] - origin) / step) : 0, hi = step > 0 ? std::ceil((box.hi[d] - origin) / step) : 0;
+                if (origin + lo * step > box.lo[d]) --lo;
+                if (origin + hi * step < box.hi[d]) ++hi;
+                SEL_ASSERT(lo >= 0 && hi <= 255);
+                node.lo[d][k] = static_cast<uchar>(lo);
+                node.hi[d][k] = static_cast<uchar>(hi);
+            }
+        }
+        for (const std::uint32_t child : node.child) {
+            if (child == SEL_WIDE_NONE || !SEL_WIDE_IS_LEAF(child)) continue;
+            const std::size_t first = 9 * std::size_t{SEL_WIDE_FIRST(child)}, count = SEL_WIDE_COUNT(child);
+            for (std::size_t k = 0; k < count; ++k)
+                for (std::size_t i = 0; i < 9; ++i) wide.vertices[first + i * count + k] = tree.vertices[first + 9 * k + i];
+        }
+    }
+    void fill_range(std::size_t begin, std::size_t end)
+    {
+        std::vector<std::uint32_t> children;
+        for (std::size_t at = begin; at < end; ++at) {
+            find_children(at, children);
+            fill(at, children);
+        }
     }
 };
 
@@ -112,12 +129,18 @@ struct Builder {
 WideTree build_wide_tree(const WallTree& tree)
 {
     if (tree.nodes.empty()) return {};
-    SEL_ASSERT(tree.triangle_count() < (1u << 28));
+    SEL_ASSERT(tree.triangle_count() < (1u << 28));  // what a child's word holds
     const std::vector<Span> spans = find_spans(tree);
     Builder builder{tree, spans};
+    builder.roots = {0};
+    builder.wide.nodes.resize(1);
     builder.wide.vertices.resize(tree.vertices.size() + 8);
-    builder.wide.nodes.emplace_back();
-    builder.build(0, 0);
+    builder.link(0);
+    const std::size_t count = builder.wide.nodes.size(), half = count > 1000 ? count / 2 : count;
+    std::thread helper;
+    if (half < count) helper = std::thread([&] { builder.fill_range(half, count); });
+    builder.fill_range(0, half);
+    if (helper.joinable()) helper.join();
     return std::move(builder.wide);
 }
 

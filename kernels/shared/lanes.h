@@ -47,11 +47,6 @@ SEL_LANES_FN uint bits_of(float x)
     std::memcpy(&bits, &x, sizeof bits);
     return bits;
 }
-SEL_LANES_FN float8 sqrt8(float8 v)
-{
-    for (int k = 0; k < 8; ++k) v[k] = std::sqrt(v[k]);
-    return v;
-}
 SEL_LANES_FN float8 fabs8(float8 v)
 {
     for (int k = 0; k < 8; ++k) v[k] = std::fabs(v[k]);
@@ -93,7 +88,6 @@ typedef long8 mask8;
     #define bits8(v) as_uint8(v)
     #define mask_bits8(v) as_uint8(v)
     #define bits_of(x) as_uint(x)
-    #define sqrt8(v) sqrt(v)
     #define fabs8(v) fabs(v)
     #define any8(v) any(v)
     #define SEL_MASK8(a, b, c, d, e, f, g, h) ((int8)(-(a), -(b), -(c), -(d), -(e), -(f), -(g), -(h)))

@@ -11,9 +11,10 @@ using uchar = unsigned char;
 #endif
 
 #define SEL_WIDE_LEAF 8  // most triangles in a leaf
-// Entries that a walk may have to remember: the builder opens whole levels of the binary tree (depth < 48) before it goes deeper,
-// so that a wide node is at least three of its levels and a walk at most 16 nodes deep, each of which leaves seven children behind.
-#define SEL_WIDE_STACK 104
+// Entries that a walk may have to remember. A node takes in at least three levels of the binary tree (depth < 48) on every path
+// through as many wide nodes as can be, so that no path has more than 16, each of which leaves seven children behind; the last
+// vector is stored whole.
+#define SEL_WIDE_STACK 128
 
 // child: SEL_WIDE_NONE; index of a node; or, with the top bit, a leaf: bits 28-30 its triangles less one, the others the first.
 #define SEL_WIDE_NONE 0xffffffffu

@@ -15,26 +15,35 @@ SEL_BEGIN
     #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
-#define SEL_LANE_NUMBERS load_lane_numbers()
-SEL_LANES_FN uint8 load_lane_numbers(void)
-{
-    return mask_bits8(SEL_MASK8(0, -1, -2, -3, -4, -5, -6, -7));
-}
+#define SEL_LANE_NUMBERS mask_bits8(SEL_MASK8(0, -1, -2, -3, -4, -5, -6, -7))
 
-// Nodes still to be looked at, the nearest on top: a child's distance (the bits of a float, in order as it is for what is not
-// negative) with the child's number in the last three bits, and whose child it is.
+// Children still to be looked at: the parent, and the squared distance with the child's number in its last three bits (the bits of
+// floats that are not negative are in order like the floats).
 typedef struct WideStack {
-    uint key[SEL_WIDE_STACK + 8], parent[SEL_WIDE_STACK + 8];  // whole vectors are stored
+    uint key[SEL_WIDE_STACK], parent[SEL_WIDE_STACK];
     uint top;
 } WideStack;
 
-SEL_LANES_FN void push_lanes(WideStack* stack, uint node, float8 distance2, int8 hit)
+SEL_LANES_FN int8 used_children(SEL_GLOBAL const WideNode* node) { return load8(node->child) != uint8_of(SEL_WIDE_NONE); }
+
+// The nearest of the hit ones comes to lie on top.
+SEL_LANES_FN void push_children(WideStack* stack, uint node, float8 distance2, int8 hit)
 {
     const uint8 none = uint8_of(0);
-    const uint8 keys = hit ? ((bits8(distance2) & 0xfffffff8u) | SEL_LANE_NUMBERS) : none;
+    const uint8 keys = hit ? ((bits8(distance2) & uint8_of(0xfffffff8u)) | SEL_LANE_NUMBERS) : none;
     store8(sort_lanes(keys), stack->key + stack->top);
     store8(uint8_of(node), stack->parent + stack->top);
     stack->top += count_lanes(hit);
+}
+
+// The topmost that is no farther than `limit`; SEL_WIDE_NONE: nothing is left.
+SEL_FN uint pop_child(WideStack* stack, SEL_GLOBAL const WideNode* nodes, uint limit)
+{
+    while (stack->top > 0) {
+        const uint key = stack->key[--stack->top];
+        if (key <= limit) return nodes[stack->parent[stack->top]].child[key & 7u];
+    }
+    return SEL_WIDE_NONE;
 }
 
 // Rounding of everything that is computed in float about a query at distances up to `size` from the mesh's centre.
@@ -63,8 +72,6 @@ SEL_LANES_FN float8 wide_distance2(SEL_GLOBAL const WideNode* node, float px, fl
                  z = lz > zero ? lz : (hz < zero ? hz : zero);
     return x * x + y * y + z * z;
 }
-
-SEL_LANES_FN int8 used_children(SEL_GLOBAL const WideNode* node) { return load8(node->child) != uint8_of(SEL_WIDE_NONE); }
 
 typedef struct Triangles8 {
     Lanes3 a, b, c;
@@ -247,8 +254,7 @@ SEL_LANES_FN int8 leaf_within(vec3 a, vec3 u, real within2, SEL_GLOBAL const flo
     return result;
 }
 
-// All triangles within a distance of a capsule's axis, in the tree's order of leaves. Writes at most `slots` of them; @return how
-// many there are
+// All triangles within a distance of a capsule's axis. Writes at most `slots` of them; @return how many there are
 SEL_FN uint find_within(CapsuleQuery query, SEL_GLOBAL const WideNode* nodes, SEL_GLOBAL const float* vertices, uint slots,
                         SEL_GLOBAL uint* found)
 {
@@ -257,25 +263,24 @@ SEL_FN uint find_within(CapsuleQuery query, SEL_GLOBAL const WideNode* nodes, SE
     WideStack stack;
     stack.top = 0;
     uint at = 0, count = 0;
-    for (;;) {
-        push_lanes(&stack, at, float8_of(0), capsule_meets_wide(capsule, nodes + at) & used_children(nodes + at));
-        for (;;) {
-            if (stack.top == 0) return count;
-            --stack.top;
-            at = nodes[stack.parent[stack.top]].child[stack.key[stack.top] & 7u];
-            if (!SEL_WIDE_IS_LEAF(at)) break;
+    while (at != SEL_WIDE_NONE) {
+        if (SEL_WIDE_IS_LEAF(at)) {
             const uint first = SEL_WIDE_FIRST(at);
             uint in[8];
             store8(mask_bits8(leaf_within(a, b - a, query.radius * query.radius, vertices, at)), in);
             for (uint k = 0; k < SEL_WIDE_COUNT(at); ++k) {
-                if (count < slots) found[count] = first + k;  // overwritten unless it is in
+                if (count < slots) found[count] = first + k;  // written over unless it is in
                 count += in[k] & 1u;
             }
+        } else {
+            push_children(&stack, at, float8_of(0), capsule_meets_wide(capsule, nodes + at) & used_children(nodes + at));
         }
+        at = pop_child(&stack, nodes, 0xffffffffu);
     }
+    return count;
 }
 
-// The triangle nearest to p and its nearest point.
+// The triangle nearest to p, and its nearest point.
 SEL_FN uint find_nearest(vec3 p, SEL_GLOBAL const WideNode* nodes, SEL_GLOBAL const float* vertices, vec3* point)
 {
     const float px = (float)p.x, py = (float)p.y, pz = (float)p.z;
@@ -283,34 +288,25 @@ SEL_FN uint find_nearest(vec3 p, SEL_GLOBAL const WideNode* nodes, SEL_GLOBAL co
     WideStack stack;
     stack.top = 0;
     uint at = 0, limit = bits_of(1e30f);
-    real8 best2 = real8_of((real)1e30);  // of each lane, and whose
+    real8 best2 = real8_of((real)1e30);  // in each lane, and in which leaf
     uint8 leaves = uint8_of(0);
-    for (;;) {
-        const float8 d2 = wide_distance2(nodes + at, px, py, pz, margin);
-        push_lanes(&stack, at, d2, (bits8(d2) <= uint8_of(limit)) & used_children(nodes + at));
-        int done = 0;
-        for (;;) {
-            if (stack.top == 0) {
-                done = 1;
-                break;
-            }
-            --stack.top;
-            if (stack.key[stack.top] > limit) continue;
-            at = nodes[stack.parent[stack.top]].child[stack.key[stack.top] & 7u];
-            if (!SEL_WIDE_IS_LEAF(at)) break;
+    while (at != SEL_WIDE_NONE) {
+        if (SEL_WIDE_IS_LEAF(at)) {
             const real8 here2 = leaf_distances2(p, vertices, at);
             const mask8 nearer = here2 < best2;
             best2 = nearer ? here2 : best2;
             leaves = narrow_mask8(nearer) ? uint8_of(at) : leaves;
-            limit = bits_of((float)least_lane(best2) * 1.000004f);  // rounding, and the lane's number in a key
+            limit = bits_of((float)least_lane(best2) * 1.000004f);  // more than rounding and the number in a key take away
+        } else {
+            const float8 d2 = wide_distance2(nodes + at, px, py, pz, margin);
+            push_children(&stack, at, d2, (bits8(d2) <= uint8_of(limit)) & used_children(nodes + at));
         }
-        if (done) break;
+        at = pop_child(&stack, nodes, limit);
     }
-    const real least = least_lane(best2);
-    uint lanes[8], leaf[8], lane = 0;
-    store8(mask_bits8(narrow_mask8(best2 <= real8_of(least))), lanes);
+    uint is_least[8], leaf[8], lane = 0;
+    store8(mask_bits8(narrow_mask8(best2 <= real8_of(least_lane(best2)))), is_least);
     store8(leaves, leaf);
-    while (lane < 7 && !lanes[lane]) ++lane;
+    while (lane < 7 && !is_least[lane]) ++lane;
     int feature;
     *point = closest_on_triangle(p, load_wide_triangle(vertices, leaf[lane], lane), &feature);
     return SEL_WIDE_FIRST(leaf[lane]) + lane;
