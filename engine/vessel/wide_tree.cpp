@@ -99,7 +99,8 @@ struct Builder {
             for (std::size_t k = 0; k < children.size(); ++k) {
                 const TreeNode& box = tree.nodes[children[k]];
                 // outwards, and judged by what the grid's lines are: exact in double, of 24 and 8 bits
-                double lo = step > 0 ? std::floor((box.lo[d] - origin) / step) : 0, hi = step > 0 ? std::ceil((box.hi[d] - origin) / step) : 0;
+                double lo = step > 0 ? std::floor((box.lo[d] - origin) / step) : 0,
+                       hi = step > 0 ? std::ceil((box.hi[d] - origin) / step) : 0;
                 if (origin + lo * step > box.lo[d]) --lo;
                 if (origin + hi * step < box.hi[d]) ++hi;
                 SEL_ASSERT(lo >= 0 && hi <= 255);

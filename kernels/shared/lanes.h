@@ -1,5 +1,5 @@
-// Eight numbers side by side, for loops that a device does not turn into vectors by itself: OpenCL's vector types on one side, the
-// compiler's on the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
+// Eight numbers side by side, for loops that a device does not turn into vectors by itself: OpenCL's vector types on one side,
+// the compiler's on the other. The same operators do the same operations on both, and a comparison gives a mask for `m ? a : b`.
 // Eight lanes suit processors of 256 and 512 bits; a graphics card takes them one after another.
 #ifndef SEL_SHARED_LANES_H
 #define SEL_SHARED_LANES_H
@@ -7,9 +7,8 @@
 
 #ifdef __cplusplus
     #include <cstring>
-    // always inlined: how a vector is handed over depends on the processor that a file is compiled for
+    // always inlined: how a vector is handed over depends on the processor that a file is compiled for, which g++ warns of
     #define SEL_LANES_FN inline __attribute__((always_inline))
-    #pragma GCC diagnostic push
     #pragma GCC diagnostic ignored "-Wpsabi"
 namespace seldinger {
 using uchar = unsigned char;
@@ -148,16 +147,17 @@ SEL_LANES_FN uint count_lanes(int8 mask)
 }
 
 // The greatest first: Batcher's bitonic network [Batcher68, doi:10.1145/1468075.1468121], six compare-exchanges of all lanes.
-#define SEL_EXCHANGE8(v, a, b, c, d, e, f, g, h, keep)              \
-    {                                                               \
-        const uint8 w = SEL_SHUFFLE8(v, a, b, c, d, e, f, g, h);    \
-        const uint8 least = v < w ? v : w, most = v < w ? w : v;    \
-        v = keep ? most : least;                                    \
+#define SEL_EXCHANGE8(v, a, b, c, d, e, f, g, h, keep)           \
+    {                                                            \
+        const uint8 w = SEL_SHUFFLE8(v, a, b, c, d, e, f, g, h); \
+        const uint8 least = v < w ? v : w, most = v < w ? w : v; \
+        v = keep ? most : least;                                 \
     }
 SEL_LANES_FN uint8 sort_lanes(uint8 v)
 {
-    const int8 k2 = SEL_MASK8(1, 0, 0, 1, 1, 0, 0, 1), k4a = SEL_MASK8(1, 1, 0, 0, 0, 0, 1, 1), k4b = SEL_MASK8(1, 0, 1, 0, 0, 1, 0, 1),
-               k8a = SEL_MASK8(1, 1, 1, 1, 0, 0, 0, 0), k8b = SEL_MASK8(1, 1, 0, 0, 1, 1, 0, 0), k8c = SEL_MASK8(1, 0, 1, 0, 1, 0, 1, 0);
+    const int8 k2 = SEL_MASK8(1, 0, 0, 1, 1, 0, 0, 1), k4a = SEL_MASK8(1, 1, 0, 0, 0, 0, 1, 1),
+               k4b = SEL_MASK8(1, 0, 1, 0, 0, 1, 0, 1), k8a = SEL_MASK8(1, 1, 1, 1, 0, 0, 0, 0),
+               k8b = SEL_MASK8(1, 1, 0, 0, 1, 1, 0, 0), k8c = SEL_MASK8(1, 0, 1, 0, 1, 0, 1, 0);
     SEL_EXCHANGE8(v, 1, 0, 3, 2, 5, 4, 7, 6, k2)
     SEL_EXCHANGE8(v, 2, 3, 0, 1, 6, 7, 4, 5, k4a)
     SEL_EXCHANGE8(v, 1, 0, 3, 2, 5, 4, 7, 6, k4b)
@@ -168,7 +168,4 @@ SEL_LANES_FN uint8 sort_lanes(uint8 v)
 }
 
 SEL_END
-#ifdef __cplusplus
-    #pragma GCC diagnostic pop
-#endif
 #endif

@@ -1,8 +1,8 @@
 #ifndef SEL_SHARED_WIDE_TYPES_H
 #define SEL_SHARED_WIDE_TYPES_H
-// Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children, whose boxes are bytes on a grid of the node
-// [Ylitie17, doi:10.1145/3105762.3105773]: eight children are tested at once, and a node is two cache lines. Built from a WallTree
-// by engine/vessel/wide_tree.cpp.
+// Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children, whose boxes are bytes on a grid of the
+// node [Ylitie17, doi:10.1145/3105762.3105773]: eight children are tested at once, and a node is two cache lines. Built from a
+// WallTree by engine/vessel/wide_tree.cpp.
 #ifdef __cplusplus
     #include <cstdint>
 namespace seldinger {

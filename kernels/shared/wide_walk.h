@@ -10,15 +10,11 @@
 #include "shared/wide_types.h"
 
 SEL_BEGIN
-#ifdef __cplusplus
-    #pragma GCC diagnostic push
-    #pragma GCC diagnostic ignored "-Wpsabi"
-#endif
 
 #define SEL_LANE_NUMBERS mask_bits8(SEL_MASK8(0, -1, -2, -3, -4, -5, -6, -7))
 
-// Children still to be looked at: the parent, and the squared distance with the child's number in its last three bits (the bits of
-// floats that are not negative are in order like the floats).
+// Children still to be looked at: the parent, and the squared distance with the child's number in its last three bits (the bits
+// of floats that are not negative are in order like the floats).
 typedef struct WideStack {
     uint key[SEL_WIDE_STACK], parent[SEL_WIDE_STACK];
     uint top;
@@ -100,8 +96,8 @@ SEL_FN Triangle load_wide_triangle(SEL_GLOBAL const float* vertices, uint child,
     return tri;
 }
 
-// closest_on_triangle(), the last of its answers first; `flat`: triangles that it would take for their edges, whose answer here is
-// any.
+// closest_on_triangle(), the last of its answers first; `flat`: triangles that it would take for their edges, whose answer here
+// is any.
 SEL_LANES_FN Lanes3 closest_on_triangles8(Lanes3 p, Triangles8 tri, mask8* flat)
 {
     const real8 zero = real8_of(0), one = real8_of(1);
@@ -239,7 +235,8 @@ SEL_LANES_FN int8 leaf_within(vec3 a, vec3 u, real within2, SEL_GLOBAL const flo
     open = open & ~in;
     // apart along the line between the nearest points
     const real8 from = dot_lanes(best.apart, p), step = dot_lanes(best.apart, along),
-                to = max_lanes(max_lanes(dot_lanes(best.apart, tri.a), dot_lanes(best.apart, tri.b)), dot_lanes(best.apart, tri.c)),
+                to = max_lanes(max_lanes(dot_lanes(best.apart, tri.a), dot_lanes(best.apart, tri.b)),
+                               dot_lanes(best.apart, tri.c)),
                 between = from + (step < real8_of(0) ? step : real8_of(0)) - to;
     open = open & ~((between > real8_of(0)) & (between * between > within2 * (1 + (real)1e-6) * best.d2));
     int8 result = narrow_mask8(in);
@@ -312,8 +309,5 @@ SEL_FN uint find_nearest(vec3 p, SEL_GLOBAL const WideNode* nodes, SEL_GLOBAL co
     return SEL_WIDE_FIRST(leaf[lane]) + lane;
 }
 
-#ifdef __cplusplus
-    #pragma GCC diagnostic pop
-#endif
 SEL_END
 #endif
