@@ -13,7 +13,7 @@ namespace {
 namespace device = seldinger::device;
 
 /// Grows as needed, as a program's buffers would over its first steps.
-constexpr std::uint32_t first_slots = 256;
+constexpr std::uint32_t first_slots = 16;
 
 class Ours final : public Peer {
 public:

@@ -1,8 +1,8 @@
 #ifndef SEL_SHARED_WIDE_TYPES_H
 #define SEL_SHARED_WIDE_TYPES_H
 // Layout of the wide tree: the wall's binary tree collapsed to nodes of eight children, whose boxes are bytes on a grid of the
-// node [Ylitie17, doi:10.1145/3105762.3105773]: eight children are tested at once, and a node is two cache lines. Built from a
-// WallTree by engine/vessel/wide_tree.cpp.
+// node [Ylitie17, doi:10.1145/3105762.3105773]: eight are tested side by side, and a triangle has 3.5 bytes of nodes instead
+// of 26. Built from a WallTree by engine/vessel/wide_tree.cpp.
 #ifdef __cplusplus
     #include <cstdint>
 namespace seldinger {
@@ -11,9 +11,9 @@ using uchar = unsigned char;
 #endif
 
 #define SEL_WIDE_LEAF 8  // most triangles in a leaf
-// Entries that a walk may have to remember. A node takes in at least three levels of the binary tree (depth < 48) on every path
-// through as many wide nodes as can be, so that no path has more than 16, each of which leaves seven children behind; the last
-// vector is stored whole.
+// Entries that a walk may have to remember. Every level of wide nodes is at least three levels of the binary tree high (whose
+// depth is below 48), so that no path has more than 16 of them, and each leaves seven children behind; the last vector is stored
+// whole.
 #define SEL_WIDE_STACK 128
 
 // child: SEL_WIDE_NONE; index of a node; or, with the top bit, a leaf: bits 28-30 its triangles less one, the others the first.
@@ -22,8 +22,8 @@ using uchar = unsigned char;
 #define SEL_WIDE_FIRST(child) ((child)&0x0fffffffu)
 #define SEL_WIDE_COUNT(child) ((((child) >> 28) & 7u) + 1u)
 
-// Corner d of child k's box: origin[d] + step[d] * lo[d][k], no less and no more than the triangles in it to the last bit of what
-// real numbers would give; a walk adds a margin for its own rounding.
+// Box of child k from origin[d] + step[d] * lo[d][k] to the same with hi: without rounding these hold its triangles; what a walk
+// rounds, it adds a margin for.
 // Vertices of a leaf lie as [9][count] floats from 9 * first on, so that one load gives the same coordinate of all its triangles;
 // eight more floats follow the last leaf.
 typedef struct WideNode {

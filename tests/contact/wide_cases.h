@@ -41,7 +41,8 @@ struct WideScene {
         const double far = k % 16 == 2 ? 20 : 1;
         const double x = far * draw(-0.6, 0.6) * wall.length, angle = draw(0, 6.283),
                      rho = far * wall.radius * (k % 4 == 3 ? draw(0, 1) : draw(0.9, 1.02));
-        return make_vec3(static_cast<real>(x), static_cast<real>(rho * std::cos(angle)), static_cast<real>(rho * std::sin(angle)));
+        return make_vec3(static_cast<real>(x), static_cast<real>(rho * std::cos(angle)),
+                         static_cast<real>(rho * std::sin(angle)));
     }
     CapsuleQuery capsule(std::size_t k)
     {
@@ -120,7 +121,8 @@ void within_case()
 void kernels_case()
 {
     sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel nearest(context, "bench/queries.cl", "query_nearest"), capsule(context, "bench/queries.cl", "query_capsule");
+    sel_device::Kernel nearest(context, "bench/queries.cl", "query_nearest"),
+        capsule(context, "bench/queries.cl", "query_capsule");
     for (const Lane lane : {Lane::Light, Lane::Heavy})
         for (const std::size_t n : {1, 63, 64, 65, 257}) {
             WideScene s;
@@ -143,7 +145,8 @@ void kernels_case()
             Guarded<CapsuleQuery> asked(context, lane, queries);
             Guarded<uint> on(context, lane, std::vector<uint>(n)), list(context, lane, std::vector<uint>(n * slots)),
                 counted(context, lane, std::vector<uint>(n));
-            nearest.launch(lane, n, static_cast<uint>(n), at.buffer(), nodes.buffer(), vertices.buffer(), to.buffer(), on.buffer());
+            nearest.launch(lane, n, static_cast<uint>(n), at.buffer(), nodes.buffer(), vertices.buffer(), to.buffer(),
+                           on.buffer());
             capsule.launch(lane, n, static_cast<uint>(n), slots, asked.buffer(), nodes.buffer(), vertices.buffer(), list.buffer(),
                            counted.buffer());
             CAPTURE(n);
