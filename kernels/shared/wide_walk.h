@@ -181,17 +181,17 @@ SEL_LANES_FN int8 capsule_meets_wide(WideCapsule c, SEL_GLOBAL const WideNode* n
            (fabs8(x * c.arm[1] - y * c.arm[0]) <= hx * ay + hy * ax + c.cross_reach[2]);
 }
 
-// A segment a + s u and the nearest pair of points on it and on one edge of each triangle.
+// The nearest points of a segment and of an edge of each triangle.
 typedef struct SegmentPair {
     Lanes3 apart;  // from the edge's point to the segment's
     real8 d2;
 } SegmentPair;
 
-// segments_distance2() with the edges q + t v.
-SEL_LANES_FN SegmentPair nearest_pair8(Lanes3 p, vec3 u, real inv_a, Lanes3 q, Lanes3 v)
+// segments_distance2() of p + s u and the edges q + t v; r = p - q, inv_a = 1 / u.u
+SEL_LANES_FN SegmentPair nearest_pair8(Lanes3 r, vec3 u, real inv_a, Lanes3 v)
 {
     const real8 zero = real8_of(0), one = real8_of(1);
-    const Lanes3 r = sub_lanes(p, q), along = lanes3_of(u);
+    const Lanes3 along = lanes3_of(u);
     const real a = dot3(u, u);
     const real8 e = dot_lanes(v, v), f = dot_lanes(v, r), c = dot_lanes(along, r), b = dot_lanes(along, v), det = a * e - b * b;
     const mask8 skew = det > zero;
@@ -207,7 +207,6 @@ SEL_LANES_FN SegmentPair nearest_pair8(Lanes3 p, vec3 u, real inv_a, Lanes3 q, L
 }
 
 SEL_LANES_FN real8 min_lanes(real8 a, real8 b) { return a < b ? a : b; }
-SEL_LANES_FN real8 max_lanes(real8 a, real8 b) { return a > b ? a : b; }
 
 // segment_within() of the triangles of a leaf.
 SEL_LANES_FN int8 leaf_within(vec3 a, vec3 u, real within2, SEL_GLOBAL const float* vertices, uint child)
@@ -216,29 +215,27 @@ SEL_LANES_FN int8 leaf_within(vec3 a, vec3 u, real within2, SEL_GLOBAL const flo
     const Triangles8 tri = load_triangles8(vertices, child);
     const Lanes3 p = lanes3_of(a), along = lanes3_of(u);
     const Lanes3 ab = sub_lanes(tri.b, tri.a), bc = sub_lanes(tri.c, tri.b), ca = sub_lanes(tri.a, tri.c);
+    const Lanes3 ap = sub_lanes(p, tri.a), bp = sub_lanes(p, tri.b), cp = sub_lanes(p, tri.c);
+    const real8 zero = real8_of(0), limit = real8_of(within2);
+    const real more2 = within2 * (1 + (real)1e-6);
     // apart by the triangle's plane
     const Lanes3 n = cross_lanes(ab, ca);
-    const real8 at_a = dot_lanes(n, sub_lanes(p, tri.a)), at_b = at_a + dot_lanes(n, along),
-                n2 = within2 * (1 + (real)1e-6) * dot_lanes(n, n);
-    mask8 open = wide_mask8(used) & ~((at_a * at_b > real8_of(0)) & (at_a * at_a > n2) & (at_b * at_b > n2));
+    const real8 at_a = dot_lanes(n, ap), at_b = at_a + dot_lanes(n, along), n2 = more2 * dot_lanes(n, n);
+    mask8 open = wide_mask8(used) & ~((at_a * at_b > zero) & (at_a * at_a > n2) & (at_b * at_b > n2));
     if (!any8(open)) return narrow_mask8(open);
 
     const real a2 = dot3(u, u), inv_a = a2 > 0 ? 1 / a2 : (real)0;
-    SegmentPair best = nearest_pair8(p, u, inv_a, tri.a, ab), other = nearest_pair8(p, u, inv_a, tri.b, bc);
+    SegmentPair best = nearest_pair8(ap, u, inv_a, ab), other = nearest_pair8(bp, u, inv_a, bc);
     best.apart = choose_lanes(other.d2 < best.d2, other.apart, best.apart);
     best.d2 = min_lanes(best.d2, other.d2);
-    other = nearest_pair8(p, u, inv_a, tri.c, ca);
+    other = nearest_pair8(cp, u, inv_a, ca);
     best.apart = choose_lanes(other.d2 < best.d2, other.apart, best.apart);
     best.d2 = min_lanes(best.d2, other.d2);
-    const real8 limit = real8_of(within2);
-    mask8 in = open & (best.d2 <= limit);
-    open = open & ~in;
+    const mask8 in = open & (best.d2 <= limit);
     // apart along the line between the nearest points
-    const real8 from = dot_lanes(best.apart, p), step = dot_lanes(best.apart, along),
-                to = max_lanes(max_lanes(dot_lanes(best.apart, tri.a), dot_lanes(best.apart, tri.b)),
-                               dot_lanes(best.apart, tri.c)),
-                between = from + (step < real8_of(0) ? step : real8_of(0)) - to;
-    open = open & ~((between > real8_of(0)) & (between * between > within2 * (1 + (real)1e-6) * best.d2));
+    const real8 gap = min_lanes(min_lanes(dot_lanes(best.apart, ap), dot_lanes(best.apart, bp)), dot_lanes(best.apart, cp)) +
+                      min_lanes(dot_lanes(best.apart, along), zero);
+    open = open & ~in & ~((gap > zero) & (gap * gap > more2 * best.d2));
     int8 result = narrow_mask8(in);
     if (any8(open)) {  // within reach of the face alone, or very near the limit
         const uint8 lanes = SEL_LANE_NUMBERS;
