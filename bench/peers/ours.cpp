@@ -2,6 +2,7 @@
 #include "peers.h"
 
 #include "device/device.h"
+#include "vessel/wide_tree.h"
 
 #include <cmath>
 
@@ -12,7 +13,7 @@ namespace {
 namespace device = seldinger::device;
 
 /// Grows as needed, as a program's buffers would over its first steps.
-constexpr std::uint32_t first_slots = 256;
+constexpr std::uint32_t first_slots = 16;
 
 class Ours final : public Peer {
 public:
@@ -26,8 +27,8 @@ public:
 
     void build(const Problem& problem) override
     {
-        // the tree is the problem's: what it takes to build is measured by main; here it goes to the device
-        const auto& tree = *problem.tree;
+        // the binary tree is the problem's: what it takes to build is measured by main; here it is widened and goes to the device
+        const seldinger::WideTree tree = seldinger::build_wide_tree(*problem.tree);
         nodes_ = upload(tree.nodes.data(), tree.nodes.size() * sizeof(tree.nodes[0]));
         vertices_ = upload(tree.vertices.data(), tree.vertices.size() * sizeof(float));
         counts_ = device::Buffer(context_, problem.capsules.size() * sizeof(std::uint32_t));
