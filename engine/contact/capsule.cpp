@@ -20,8 +20,7 @@ namespace {
 
 // Below these counts the caller's thread is faster than waking the pool (15 us); by counts alone, so that the choice, and with it
 // the order of nothing at all, is the same on every machine.
-constexpr std::size_t heavy_evaluate = 2048, heavy_find = 256;
-constexpr std::uint32_t first_slots = 24;
+constexpr std::size_t heavy_evaluate = 2048;
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -51,44 +50,23 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
                             lumen_radius)),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
-      find_(context, "contact/capsule.cl", "contact_find"),
-      distance_(context, "contact/capsule.cl", "contact_distance"),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
     const std::size_t n = samples_.models.size();
     double least = std::numeric_limits<double>::infinity();
     for (const SampleModel& m : samples_.models) least = std::min(least, m.radius);
-    params_.slots = first_slots;
     params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
     params_.normal_law = kernel_law(setup.wires[0].contact.normal);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
-    slack_ = 0.4 * least;
-    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
-    list_margin_ = slack_ + (params_.normal_law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0);
-    Vec3 low, high;
-    for (int k = 0; k < 3; ++k) {
-        low[k] = tree.nodes.front().lo[k];
-        high[k] = tree.nodes.front().hi[k];
-    }
-    farthest_ = (high - low).norm() + 1;
-    cull_at_.assign(n, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
-    cull_keep_.assign(n, 0);
-    cull_clear_.assign(n, 0);
-    stale_.resize(n);
-    stale_count_.resize(rods.wire_count());
-    distances_.resize(n);
     for (const WireSamples& wire : samples_.wires) {
         double limit = std::numeric_limits<double>::infinity();
         for (int k = wire.begin; k < wire.begin + wire.capacity && (swept_ || params_.normal_law == SEL_NORMAL_BARRIER); ++k)
             limit = std::min(limit, 0.45 * samples_.models[k].radius);
         move_limit_.push_back(limit);
     }
-    counts_.assign(n, 0);
-    found_.assign(n, 0);
     listed_.assign(n, 0);
-    to_find_.reserve(n);
     active_.reserve(n);
     const std::size_t most_edges = rods.total_capacity();
     edge_first_.reserve(most_edges + 1);
@@ -101,12 +79,16 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     some_first_.reserve(most_edges + 1);
     models_ = device::Buffer(context, n * device_size<SampleModel>(context));
     places_ = device::Buffer(context, n * device_size<SamplePlace>(context));
-    candidates_ = device::Buffer(context, n * params_.slots * sizeof(std::uint32_t));
-    count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    find_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    found_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
-    clearances_ = device::Buffer(context, n * device_size<Clearance>(context));
-    distance_buffer_ = device::Buffer(context, n * device_size<double>(context));
+    const double slack = 0.4 * least;
+    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
+    const double margin = slack + (params_.normal_law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0);
+    Vec3 low, high;
+    for (int k = 0; k < 3; ++k) {
+        low[k] = tree.nodes.front().lo[k];
+        high[k] = tree.nodes.front().hi[k];
+    }
+    near_.emplace(context, samples_, wall_, nodes_, models_, places_, NearWall::Lengths{slack, margin, (high - low).norm() + 1});
+    params_.slots = near_->slots();
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     some_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
@@ -133,8 +115,7 @@ void CapsuleContact::warm_up()
     none.item_count = 0;
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
-        launch_find(at, 1, none);
-        launch_distance(at, 0);
+        near_->warm_up(at, none);
         launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
@@ -143,33 +124,13 @@ void CapsuleContact::warm_up()
     }
 }
 
-void CapsuleContact::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
-{
-    const auto launch = [&](const auto& params, const auto& margin) {
-        find_.launch(at, items, params, margin, find_list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                     wall_.vertices, candidates_, count_buffer_, found_buffer_, clearances_);
-    };
-    if (context_.float32()) launch(narrow(par), static_cast<float>(list_margin_));
-    else launch(par, list_margin_);
-}
-
-void CapsuleContact::launch_distance(device::Lane at, std::size_t items)
-{
-    const auto launch = [&](const auto& most) {
-        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, find_list_, places_,
-                         nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
-    };
-    if (context_.float32()) launch(static_cast<float>(farthest_));
-    else launch(farthest_);
-}
-
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
     const auto launch = [&](const auto& params) {
-        evaluate_.launch(at, items, params, list, models_, places_, candidates_, count_buffer_, wall_.nodes, wall_.vertices,
+        evaluate_.launch(at, items, params, list, models_, places_, near_->cells(), near_->counts(), wall_.nodes, wall_.vertices,
                          wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
                          nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
-                         multipliers_ ? multipliers_->states() : no_multipliers_, clearances_);
+                         multipliers_ ? multipliers_->states() : no_multipliers_, near_->clearances());
     };
     if (context_.float32()) launch(narrow(par));
     else launch(par);
@@ -177,7 +138,7 @@ void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const C
 
 SampleBuffers CapsuleContact::sample_buffers() const
 {
-    return {models_, places_, active_list_, candidates_, count_buffer_, touches_t0_, touches_, wall_, nodes_};
+    return {models_, places_, active_list_, near_->cells(), near_->counts(), touches_t0_, touches_, wall_, nodes_};
 }
 
 void CapsuleContact::write_places(device::Lane at) { write_records(context_, at, places_, samples_.places, narrow_places_); }
@@ -213,7 +174,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     context_.enter(device::Lane::Light);
     nodes_t0_.upload(context_, device::Lane::Light);
     upload_places();
-    find_candidates(false);
+    find_near({});
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
     times.detect += since(start);
@@ -250,7 +211,7 @@ bool CapsuleContact::is_clear(RodArrays& rods, int wire)
     list_stale_ = true;
     context_.enter(device::Lane::Light);
     write_places(device::Lane::Light);
-    find_candidates(false);
+    find_near({});
     const device::Lane at = lane(active_.size());
     context_.enter(at);
     nodes_.upload(context_, at);
@@ -271,141 +232,13 @@ bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std:
     return any;
 }
 
-Vec3 CapsuleContact::sample_position(int sample) const
+/// The samples that have cells, and what the kernels need to know of them. @param active  wires that are evaluated next; empty:
+/// not said
+void CapsuleContact::find_near(std::span<const std::uint8_t> active)
 {
-    const SamplePlace& place = samples_.places[sample];
-    const double b = place.bary, a = 1 - b;
-    const float* hi = &nodes_.hi[3 * place.edge];
-    const double* lo = &nodes_.lo[3 * place.edge];
-    return {a * (hi[0] + lo[0]) + b * (hi[3] + lo[3]), a * (hi[1] + lo[1]) + b * (hi[4] + lo[4]),
-            a * (hi[2] + lo[2]) + b * (hi[5] + lo[5])};
-}
-
-// Renews what is known of the wall near every live sample that has moved too far since it was found out; then the list of samples
-// that have candidates. Most of a wire is far from any wall: there one distance serves a stretch, for many steps.
-void CapsuleContact::find_candidates(bool all_live, std::span<const std::uint8_t> active)
-{
-    const int wires = static_cast<int>(samples_.wires.size());
-    for_each_item(wires, wire_grain, [&](int w) { mark_stale(w, all_live); });
-    const bool any = std::any_of(stale_count_.begin(), stale_count_.end(), [](int count) { return count > 0; });
-    if (any && !all_live) {
-        probe(8);
-        probe(2);
-    }
-    if (any) find_listed();
-    if (any || list_stale_) rebuild_active_list(active);
-}
-
-// Samples that have left their sphere, and are in none of a neighbour's.
-void CapsuleContact::mark_stale(int w, bool all_live)
-{
-    const WireSamples& wire = samples_.wires[w];
-    stale_count_[w] = 0;
-    for (int s = wire.begin; s < wire.begin + wire.live; ++s)
-        if (all_live || !((sample_position(s) - cull_at_[s]).squaredNorm() <= cull_keep_[s] * cull_keep_[s]))
-            stale_[wire.begin + stale_count_[w]++] = static_cast<std::uint32_t>(s);
-    if (!all_live) take_spheres(w);
-}
-
-// Stale samples within a neighbour's sphere take it for their own, from the tip on and back.
-void CapsuleContact::take_spheres(int w)
-{
-    const WireSamples& wire = samples_.wires[w];
-    std::uint32_t* const stale = stale_.data() + wire.begin;
-    const auto covered = [&](int s, int neighbour) {
-        if (neighbour < wire.begin || neighbour >= wire.begin + wire.live || !(cull_clear_[neighbour] > 0)) return false;
-        const double keep = cull_clear_[neighbour] - need(s);
-        if (!((sample_position(s) - cull_at_[neighbour]).squaredNorm() <= keep * keep) || keep < 0) return false;
-        cull_at_[s] = cull_at_[neighbour];
-        cull_clear_[s] = cull_clear_[neighbour];
-        cull_keep_[s] = keep;
-        counts_[s] = 0;
-        return true;
-    };
-    for (const int way : {-1, +1}) {
-        int left = 0;
-        const int count = stale_count_[w];
-        for (int i = 0; i < count; ++i) {  // against the way, so that a sphere is handed on
-            const int at = way < 0 ? i : count - 1 - i;
-            const int s = static_cast<int>(stale[at]);
-            if (covered(s, s + way)) continue;
-            stale[way < 0 ? left : count - 1 - left] = static_cast<std::uint32_t>(s);
-            ++left;
-        }
-        if (way > 0) std::copy(stale + count - left, stale + count, stale);
-        stale_count_[w] = left;
-    }
-}
-
-// Distances from the wall of every `stride`-th stale sample, but for those that had candidates the last time.
-void CapsuleContact::probe(int stride)
-{
-    to_find_.clear();
-    for (std::size_t w = 0; w < samples_.wires.size(); ++w)
-        for (int i = 0; i < stale_count_[w]; ++i) {
-            const std::uint32_t s = stale_[samples_.wires[w].begin + i];
-            if (i % stride == stride / 2 && counts_[s] == 0) to_find_.push_back(s);
-        }
-    if (to_find_.empty()) return;
-    const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
-    context_.enter(at);
-    nodes_.upload(context_, at);
-    context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-    launch_distance(at, to_find_.size());
-    read_records(context_, at, distance_buffer_, distances_.data(), to_find_.size(), 0, narrow_);
-    for (std::size_t i = 0; i < to_find_.size(); ++i) {
-        const int s = static_cast<int>(to_find_[i]);
-        const double clear = distances_[i] - 1e-3 * samples_.models[s].radius;  // rounding is far below that
-        if (clear < need(s) + slack_) continue;
-        cull_at_[s] = sample_position(s);
-        cull_clear_[s] = clear;
-        cull_keep_[s] = clear - need(s);
-        counts_[s] = 0;
-    }
-    for_each_item(static_cast<int>(samples_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
-}
-
-// Candidates of the samples that are stale still. Slacks differ a little from sample to sample, so that renewals spread over
-// steps instead of coming all at once.
-void CapsuleContact::find_listed()
-{
-    to_find_.clear();
-    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
-        const WireSamples& wire = samples_.wires[w];
-        for (int i = 0; i < stale_count_[w]; ++i) {
-            const std::uint32_t s = stale_[wire.begin + i];
-            const int k = static_cast<int>(s) - wire.begin;
-            to_find_.push_back(s);
-            cull_at_[s] = sample_position(static_cast<int>(s));
-            cull_clear_[s] = 0;
-            cull_keep_[s] = slack_ * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
-        }
-    }
-    if (to_find_.empty()) return;
-    const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
-    context_.enter(at);
-    nodes_.upload(context_, at);
-    context_.write(at, find_list_, to_find_.data(), bytes_of(to_find_));
-    ContactParams par = params_;
-    par.item_count = static_cast<uint>(to_find_.size());
-    launch_find(at, to_find_.size(), par);
-    context_.read(at, found_buffer_, found_.data(), bytes_of(to_find_));
-    std::uint32_t most = 0;
-    for (std::size_t i = 0; i < to_find_.size(); ++i) most = std::max(most, counts_[to_find_[i]] = found_[i]);
-    if (most <= params_.slots) return;
-    // a denser mesh than the lists were made for: make room once and find all again
-    params_.slots = (most + most / 2 + 7) / 8 * 8;
-    candidates_ = device::Buffer(context_, counts_.size() * params_.slots * sizeof(std::uint32_t));
-    forget();
-    find_candidates(true);
-}
-
-// What was known of the wall, lists and spheres.
-void CapsuleContact::forget()
-{
-    std::fill(cull_at_.begin(), cull_at_.end(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
-    std::fill(cull_clear_.begin(), cull_clear_.end(), 0.0);
-    std::fill(counts_.begin(), counts_.end(), 0u);
+    const bool renewed = near_->renew(params_);
+    params_.slots = near_->slots();
+    if (renewed || list_stale_) rebuild_active_list(active);
 }
 
 void CapsuleContact::rebuild_active_list(std::span<const std::uint8_t> active)
@@ -422,7 +255,7 @@ void CapsuleContact::rebuild_active_list(std::span<const std::uint8_t> active)
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
             // once evaluated in this step, always: a record that an earlier trial wrote would pass for the last one's
-            if (counts_[s] == 0 && listed_[s] != wire.stamp) continue;
+            if (!near_->has_cells(static_cast<int>(s)) && listed_[s] != wire.stamp) continue;
             listed_[s] = wire.stamp;
             const std::uint32_t edge = samples_.places[s].edge;
             if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
@@ -496,7 +329,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
 {
     auto start = Clock::now();
     set_nodes(trial);
-    find_candidates(false, active);
+    find_near(active);
     const bool part = pick_some(active);
     const std::size_t samples = part ? some_.size() : active_.size();
     times.detect += since(start);
@@ -664,7 +497,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
     for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
     if (barrier_) barrier_->restore(bytes, end);
     std::fill(listed_.begin(), listed_.end(), 0);
-    forget();
+    near_->forget();
     context_.enter(device::Lane::Light);
     write_records(context_, device::Lane::Light, touches_t0_, touches, narrow_);
     context_.finish(device::Lane::Light);

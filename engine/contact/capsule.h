@@ -3,6 +3,7 @@
 
 #include "contact/barrier_path.h"
 #include "contact/multipliers.h"
+#include "contact/near_wall.h"
 
 #include <chrono>
 #include <optional>
@@ -31,27 +32,14 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:
-    /// @param active  wires that are evaluated next; empty: not said
-    void find_candidates(bool all_live, std::span<const std::uint8_t> active = {});
-    void mark_stale(int wire, bool all_live);
-    void take_spheres(int wire);
-    void probe(int stride);
-    void find_listed();
-    void forget();
+    void find_near(std::span<const std::uint8_t> active);
     void rebuild_active_list(std::span<const std::uint8_t> active);
     [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
     void warm_up();
-    void launch_find(device::Lane at, std::size_t items, const ContactParams& par);
-    void launch_distance(device::Lane at, std::size_t items);
     void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list);
     [[nodiscard]] bool pick_some(std::span<const std::uint8_t> active);
     void spread_sums(std::span<const std::uint8_t> active);
     void set_nodes(const TrialState& trial);
-    [[nodiscard]] Vec3 sample_position(int sample) const;  // relative to the wall's centre
-    [[nodiscard]] double need(int sample) const
-    {
-        return samples_.models[sample].radius + samples_.models[sample].reach + list_margin_ - slack_;
-    }
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
     [[nodiscard]] SampleBuffers sample_buffers() const;
     void write_places(device::Lane at);
@@ -62,28 +50,17 @@ private:
     bool swept_;
     DeviceWall wall_;
     SampleSet samples_;
-    // What is known of the wall near a sample holds while the sample is within `cull_keep_` of where that was found out,
-    // `cull_at_`: either its candidates, everything within need + slack; or, `cull_clear_` > 0, that no wall is within
-    // cull_clear_ of there, which serves for the neighbours too (a wall that does not move stays away).
-    double slack_ = 0;                            // [m]
-    double list_margin_ = 0;                      // what candidates are found with: the slack, and more for the barrier [m]
-    double farthest_ = 0;                         // no two points of the wall are farther apart [m]
-    std::vector<Vec3> cull_at_;                   // [samples] NaN: nothing is known
-    std::vector<double> cull_keep_, cull_clear_;  // [samples] [m]
-    std::vector<std::uint32_t> stale_;            // [samples] of wire w: stale_[begin ...], stale_count_[w] of them
-    std::vector<int> stale_count_;                // [wires]
-    std::vector<double> distances_;               // read back of probes
-    std::vector<std::uint32_t> counts_, found_, to_find_, active_, edge_first_;
+    std::vector<std::uint32_t> active_, edge_first_;  // samples that have cells, by edges
     std::vector<std::uint32_t> listed_;             // [samples] stamp of the last step in which the sample was evaluated
     std::vector<std::uint32_t> some_, some_first_;  // as active_, edge_first_, of the wires that are evaluated now
     std::vector<EdgeForce> last_edges_;             // scratch
     std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
-    device::Kernel find_, distance_, evaluate_, reduce_;
-    device::Buffer models_, places_, candidates_, count_buffer_, find_list_, found_buffer_, clearances_, distance_buffer_, active_list_,
-        first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
+    device::Kernel evaluate_, reduce_;
+    device::Buffer models_, places_, active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none
+    std::optional<NearWall> near_;            // always there
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;      // barrier
     std::vector<double> move_limit_;          // [wires] [m]
