@@ -95,14 +95,14 @@ void BandMatrix::add_column(int j, double x_j, std::span<double> y) const
 
 double BandMatrix::row_scale(int i) const
 {
-    Vec4d most{};
-    for (int c = 0; c < stride; c += 4) {  // what lies beyond row_width is 0
-        Vec4d entry;
-        read_block(row(i) + c, entry);
-        const Vec4d size = entry < 0 ? -entry : entry;
-        most = most < size ? size : most;
-    }
-    const double scale = largest(most);
+    double most[4] = {};  // side by side, which becomes vectors
+    const double* entries = row(i);
+    for (int c = 0; c < stride; c += 4)  // what lies beyond row_width is 0
+        for (int l = 0; l < 4; ++l) {
+            const double size = std::abs(entries[c + l]);
+            most[l] = most[l] < size ? size : most[l];
+        }
+    const double scale = std::max(std::max(most[0], most[2]), std::max(most[1], most[3]));
     return scale > 0 ? scale : 1.0;
 }
 
