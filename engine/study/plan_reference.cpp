@@ -12,6 +12,7 @@ constexpr double coarsest_edge = 0.010;  // [m]
 constexpr int fewest_nodes = 17;
 constexpr double coarsest_step = 1.0 / 60;  // [s]
 constexpr int least_levels = 3, most_levels = 9;
+constexpr int trapezoid_failures = 3;  // levels that break off before backward Euler is taken instead
 constexpr double cost_growth = edge_refinement * step_refinement;
 // what rounding and the solver's tolerance move [m], [N]
 constexpr double shape_noise = 1e-8, force_noise = 1e-6;
@@ -100,6 +101,7 @@ PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const R
     const bool is_static = scene.scene.integrator.scheme == Scheme::Static;
     bool trapezoid = !is_static && scene.scene.vessel.shape == VesselShape::None && !scene.scene.integrator.conserve;
     RunPlan limited = plan;
+    int broken = 0;
     for (int level = 0; level < most_levels; ++level) {
         const Model model = level_model(scene.scene, plan, level, trapezoid);
         if (level > 0 && !goals.affordable(cost_growth * last_seconds)) {
@@ -126,7 +128,7 @@ PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const R
                 run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
             reference.levels.clear();
             reference.moved.clear();
-            if (trapezoid) trapezoid = false, level = -1;
+            if (trapezoid && ++broken == trapezoid_failures) trapezoid = false, level = -1;
             continue;
         }
         if (!reference.levels.empty()) reference.moved.push_back(trajectory_errors(reference.values, values).rms);

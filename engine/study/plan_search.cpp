@@ -56,19 +56,19 @@ public:
     [[nodiscard]] Place best_place() const { return best_place_; }
 
     /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that
-    /// meet the goals end in a staircase: first down to a corner of it, then along it, to longer steps and more nodes and back,
-    /// as far as that pays.
-    void optimise(const Model& family, Place from)
+    /// meet the goals end in a staircase: first down to a corner of it, then, where told to walk, along it, to longer steps and
+    /// more nodes and back, as far as that pays.
+    void optimise(const Model& family, Place from, bool walks)
     {
         Place corner = from;
         while (coarsen(family, corner, &Place::step) || coarsen(family, corner, &Place::node)) {
         }
-        if (grid_.steps.empty() || family.nodes == 0) return;
+        if (!walks || grid_.steps.empty() || family.nodes == 0) return;
         for (const int direction : {1, -1}) corner = walk(family, corner, direction);
     }
 
     /// A family at the winner's place: where it does not meet the goals there, at finer steps that would still be cheaper.
-    void try_family(const Model& family)
+    void try_family(const Model& family, bool walks)
     {
         if (!best_ || ended_) return;
         Place place = best_place_;
@@ -80,7 +80,7 @@ public:
             pilot = look(family, place);
         }
         if (!pilot || !pilot->meets) return;
-        if (pilot->seconds < worth_it * cost || pilot->error < room * error) optimise(family, place);
+        if (pilot->seconds < worth_it * cost || pilot->error < room * error) optimise(family, place, walks);
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
@@ -273,19 +273,21 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
         place = {std::max(0, place.node - 2), std::max(0, place.step - 2)};
         first = search.look(start, place);
     }
-    if (first && first->meets) search.optimise(start, place);
+    if (first && first->meets) search.optimise(start, place, false);
 
     const std::vector<Choice> choices = choices_in(scene);
     // each choice can be made in the scene as it stands, but not any two of them: float32 has no layer, impulses have neither
     const auto can_run = [&](const Model& family) { return why_not(family, scene).empty(); };
-    // twice: a choice that did not pay before another was made may pay after it
+    // Twice: a choice that did not pay before another was made may pay after it. Along staircases only then: a choice can save
+    // half of every later pilot, a walk hardly more than a fifth, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
+        const bool walks = round > 0;
         const Model before = search.best()->model;
         for (const Choice& choice : choices) {
             if (choice.needs_contact && !touches) continue;
             Model family = search.best()->model;
             choice.make(family);
-            if (can_run(family)) search.try_family(family);
+            if (can_run(family)) search.try_family(family, walks);
         }
         // adaptive nodes, their bounds in place of a number
         for (const auto& [shortest, longest] : {std::pair{1e-3, 10e-3}, {2e-3, 20e-3}, {0.5e-3, 5e-3}}) {
@@ -295,8 +297,9 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
             family.nodes = 0;
             family.min_edge = shortest;
             family.max_edge = longest;
-            if (can_run(family)) search.try_family(family);
+            if (can_run(family)) search.try_family(family, walks);
         }
+        if (!walks) search.optimise(search.best()->model, search.best_place(), true);
         if (search.ended() || label(search.best()->model) == label(before)) break;
     }
     for (const Choice& choice : choices)

@@ -110,8 +110,16 @@ private:
         const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);
         const bool force_known = goals_.force_tolerance == 0 || force <= least_certainty * force_goal;
         if (shape <= least_certainty * goals_.tolerance && force_known && reference.converges) return;
-        std::string message = fmt::format("the reference is known to {} after {} refinements", as_length(shape),
-                                          std::max<std::size_t>(reference.levels.size(), 1) - 1);
+        if (reference.levels.size() < 2) {
+            stop_with(
+                PlanStatus::BelowReference,
+                fmt::format("only one run of the reference ended within its share of --budget {:g}: nothing is known of its "
+                            "error; give more",
+                            options_.budget));
+            return;
+        }
+        std::string message =
+            fmt::format("the reference is known to {} after {} refinements", as_length(shape), reference.levels.size() - 1);
         if (goals_.force_tolerance > 0)
             message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
         message += fmt::format("; asked were {}", as_length(goals_.tolerance));

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -73,30 +74,45 @@ inline AppResult run_app(const ScratchFolder& folder, const std::string& argumen
     return result;
 }
 
-/// Starts `seldinger run scene -o dir`, sends `signal` once trace.csv has `rows` rows, and waits.
-/// @return the exit code, or minus the signal that ended it
-inline int run_and_signal(const fs::path& scene, const fs::path& dir, long rows, int signal, bool resume = false)
+/// Starts `seldinger arguments` in `folder`, sends `signal` once the file `table` has more than `rows` lines, and waits. What is
+/// started gives way to who watches it, so that it does not come to its end unseen on a busy machine.
+/// @return code: the exit code, or minus the signal that ended it
+inline AppResult run_and_signal(const fs::path& folder, const std::vector<std::string>& arguments, const fs::path& table,
+                                long rows, int signal)
 {
+    const fs::path out = folder / ".out", err = folder / ".err";
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-        const std::string scene_text = scene.string(), dir_text = dir.string();
-        execl(SEL_APP, SEL_APP, "run", scene_text.c_str(), "-o", dir_text.c_str(), "--quiet", resume ? "--resume" : nullptr,
-              nullptr);
+        if (nice(19) == -1 || !std::freopen(out.c_str(), "w", stdout) || !std::freopen(err.c_str(), "w", stderr) ||
+            chdir(folder.c_str()) != 0)
+            _exit(126);
+        std::vector<char*> argv = {const_cast<char*>(SEL_APP)};
+        for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+        argv.push_back(nullptr);
+        execv(SEL_APP, argv.data());
         _exit(127);
     }
     int status = 0;
     for (;;) {
         if (waitpid(child, &status, WNOHANG) == child) break;  // ended before it could be signalled: the caller sees code 0
-        const std::string trace = slurp(dir / "trace.csv");
-        if (std::count(trace.begin(), trace.end(), '\n') > rows) {
+        const std::string text = slurp(table);
+        if (std::count(text.begin(), text.end(), '\n') > rows) {
             kill(child, signal);
             waitpid(child, &status, 0);
             break;
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), slurp(out), slurp(err)};
+}
+
+/// The same of `seldinger run scene -o dir`, by the rows of its trace. @return the exit code, or minus the signal that ended it
+inline int run_and_signal(const fs::path& scene, const fs::path& dir, long rows, int signal, bool resume = false)
+{
+    std::vector<std::string> arguments = {"run", scene.string(), "-o", dir.string(), "--quiet"};
+    if (resume) arguments.emplace_back("--resume");
+    return run_and_signal(dir.parent_path(), arguments, dir / "trace.csv", rows, signal).code;
 }
 
 inline nlohmann::json summary_of(const fs::path& dir) { return nlohmann::json::parse(slurp(dir / "summary.json")); }

@@ -97,7 +97,7 @@ TEST_SUITE("apps/stability")
         CHECK(cut.out.find("0/7") != std::string::npos);
         CHECK(cut.out.find("7 cells were not finished") != std::string::npos);
         CHECK(slurp(folder.path / "D" / "stability.csv").find("unfinished") != std::string::npos);
-        const AppResult more = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 60"));
+        const AppResult more = run_undrawn(folder, swept("free.toml", sweep + " --cell-budget 1e5"));
         CHECK(more.out.find("7/7") != std::string::npos);
         CHECK(more.out.find("not finished") == std::string::npos);
     }
@@ -106,11 +106,12 @@ TEST_SUITE("apps/stability")
     {
         const ScratchFolder folder;
         // minutes of it: the signal comes long before the end, whatever the machine
-        const AppResult cut = run_app(folder, "stability --row F3 -o D", "timeout --preserve-status -s INT 2");
+        const AppResult cut =
+            run_and_signal(folder.path, {"stability", "--row", "F3", "-o", "D"}, folder.path / "D" / "stability.csv", 1, SIGINT);
         CHECK(cut.code == 130);
         CHECK(cut.error_lines() == 1);
         CHECK(cut.err.find("the same command goes on") != std::string::npos);
-        REQUIRE(fs::exists(folder.path / "D" / "stability.csv"));
+        CHECK(rows_of(folder) >= 1);
         CHECK(fs::exists(folder.path / "D" / "maps.json"));
     }
 }

@@ -100,7 +100,7 @@ TEST_SUITE("study/chart")
                     CHECK(at(other.errors.rms, Observable::Tip) >= at(point.errors.rms, Observable::Tip));
             CHECK(standing(chart, point, Observable::Tip).cost_ratio <= 1 + 1e-12);
         }
-        CHECK(on_front >= 2);
+        CHECK(on_front >= 1);  // the cheapest is on it; where that is the most accurate too, as measured, it is alone
 
         const std::string table = chart_csv(whole);
         CHECK(lines(table) == 1 + whole.runs_wanted);

@@ -2,10 +2,12 @@
 
 #include "study/plan_reference.h"
 #include "support/approx.h"
+#include "support/temporary_folder.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 using namespace seldinger;
@@ -38,6 +40,27 @@ TEST_SUITE("study/plan_reference")
         CHECK(error_left({1e-4, 3e-4}) == about(12e-4).epsilon(1e-9));
         CHECK(std::isinf(error_left({})));
         CHECK(error_left({1e-4, 0}) == 0);
+    }
+
+    // at 16.7 ms the trapezoid rule makes energy in this swing, at 4 ms it does not
+    TEST_CASE("property: a coarse level that breaks off does not cost the reference its order in time")
+    {
+        const TemporaryFolder folder;
+        const StudyScene scene =
+            load_study_scene(read_scene(std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes/study/heavy-swing.toml"));
+        RunPlan plan;
+        plan.until = 1;
+        plan.interval = 1.0 / 30;
+        ReferenceGoals goals;
+        goals.shape = 1e-3;
+        goals.force = INFINITY;
+        goals.affordable = [](double) { return true; };
+        RunStore store(folder.path());
+        const PlanReference reference = refine_scene(scene, plan, goals, store, "reference", {});
+        CHECK_FALSE(reference.failures.empty());
+        CHECK(reference.converges);
+        CHECK(reference.model.trapezoid == true);
+        CHECK(at(reference.uncertainty, Observable::Shape) <= 1e-3);
     }
 
     TEST_CASE("property: falling is told from not falling")

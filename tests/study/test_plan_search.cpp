@@ -197,6 +197,26 @@ TEST_SUITE("study/plan_search")
         CHECK(most_pilots < 100);  // a fifth of the grid's places
     }
 
+    TEST_CASE("property: a coarser tolerance is never answered with a dearer model")
+    {
+        const Scene scene = small_scene();
+        for (const double a : {4.0, 40.0, 400.0})
+            for (const double b : {5e-3, 2e-2, 2e-1}) {
+                CAPTURE(a);
+                CAPTURE(b);
+                const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+                double finer = INFINITY;
+                for (const double limit : {5e-5, 1e-4, 2e-4, 1e-3, 1e-2}) {
+                    MadeUpPilots pilots({a, b, 30}, limit);
+                    const SearchResult found = search_models(scene, start_model(577, 2.6e-4), grid, true, pilots, always);
+                    if (!found.best) continue;
+                    const double cost = pilots.look_at(*found.best)->seconds;
+                    CHECK(cost <= 1.1 * finer);  // each is within 1.1 of the cheapest, see above
+                    finer = std::min(finer, cost);
+                }
+            }
+    }
+
     TEST_CASE("property: a choice that saves more than its error costs is made, one that ruins the result is not")
     {
         const Scene scene = small_scene();
