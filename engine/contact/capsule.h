@@ -51,13 +51,14 @@ private:
     DeviceWall wall_;
     SampleSet samples_;
     std::vector<std::uint32_t> active_, edge_first_;  // samples that have cells, by edges
-    std::vector<std::uint32_t> listed_;             // [samples] stamp of the last step in which the sample was evaluated
-    std::vector<std::uint32_t> some_, some_first_;  // as active_, edge_first_, of the wires that are evaluated now
-    std::vector<EdgeForce> last_edges_;             // scratch
+    std::vector<std::uint32_t> listed_;               // [samples] stamp of the last step in which the sample was evaluated
+    std::vector<std::uint32_t> some_, some_first_;    // as active_, edge_first_, of the wires that are evaluated now
+    std::vector<EdgeForce> last_edges_;               // scratch
     std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
     device::Kernel evaluate_, reduce_;
-    device::Buffer models_, places_, active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
+    device::Buffer models_, places_, active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_,
+        last_edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none
     std::optional<NearWall> near_;            // always there

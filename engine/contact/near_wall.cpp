@@ -68,8 +68,8 @@ void NearWall::launch_find(device::Lane at, std::size_t items, const ContactPara
 void NearWall::launch_distance(device::Lane at, std::size_t items)
 {
     const auto launch = [&](const auto& most) {
-        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, list_, places_,
-                         nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, list_, places_, nodes_.hi_buffer,
+                         nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
     };
     if (context_.float32()) launch(static_cast<float>(lengths_.farthest));
     else launch(lengths_.farthest);

@@ -30,8 +30,8 @@ public:
     [[nodiscard]] bool has_cells(int sample) const { return counts_[sample] > 0; }
     /// Cells that a list has room for: ContactParams::slots of every launch that reads lists. Grows in renew().
     [[nodiscard]] uint slots() const { return slots_; }
-    [[nodiscard]] const device::Buffer& cells() const { return cells_; }             // [samples][slots]
-    [[nodiscard]] const device::Buffer& counts() const { return count_buffer_; }     // [samples]
+    [[nodiscard]] const device::Buffer& cells() const { return cells_; }            // [samples][slots]
+    [[nodiscard]] const device::Buffer& counts() const { return count_buffer_; }    // [samples]
     [[nodiscard]] const device::Buffer& clearances() const { return clearances_; }  // [samples], kernels/shared/clearance.h
 
 private:

@@ -54,8 +54,8 @@ private:
 /// Which queue a chain of launches goes to.
 enum class Lane { Light, Heavy };
 
-/// What a kernel's items are like. Branching: long, each its own way (walks through a tree): on a CPU one item is a work-group, as
-/// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
+/// What a kernel's items are like. Branching: long, each its own way (walks through a tree): on a CPU one item is a work-group,
+/// as private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
 /// Alike: short and without a branch, so that a group is one vector loop.
 enum class Items { Branching, Alike };
 
@@ -95,7 +95,7 @@ public:
 private:
     [[nodiscard]] cl_command_queue queue(Lane lane) const { return queues_[lane == Lane::Light ? 0 : 1]; }
     SharedContext* shared_ = nullptr;
-    cl_command_queue queues_[2] = {nullptr, nullptr};  // light, heavy; the same queue on one device
+    cl_command_queue queues_[2] = {nullptr, nullptr};                         // light, heavy; the same queue on one device
     std::vector<std::tuple<std::string, std::size_t, cl_program>> programs_;  // file, work-group size
     std::string name_;
     bool float32_ = false, cpu_ = false;

@@ -35,7 +35,8 @@ public:
     [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
     /// Largest contact force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
     [[nodiscard]] virtual double largest_force(int wire) const = 0;
-    /// What rounding does to the contact force on a node at the trial [N], at most: no residual is smaller. 0: nothing that counts.
+    /// What rounding does to the contact force on a node at the trial [N], at most: no residual is smaller. 0: nothing that
+    /// counts.
     [[nodiscard]] virtual double rounding(int) const { return 0; }
     /// The wire's last evaluated trial has been taken: the next ones start from there.
     virtual void take(int) {}

@@ -266,7 +266,8 @@ void set_slab(const WallTree& tree, TreeNode& leaf)
     const double extents = half.sum();
     // a step more than needed: kernels compute in float, too
     const double steps = extents > 0 ? most / extents * SEL_SLAB_STEPS + 1 : SEL_SLAB_STEPS + 1;
-    if (steps < SEL_SLAB_STEPS) leaf.count |= a_bits << 3 | b_bits << 13 | (static_cast<std::uint32_t>(std::ceil(steps)) + 1) << 23;
+    if (steps < SEL_SLAB_STEPS)
+        leaf.count |= a_bits << 3 | b_bits << 13 | (static_cast<std::uint32_t>(std::ceil(steps)) + 1) << 23;
 }
 
 std::vector<Item> make_items(const WallMesh& mesh, const Vec3& centre)

@@ -22,8 +22,8 @@ static inline void ahead(const __global void* at, uint bytes) {}
 // Cells of the tree near listed samples (walk.h).
 //   item    one entry of `list`; range rounded up to the work-group size
 //   reads   list [item_count] sample index; models, places [samples]; hi, lo [nodes][3] [m]; tree; vertices [T][9] [m]
-//   writes  clearances [samples]; cells [samples][slots], counts [samples], found [item_count]: how many hold what is within radius + reach + slack,
-//   also beyond `slots`; 0: nothing is
+//   writes  clearances [samples]; cells [samples][slots], counts [samples], found [item_count]: how many hold what is within
+//   radius + reach + slack, also beyond `slots`; 0: nothing is
 SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global const uint* restrict list,
                              __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
                              __global const float* restrict hi, __global const real* restrict lo,
@@ -62,17 +62,14 @@ SEL_KERNEL void contact_distance(const uint item_count, const real most, __globa
 //   item    one entry of `list` (samples with cells, ordered by wire and edge)
 //   reads   ... and touches_t0, hard [samples][2]; clearances [samples]
 //   writes  forces, barys [item_count]; touches [samples][2]; clearances
-SEL_KERNEL void contact_evaluate(const ContactParams par, __global const uint* restrict list,
-                                 __global const SampleModel* restrict models, __global const SamplePlace* restrict places,
-                                 __global const uint* restrict cells, __global const uint* restrict counts,
-                                 __global const TreeNode* restrict nodes, __global const float* restrict vertices,
-                                 __global const uint* restrict rims, __global const float* restrict hi,
-                                 __global const real* restrict lo, __global const real* restrict theta,
-                                 __global const float* restrict hi_t0, __global const real* restrict lo_t0,
-                                 __global const real* restrict theta_t0, __global const TouchState* restrict touches_t0,
-                                 __global TouchState* restrict touches, __global SampleForce* restrict forces,
-                                 __global real* restrict barys, __global const HardState* restrict hard,
-                               __global Clearance* restrict clearances)
+SEL_KERNEL void contact_evaluate(
+    const ContactParams par, __global const uint* restrict list, __global const SampleModel* restrict models,
+    __global const SamplePlace* restrict places, __global const uint* restrict cells, __global const uint* restrict counts,
+    __global const TreeNode* restrict nodes, __global const float* restrict vertices, __global const uint* restrict rims,
+    __global const float* restrict hi, __global const real* restrict lo, __global const real* restrict theta,
+    __global const float* restrict hi_t0, __global const real* restrict lo_t0, __global const real* restrict theta_t0,
+    __global const TouchState* restrict touches_t0, __global TouchState* restrict touches, __global SampleForce* restrict forces,
+    __global real* restrict barys, __global const HardState* restrict hard, __global Clearance* restrict clearances)
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {

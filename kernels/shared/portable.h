@@ -35,7 +35,7 @@ inline vec3 operator-(vec3 a) { return {-a.x, -a.y, -a.z}; }
 inline vec3 operator*(real s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 }  // namespace seldinger
 #else
-    #pragma OPENCL FP_CONTRACT OFF  // default is ON; OFF lets host and device be compared
+    #pragma OPENCL FP_CONTRACT OFF                               // default is ON; OFF lets host and device be compared
     #define SEL_FN static inline __attribute__((always_inline))  // calls copy their records: a fifth of an evaluation
     #define SEL_GLOBAL __global
     #define SEL_BEGIN

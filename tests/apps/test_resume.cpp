@@ -40,7 +40,7 @@ TEST_SUITE("apps/resume")
     TEST_CASE("property: SIGINT is exit 130, SIGTERM 75, SIGKILL whatever it is: resumed, all end with the same bits")
     {
         const ScratchFolder folder;
-        const fs::path scene = folder.write("t.toml", tube_scene(1.0));
+        const fs::path scene = folder.write("t.toml", tube_scene(4.0));
         REQUIRE(run_app(folder, "run t.toml -o whole").code == 0);
 
         const fs::path stopped = folder.path / "stopped";
@@ -48,7 +48,7 @@ TEST_SUITE("apps/resume")
         CHECK(summary_of(stopped)["status"] == "interrupted");
         const long at = summary_of(stopped)["steps"].get<long>();
         CHECK(at >= 300);
-        CHECK(at < 1000);
+        CHECK(at < 4000);
         REQUIRE(run_and_signal(scene, stopped, at / 5 + 30, SIGTERM, true) == 75);
         CHECK(summary_of(stopped)["status"] == "time-limit");
         const AppResult end = run_app(folder, "run t.toml -o stopped --resume");
@@ -77,7 +77,12 @@ TEST_SUITE("apps/resume")
         REQUIRE(run_app(folder, "run s.toml -o whole").code == 0);
         int stops = 0;
         AppResult result;
-        while ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet")).code == 75 && stops < 200) {
+        // the first limit is over before any machine is done, the others let a slow one come to its end
+        const auto part = [&] {
+            const char* limit = stops == 0 ? "1e-6" : "0.15";
+            return run_app(folder, fmt::format("run s.toml -o parts --time-limit {} --resume --quiet", limit));
+        };
+        while ((result = part()).code == 75 && stops < 200) {
             ++stops;
             REQUIRE(result.error_lines() == 1);
             REQUIRE(result.err.find("--resume") != std::string::npos);
@@ -97,8 +102,11 @@ TEST_SUITE("apps/resume")
         const std::string set = " --set scene.start=settled ";
         REQUIRE(run_app(folder, "run s.toml -o whole" + set).code == 0);
         AppResult result;
-        for (int k = 0; k < 200; ++k)
-            if ((result = run_app(folder, "run s.toml -o parts --time-limit 0.15 --resume --quiet" + set)).code != 75) break;
+        for (int k = 0; k < 200; ++k) {
+            const std::string limit = k == 0 ? "1e-6" : "0.15";
+            if ((result = run_app(folder, "run s.toml -o parts --time-limit " + limit + " --resume --quiet" + set)).code != 75)
+                break;
+        }
         REQUIRE(result.code == 0);
         REQUIRE(summary_of(folder.path / "parts")["resumes"].get<int>() >= 1);
         CHECK(summary_of(folder.path / "parts")["state_hash"] == summary_of(folder.path / "whole")["state_hash"]);
@@ -109,7 +117,7 @@ TEST_SUITE("apps/resume")
     {
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(30.0, 1));
-        REQUIRE(run_app(folder, "run s.toml -o D --time-limit 0.1").code == 75);
+        REQUIRE(run_app(folder, "run s.toml -o D --time-limit 1e-6").code == 75);
         const std::string checkpoint = slurp(folder.path / "D/checkpoint.bin");
         const auto refuses = [&](const std::string& names) {
             const AppResult result = run_app(folder, "run s.toml -o D --resume");
