@@ -19,8 +19,8 @@ class Ours final : public Peer {
 public:
     explicit Ours(bool float32)
         : context_(-1, float32),
-          capsule_(context_, "bench/queries.cl", "query_capsule"),
-          nearest_(context_, "bench/queries.cl", "query_nearest")
+          capsule_(context_, "bench/queries.cl", "query_capsule", device::Items::Short),
+          nearest_(context_, "bench/queries.cl", "query_nearest", device::Items::Short)
     {
         name = float32 ? "seldinger, float32" : "seldinger";
     }

@@ -54,10 +54,10 @@ private:
 /// Which queue a chain of launches goes to.
 enum class Lane { Light, Heavy };
 
-/// What a kernel's items are like. Branching: long, each its own way (walks through a tree): on a CPU one item is a work-group,
-/// as private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
-/// Alike: short and without a branch, so that a group is one vector loop.
-enum class Items { Branching, Alike };
+/// What a kernel's items are like. Branching: long, each its own way (walks, contact laws): on a CPU one item is a work-group, as
+/// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
+/// Short: vector loops and queries of half a microsecond, which is what a group of its own would cost.
+enum class Items { Branching, Short };
 
 class Context {
 public:

@@ -22,7 +22,7 @@ double triad(Context& context, Lane lane, std::size_t bytes, int repeats, double
     const Buffer a(context, size), b(context, size), c(context, size);
     double best = 0;
     for (const std::size_t width : {1, 4, 16}) {
-        Kernel kernel(context, file, ("peak_triad_float" + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Alike);
+        Kernel kernel(context, file, ("peak_triad_float" + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Short);
         const double time = median_time(
             [&] {
                 kernel.launch(lane, size / sizeof(float) / width, a, b, c, 0.5f);
@@ -37,7 +37,7 @@ double triad(Context& context, Lane lane, std::size_t bytes, int repeats, double
 double fma_rate(Context& context, Lane lane, const std::string& type, int width, std::size_t size, int repeats)
 {
     const Buffer out(context, fma_items * static_cast<std::size_t>(width) * size);
-    Kernel kernel(context, file, ("peak_fma_" + type + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Alike);
+    Kernel kernel(context, file, ("peak_fma_" + type + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Short);
     const double time = median_time(
         [&] {
             kernel.launch(lane, fma_items, out, 0.999f);
@@ -77,7 +77,7 @@ Peaks measure_peaks(Context& context, Lane lane, int repeats, int mega_bytes)
     context.enter(lane);
     const Buffer data(context, 4096);
     std::vector<char> host(4096, 0);
-    Kernel nothing(context, file, "peak_nothing", Items::Alike);
+    Kernel nothing(context, file, "peak_nothing", Items::Short);
     peaks.launch = median_time(
         [&] {
             nothing.launch(lane, 1, cl_uint{0}, data);
