@@ -136,6 +136,7 @@ void FailureWatch::watch_energy(const WireReadings& now, double work, double car
     if (not_known_yet(last_, seen_.steps)) {
         least_ = balance + contact_storage(now);
         most_stored_ = own;
+        turned_over_ += std::abs(step_work);
         return;
     }
     const double made = balance - least_;

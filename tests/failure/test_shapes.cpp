@@ -130,7 +130,7 @@ TEST_SUITE("failure/shapes")
             double torque = 0, turned = 0;
             run.work = [&](World& world) {
                 const double now = world.readings(0).hand_torque, angle = 4.0 * std::min<long>(world.step_count(), 60),
-                             work = 0.5 * (torque + now) * (angle - turned);
+                             work = -0.5 * (torque + now) * (angle - turned);  // as RunWatch
                 torque = now;
                 turned = angle;
                 return work;
