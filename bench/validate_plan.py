@@ -88,7 +88,7 @@ def scenes(vessels):
          '[[load]]\nat = "tip"\nforce_n = [0.0, 0.002, -0.008]\nramp_s = 0.2\n'),
         ("turned-hook", 0.5, "", 0.34, wire({**HOOK, "length": 0.08}, place=LEVEL), "[integrator]\ndamping_mass_1_s = 20.0\n",
          CLAMP.rstrip() + "\nturn = [[0.0, 0.0], [0.34, 3.0]]\n"),
-        ("drop-on-plane", 1.0, "", 0.4, wire({**NITINOL, "length": 0.2}, place=LEVEL),
+        ("drop-on-plane", 4.0, "", 0.4, wire({**NITINOL, "length": 0.2}, place=LEVEL),
          '[vessel]\nshape = "plane"\norigin = [0.1, 0.0, -0.02]\nnormal = [0.0, 0.0, 1.0]\nsize_m = 0.6\ntriangles = 2000\n', contact(), CLAMP),
         ("tube", 0.2, "", 0.5, wire(LIMP), tube(0.005, 0.12), contact(), feed((0, 0.004, 0), (0.5, 0.054, 0.5), **slanted)),
         ("tube-fine", 0.05, "", 0.4, wire(LIMP), tube(0.005, 0.12), contact(), feed((0, 0.004, 0), (0.5, 0.054, 0.5), **slanted)),
