@@ -39,6 +39,20 @@ std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::*member)
     return list;
 }
 
+NearWall::Lengths near_lengths(const SampleSet& samples, const WallTree& tree, uint law)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (const SampleModel& m : samples.models) least = std::min(least, m.radius);
+    const double slack = 0.4 * least;
+    Vec3 low, high;
+    for (int k = 0; k < 3; ++k) {
+        low[k] = tree.nodes.front().lo[k];
+        high[k] = tree.nodes.front().hi[k];
+    }
+    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
+    return {slack, slack + (law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0), (high - low).norm() + 1};
+}
+
 }  // namespace
 
 CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
@@ -50,12 +64,12 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
                             lumen_radius)),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
+      near_(context, samples_, wall_, nodes_, models_, places_,
+            near_lengths(samples_, tree, kernel_law(setup.wires[0].contact.normal))),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
     const std::size_t n = samples_.models.size();
-    double least = std::numeric_limits<double>::infinity();
-    for (const SampleModel& m : samples_.models) least = std::min(least, m.radius);
     params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
     params_.normal_law = kernel_law(setup.wires[0].contact.normal);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
@@ -79,16 +93,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     some_first_.reserve(most_edges + 1);
     models_ = device::Buffer(context, n * device_size<SampleModel>(context));
     places_ = device::Buffer(context, n * device_size<SamplePlace>(context));
-    const double slack = 0.4 * least;
-    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
-    const double margin = slack + (params_.normal_law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0);
-    Vec3 low, high;
-    for (int k = 0; k < 3; ++k) {
-        low[k] = tree.nodes.front().lo[k];
-        high[k] = tree.nodes.front().hi[k];
-    }
-    near_.emplace(context, samples_, wall_, nodes_, models_, places_, NearWall::Lengths{slack, margin, (high - low).norm() + 1});
-    params_.slots = near_->slots();
+    params_.slots = near_.slots();
     active_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
     first_buffer_ = device::Buffer(context, (most_edges + 1) * sizeof(std::uint32_t));
     some_list_ = device::Buffer(context, n * sizeof(std::uint32_t));
@@ -115,7 +120,7 @@ void CapsuleContact::warm_up()
     none.item_count = 0;
     for (const device::Lane at : {device::Lane::Light, device::Lane::Heavy}) {
         context_.enter(at);
-        near_->warm_up(at, none);
+        near_.warm_up(at, none);
         launch_evaluate(at, 1, none, active_list_);
         reduce_.launch(at, 1, cl_uint{0}, first_buffer_, forces_, barys_, edge_buffer_);
         if (multipliers_) multipliers_->warm_up(at, none, sample_buffers());
@@ -127,10 +132,10 @@ void CapsuleContact::warm_up()
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
     const auto launch = [&](const auto& params) {
-        evaluate_.launch(at, items, params, list, models_, places_, near_->cells(), near_->counts(), wall_.nodes, wall_.vertices,
+        evaluate_.launch(at, items, params, list, models_, places_, near_.cells(), near_.counts(), wall_.nodes, wall_.vertices,
                          wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
                          nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
-                         multipliers_ ? multipliers_->states() : no_multipliers_, near_->clearances());
+                         multipliers_ ? multipliers_->states() : no_multipliers_, near_.clearances());
     };
     if (context_.float32()) launch(narrow(par));
     else launch(par);
@@ -138,7 +143,7 @@ void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const C
 
 SampleBuffers CapsuleContact::sample_buffers() const
 {
-    return {models_, places_, active_list_, near_->cells(), near_->counts(), touches_t0_, touches_, wall_, nodes_};
+    return {models_, places_, active_list_, near_.cells(), near_.counts(), touches_t0_, touches_, wall_, nodes_};
 }
 
 void CapsuleContact::write_places(device::Lane at) { write_records(context_, at, places_, samples_.places, narrow_places_); }
@@ -236,8 +241,8 @@ bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std:
 /// not said
 void CapsuleContact::find_near(std::span<const std::uint8_t> active)
 {
-    const bool renewed = near_->renew(params_);
-    params_.slots = near_->slots();
+    const bool renewed = near_.renew(params_);
+    params_.slots = near_.slots();
     if (renewed || list_stale_) rebuild_active_list(active);
 }
 
@@ -255,7 +260,7 @@ void CapsuleContact::rebuild_active_list(std::span<const std::uint8_t> active)
         for (int k = 0; k < wire.live; ++k) {
             const std::uint32_t s = static_cast<std::uint32_t>(wire.begin + k);
             // once evaluated in this step, always: a record that an earlier trial wrote would pass for the last one's
-            if (!near_->has_cells(static_cast<int>(s)) && listed_[s] != wire.stamp) continue;
+            if (!near_.has_cells(static_cast<int>(s)) && listed_[s] != wire.stamp) continue;
             listed_[s] = wire.stamp;
             const std::uint32_t edge = samples_.places[s].edge;
             if (sums_.wire_edges[w] == static_cast<int>(sums_.edge_node.size()) || sums_.edge_node.back() != edge) {
@@ -497,7 +502,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
     for (WireSamples& wire : samples_.wires) take_bytes(bytes, end, &wire.stamp, 1);
     if (barrier_) barrier_->restore(bytes, end);
     std::fill(listed_.begin(), listed_.end(), 0);
-    near_->forget();
+    near_.forget();
     context_.enter(device::Lane::Light);
     write_records(context_, device::Lane::Light, touches_t0_, touches, narrow_);
     context_.finish(device::Lane::Light);

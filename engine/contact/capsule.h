@@ -56,12 +56,12 @@ private:
     std::vector<EdgeForce> last_edges_;               // scratch
     std::vector<int> last_wire_edges_;
     DeviceNodes nodes_, nodes_t0_;
+    device::Buffer models_, places_;
+    NearWall near_;
     device::Kernel evaluate_, reduce_;
-    device::Buffer models_, places_, active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_,
-        last_edge_buffer_;
+    device::Buffer active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
     device::Buffer touches_t0_, touches_;
     device::Buffer no_multipliers_;           // for the laws that have none
-    std::optional<NearWall> near_;            // always there
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;      // barrier
     std::vector<double> move_limit_;          // [wires] [m]

@@ -23,8 +23,9 @@ struct Place {
 
 class Search {
 public:
-    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on)
-        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on)
+    /// @param scene  whose reader says which families can be run; null: none but the first is tried
+    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on, const Scene* scene = nullptr)
+        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on), scene_(scene)
     {
     }
 
@@ -70,7 +71,7 @@ public:
     /// A family at the winner's place: where it does not meet the goals there, at finer steps that would still be cheaper.
     void try_family(const Model& family, bool walks)
     {
-        if (!best_ || ended_) return;
+        if (!best_ || ended_ || !can_run(family)) return;
         Place place = best_place_;
         const double cost = best_->seconds, error = best_->error;
         const Pilot* pilot = look(family, place);
@@ -84,7 +85,7 @@ public:
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
-    void leave_out(const Choice& choice, double limit, const std::function<bool(const Model&)>& can_run)
+    void leave_out(const Choice& choice, double limit)
     {
         if (!best_ || ended_) return;
         Model family = best_->model;
@@ -99,6 +100,9 @@ public:
     }
 
 private:
+    /// Each choice can be made in the scene as it stands, but not any two of them: float32 has no layer, impulses have neither.
+    [[nodiscard]] bool can_run(const Model& family) const { return scene_ && why_not(family, *scene_).empty(); }
+
     const Pilot* end()
     {
         ended_ = true;
@@ -181,6 +185,7 @@ private:
     const SearchGrid& grid_;
     PilotSource& pilots_;
     const std::function<bool()>& may_go_on_;
+    const Scene* scene_;
     const Pilot* best_ = nullptr;
     Place best_place_;
     bool ended_ = false;
@@ -266,7 +271,7 @@ std::vector<Choice> choices_in(const Scene& scene)
 SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
                            const std::function<bool()>& may_go_on)
 {
-    Search search(grid, pilots, may_go_on);
+    Search search(grid, pilots, may_go_on, &scene);
     Place place = search.place_of(start);
     const Pilot* first = search.look(start, place);
     while (first && !first->meets && (place.step > 0 || place.node > 0)) {
@@ -276,8 +281,6 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
     if (first && first->meets) search.optimise(start, place, false);
 
     const std::vector<Choice> choices = choices_in(scene);
-    // each choice can be made in the scene as it stands, but not any two of them: float32 has no layer, impulses have neither
-    const auto can_run = [&](const Model& family) { return why_not(family, scene).empty(); };
     // Twice: a choice that did not pay before another was made may pay after it. Along staircases only then: a choice can save
     // half of every later pilot, a walk hardly more than a fifth, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
@@ -287,7 +290,7 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
             if (choice.needs_contact && !touches) continue;
             Model family = search.best()->model;
             choice.make(family);
-            if (can_run(family)) search.try_family(family, walks);
+            search.try_family(family, walks);
         }
         // adaptive nodes, their bounds in place of a number
         for (const auto& [shortest, longest] : {std::pair{1e-3, 10e-3}, {2e-3, 20e-3}, {0.5e-3, 5e-3}}) {
@@ -297,13 +300,13 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
             family.nodes = 0;
             family.min_edge = shortest;
             family.max_edge = longest;
-            if (can_run(family)) search.try_family(family, walks);
+            search.try_family(family, walks);
         }
         if (!walks) search.optimise(search.best()->model, search.best_place(), true);
         if (search.ended() || label(search.best()->model) == label(before)) break;
     }
     for (const Choice& choice : choices)
-        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit(), can_run);
+        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit());
     SearchResult result;
     if (search.best()) result.best = search.best()->model;
     result.complete = !search.ended();

@@ -73,7 +73,7 @@ SEL_KERNEL void contact_evaluate(
 {
     const uint item = get_global_id(0);
     if (item < par.item_count) {
-        const uint s = list[item], count = counts[s];
+        const uint s = list[item];
         if (SEL_AHEAD > 0 && item + SEL_AHEAD < par.item_count) {
             const uint then = list[item + SEL_AHEAD];
             ahead(touches_t0 + 2 * then, 2 * sizeof(TouchState));
@@ -81,12 +81,8 @@ SEL_KERNEL void contact_evaluate(
             ahead(models + then, sizeof(SampleModel));
             ahead(forces + item + SEL_AHEAD, sizeof(SampleForce));
         }
-        __global const uint* near = cells + (ulong)s * par.slots;
-        if (is_clear(s, models[s], places[s], near, count, nodes, vertices, hi, lo, touches_t0, touches, clearances + s))
-            forces[item] = no_force(models[s]);
-        else
-            forces[item] = evaluate_sample(s, par, models[s], places[s], near, count, nodes, vertices, rims, hi, lo, theta, hi_t0,
-                                           lo_t0, theta_t0, touches_t0, touches, hard);
+        forces[item] = sample_force(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims,
+                                    hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard, clearances + s);
         barys[item] = places[s].bary;
     }
 }

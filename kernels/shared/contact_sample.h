@@ -216,6 +216,19 @@ SEL_FN int is_clear(uint s, SampleModel m, SamplePlace place, SEL_GLOBAL const u
     return 1;
 }
 
+// What contact_evaluate does for one sample: see is_clear and evaluate_sample.
+SEL_FN SampleForce sample_force(uint s, ContactParams par, SampleModel m, SamplePlace place, SEL_GLOBAL const uint* cells,
+                                uint count, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices,
+                                SEL_GLOBAL const uint* rims, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo,
+                                SEL_GLOBAL const real* theta, SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0,
+                                SEL_GLOBAL const real* theta_t0, SEL_GLOBAL const TouchState* touches_t0,
+                                SEL_GLOBAL TouchState* touches, SEL_GLOBAL const HardState* hard, SEL_GLOBAL Clearance* clearance)
+{
+    if (is_clear(s, m, place, cells, count, nodes, vertices, hi, lo, touches_t0, touches, clearance)) return no_force(m);
+    return evaluate_sample(s, par, m, place, cells, count, nodes, vertices, rims, hi, lo, theta, hi_t0, lo_t0, theta_t0,
+                           touches_t0, touches, hard);
+}
+
 // Sums the samples items[first..last) (consecutive on one edge) in order. barys: of those samples.
 SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const SampleForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
 {

@@ -186,15 +186,10 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
     Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0, found.clearances};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        const uint* cells = found.candidates.data() + at * par.slots;
-        if (is_clear(at, s.models[at], s.places[at], cells, found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.hi.data(),
-                     s.lo.data(), s.touches_t0.data(), out.touches.data(), &out.clearances[at]))
-            out.forces[k] = no_force(s.models[at]);
-        else
-            out.forces[k] = evaluate_sample(at, par, s.models[at], s.places[at], cells, found.counts[at], s.nodes.data(),
-                                            s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(),
-                                            s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
-                                            out.touches.data(), s.hard.data());
+        out.forces[k] = sample_force(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots,
+                                     found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(),
+                                     s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
+                                     s.touches_t0.data(), out.touches.data(), s.hard.data(), &out.clearances[at]);
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -630,18 +625,19 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                        \
-    X(SampleModel, length)                                                                                                   \
-    X(SampleModel, reach)                                                                                                    \
-    X(SampleModel, roll_force)                                                                                               \
-    X(SampleModel, restitution) X(SampleModel, hard_most) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) \
-        X(SamplePlace, shrink) X(HardState, stiffness) X(HardState, live) X(TouchState, point) X(TouchState, gap)            \
-            X(TouchState, friction) X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew)      \
-                X(SampleForce, depth) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
-                    X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)                       \
-                        X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                     \
-                            X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width) \
-                                X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                     \
+    X(SampleModel, length)                                                                                                \
+    X(SampleModel, reach)                                                                                                 \
+    X(SampleModel, roll_force)                                                                                            \
+    X(SampleModel, restitution)                                                                                           \
+    X(SampleModel, hard_most) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink)   \
+        X(HardState, stiffness) X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction)        \
+            X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth)     \
+                X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) \
+                    X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling)            \
+                        X(ContactParams, normal_law) X(ContactParams, inv_dt) X(ContactParams, smooth_speed)              \
+                            X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model)         \
+                                X(LayerPair, last)
 
 void layout_case()
 {
