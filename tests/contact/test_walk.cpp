@@ -1,6 +1,7 @@
 // Cells of the tree in the place of lists of triangles: what is left out must not matter, and little must be left to look at.
 
 #include "contact/wall_fixture.h"
+#include "shared/clearance.h"
 #include "vessel/shapes.h"
 #include "vessel/subdivide.h"
 #include "vessel/tree.h"
@@ -112,6 +113,42 @@ TEST_SUITE("contact/walk")
         REQUIRE(found > 300);
         REQUIRE(opposite > 30);
         REQUIRE(outside > 30);
+    }
+
+    // Samples that wander off from where their lists were found, and ask at every step: what is within the list's range, and what
+    // is not, both come up.
+    TEST_CASE("property: where a sphere says that nothing is touched, no triangle is within radius and reach")
+    {
+        Random draw;
+        const WallTree tree = build_wall_tree(bumpy_tube(6000, 0.003));
+        SampleModel model{};
+        model.radius = r;
+        model.reach = reach;
+        const double slack = 0.4 * r, range = r + reach + slack;
+        std::vector<uint> cells(tree.triangle_count());
+        const vec3 zero = v3(0, 0, 0);
+        int clear = 0, kept = 0, touching = 0;
+        for (int walk = 0; walk < 300; ++walk) {
+            const double a = draw(0, 6.283), rho = 0.003 - r - draw(-0.1, 0.6) * r;
+            vec3 p = v3(draw(-0.01, 0.01), rho * std::cos(a), rho * std::sin(a));
+            const uint count = find_cells(p, zero, range, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(),
+                                          static_cast<uint>(cells.size()), cells.data());
+            Clearance known = found_clearance(p, range, slack, r, count);
+            for (int k = 0; k < 40; ++k) {
+                p = p + v3(draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r);
+                const double before = known.at[0];
+                const int nothing =
+                    touches_nothing(p, zero, model, cells.data(), count, tree.nodes.data(), tree.vertices.data(), &known);
+                const double distance = std::sqrt(nearest_on_wall(tree, tree.centre + Vec3(p.x, p.y, p.z)).distance2);
+                if (nothing) REQUIRE(distance > r + reach);
+                clear += nothing;
+                kept += nothing && known.at[0] == before;
+                touching += distance <= r + reach;
+            }
+        }
+        REQUIRE(clear > 300);
+        REQUIRE(kept > 100);  // by the sphere alone
+        REQUIRE(touching > 300);
     }
 
     TEST_CASE("property: a leaf's slab holds its triangles, and is thin where the wall is flat")
