@@ -25,6 +25,7 @@ struct WireSetup {
     std::vector<HoldSpec> holds;
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
+    std::string start;  // what was done to have it start inside the lumen; empty: nothing
 };
 
 /// What a world is made from. The vessel has been read and repaired already.

@@ -375,6 +375,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const WireSetup& wire = s.setup.wires[0];
     std::vector<std::pair<std::string, std::string>> list;
     list.emplace_back("nodes", describe_nodes(wire));
+    if (!wire.start.empty()) list.emplace_back("start", wire.start);
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
     const IntegratorSpec& integrator = s.setup.integrator;
     list.emplace_back("scheme",

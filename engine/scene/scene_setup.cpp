@@ -2,9 +2,9 @@
 #include "scene/scene.h"
 
 #include "core/error.h"
-#include "rod/place.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_names.h"
+#include "scene/start_inside.h"
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
@@ -84,7 +84,7 @@ public:
     StartPlaces(const LoadedVessel& vessel, bool has_lumen) : vessel_(vessel), has_lumen_(has_lumen) {}
     void check(const Scene& scene, const FeedSpec& feed)
     {
-        const LumenPlace place = locate(feed.point);
+        const LumenPlace place = lumen().locate(feed.point);
         if (place.inside()) return;
         const Vec3& p = feed.point;
         const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
@@ -95,37 +95,20 @@ public:
                          p.x(), p.y(), p.z(), where));
     }
 
-    /// A wire whose axis starts beyond the wall: contact would hold it there, or throw it out.
-    void check(const Scene& scene, const WireSpec& wire)
+    /// @return what was done to have it start inside
+    std::string check(const Scene& scene, WireSpec& wire)
     {
-        RodArrays rods(std::vector<int>{uniform_node_count(wire)});
-        place_wire(rods, 0, wire, vessel_.centreline);
-        const RodView rod = rods.view(0);
-        int worst = -1;
-        double deepest = 0;
-        for (int i = 0; i < rod.n; ++i) {
-            const LumenPlace place = locate(rod.pos(i));
-            // beyond an opening is no wall; nor is the air beside a plane of finite size
-            const double off = std::abs((rod.pos(i) - place.nearest).dot(place.normal));
-            if (place.opening >= 0 || off < (1 - 1e-6) * -place.signed_distance || -place.signed_distance <= deepest) continue;
-            worst = i;
-            deepest = -place.signed_distance;
-        }
-        if (worst < 0) return;
-        const Vec3 p = rod.pos(worst);
-        fail(scene, "wire.place",
-             fmt::format(
-                 "node {}, {:.4g} mm from the tip, at [{:.6g}, {:.6g}, {:.6g}] is {:.4g} mm beyond the wall; expected every node "
-                 "inside the lumen; move place.base or bend the shape",
-                 worst, 1e3 * rod.material_s[worst], p.x(), p.y(), p.z(), 1e3 * deepest));
+        StartInside start = start_inside(wire, vessel_.centreline, lumen());
+        if (!start.refused.empty()) fail(scene, "wire.place", start.refused);
+        return std::move(start.moved);
     }
 
 private:
-    LumenPlace locate(const Vec3& p)
+    LumenQuery& lumen()
     {
         // a plane's border is no opening
         if (!lumen_) lumen_.emplace(vessel_.mesh, has_lumen_ ? vessel_.report.loops : std::vector<BoundaryLoop>{});
-        return lumen_->locate(p);
+        return *lumen_;
     }
 
     const LoadedVessel& vessel_;
@@ -149,13 +132,13 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     const bool has_lumen = first.vessel.shape != VesselShape::None && first.vessel.shape != VesselShape::Plane;
     StartPlaces places(vessel, has_lumen);
     for (const Scene& scene : scenes) {
-        WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links};
+        WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links, {}};
         if (has_lumen) check_size(scene, vessel);
         if (wire.feed.on) {
             place_feed(scene, vessel, wire.feed);
             if (has_lumen) places.check(scene, wire.feed);
         } else if (first.vessel.shape != VesselShape::None) {
-            places.check(scene, wire.wire);
+            wire.start = places.check(scene, wire.wire);
         }
         setup.wires.push_back(std::move(wire));
     }

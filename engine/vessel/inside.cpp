@@ -23,8 +23,14 @@ LumenQuery::LumenQuery(const WallMesh& mesh, const std::vector<BoundaryLoop>& op
       facet_normal_(mesh.triangles.size()),
       vertex_normal_(mesh.vertices.size(), Vec3::Zero()),
       opposite_(opposite_half_edges(mesh, find_edges(mesh))),
-      vertex_rim_(mesh.vertices.size(), -1)
+      vertex_rim_(mesh.vertices.size(), -1),
+      vertex_border_(mesh.vertices.size(), 0)
 {
+    for (std::size_t h = 0; h < opposite_.size(); ++h)
+        if (opposite_[h] < 0)
+            for (const std::int32_t v :
+                 {half_edge_from(mesh, static_cast<std::int32_t>(h)), half_edge_to(mesh, static_cast<std::int32_t>(h))})
+                vertex_border_[static_cast<std::size_t>(v)] = 1;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const Triangle3 tri = triangle_of(mesh, t);
         const Vec3 area = double_area(tri);
@@ -64,6 +70,14 @@ int LumenQuery::rim_of(std::size_t triangle, TriangleFeature feature) const
     return opposite_[3 * triangle + static_cast<std::size_t>(f - 1)] < 0 ? rim(f - 1) : -1;
 }
 
+bool LumenQuery::on_border(std::size_t triangle, TriangleFeature feature) const
+{
+    const int f = static_cast<int>(feature);
+    if (f == 0) return false;
+    if (f >= 4) return vertex_border_[static_cast<std::size_t>(triangles_[triangle][static_cast<std::size_t>(f - 4)])] != 0;
+    return opposite_[3 * triangle + static_cast<std::size_t>(f - 1)] < 0;
+}
+
 LumenPlace LumenQuery::locate(const Vec3& p) const
 {
     LumenPlace place;
@@ -77,6 +91,7 @@ LumenPlace LumenQuery::locate(const Vec3& p) const
     place.normal = length > 0 ? Vec3(pseudo / length) : facet_normal_[triangle];
     const double distance = std::sqrt(hit.distance2);
     place.signed_distance = (p - hit.point).dot(place.normal) >= 0 ? distance : -distance;
+    place.border = on_border(triangle, hit.feature);
     if (const int rim = rim_of(triangle, hit.feature); rim >= 0) {
         const Rim& r = rims_[static_cast<std::size_t>(rim)];
         if ((p - r.centre).dot(r.inward) < -r.tolerance) place.opening = rim;

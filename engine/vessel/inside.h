@@ -14,6 +14,7 @@ struct LumenPlace {
     Vec3 normal = Vec3::UnitZ();  // unit pseudonormal there, into the lumen
     std::int64_t triangle = -1;   // index in WallMesh::triangles
     int opening = -1;             // >= 0: beyond the plane of that opening, left through it
+    bool border = false;          // `nearest` lies where the wall ends
     [[nodiscard]] bool inside() const { return opening < 0 && signed_distance >= 0; }
 };
 
@@ -42,6 +43,7 @@ private:
     };
     [[nodiscard]] Vec3 pseudonormal(std::size_t triangle, TriangleFeature feature) const;
     [[nodiscard]] int rim_of(std::size_t triangle, TriangleFeature feature) const;
+    [[nodiscard]] bool on_border(std::size_t triangle, TriangleFeature feature) const;
 
     WallTree tree_;
     std::vector<std::array<std::int32_t, 3>> triangles_;  // [T]
@@ -49,6 +51,7 @@ private:
     std::vector<Vec3> vertex_normal_;                     // [V] unit
     std::vector<std::int32_t> opposite_;                  // [3 T] half-edge across, -1: none
     std::vector<std::int32_t> vertex_rim_;                // [V] opening that the vertex lies on, -1: none
+    std::vector<std::uint8_t> vertex_border_;             // [V] on an edge of one triangle
     std::vector<Rim> rims_;
 };
 
