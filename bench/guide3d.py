@@ -2,7 +2,7 @@
 """Lets a measured guidewire go in a measured vessel: how far it ends from where it was. One row per frame and roll of the tip goes to a CSV.
 
     guide3d.py [--app build/seldinger] [--phantom ../shared/phantom/guide3d] [--csv bench/results/validation/guide3d.csv]
-               [--rolls 6] [--only 0-bca-angle-4] [--keep FOLDER]
+               [--rolls 4] [--only 0-bca-angle-4] [--keep FOLDER]
 
 The phantom's folder is no part of this project; where it is absent the script says so and ends. Its README says what the shapes are worth:
 the wall is known to 1.5 ... 2 mm, the wire to 0.2 ... 2 mm, stiffness, friction, forces and the roll of the tip are not known at all.
@@ -29,9 +29,11 @@ RADIUS = 0.000445      # [m] of both wires
 MARGIN = 0.0007        # [m] from the axis to the wall, at least, at the start
 EDGE = 0.002           # [m]
 TIP = 0.03             # [m] the part that is left out of the second mean
+SHARES = (0.999, 0.99, 0.98, 0.97)  # of the measured length that the wire has: its edges are chords, and cut corners
+TOO_LONG = "too long"
 USABLE_MM = 3.0        # what the measurement can tell
 COLUMNS = ["video", "frame", "roll_deg", "start_mean_mm", "mean_mm", "max_mm", "mean_without_tip_mm", "max_without_tip_mm", "wire_mm", "steps",
-           "newton_mean", "newton_max", "halved_steps", "overlap_max_um", "exit"]
+           "newton_mean", "newton_max", "halved_steps", "overlap_max_um", "moved", "exit"]
 
 
 def minus(a, b):
@@ -97,19 +99,26 @@ class Wall:
         return at, math.copysign(best, side)
 
 
+def pushed(p, wall):
+    """The point at least MARGIN from the wall."""
+    for _ in range(20):
+        q, clearance = wall.nearest(p)
+        if clearance >= MARGIN - 1e-6:
+            break
+        d = minus(p, q) if clearance > 0 else minus(q, p)
+        p = along(q, MARGIN / math.sqrt(dot(d, d)), d)
+    return p
+
+
 def push_inside(points, wall):
-    """Each point at least MARGIN from the wall; None where the axis between them still is not inside."""
-    inside = []
-    for p in points:
-        for _ in range(20):
-            q, clearance = wall.nearest(p)
-            if clearance >= MARGIN - 1e-6:
-                break
-            d = minus(p, q) if clearance > 0 else minus(q, p)
-            p = along(q, MARGIN / math.sqrt(dot(d, d)), d)
-        inside.append(p)
-    between = [along(a, k / 4, minus(b, a)) for a, b in zip(inside, inside[1:]) for k in range(4)]
-    return inside if all(wall.nearest(p)[1] > 0 for p in between) else None
+    """Points that lie in the wall go inside, the way there evened out; of the shaft between them the engine takes care."""
+    inside = [pushed(p, wall) for p in points]
+    moved = [i for i in range(1, len(points) - 1) if any(inside[k] != points[k] for k in (i - 1, i, i + 1))]
+    for _ in range(10):
+        even = {i: along(inside[i - 1], 0.5, minus(inside[i + 1], inside[i - 1])) for i in moved}
+        for i, p in even.items():
+            inside[i] = pushed(along(inside[i], 0.5, minus(p, inside[i])), wall)
+    return inside
 
 
 def polyline_length(points):
@@ -134,8 +143,8 @@ def section(length, bend, curvature=None):
     return text + (f"rest_curvature_1_m = [{curvature[0]:.3f}, {curvature[1]:.3f}]\n" if curvature else "")
 
 
-def scene_of(frame, placed, roll, gravity, mesh):
-    length = 0.999 * polyline_length(placed)  # chords of a curve are a little shorter
+def scene_of(frame, placed, roll, gravity, mesh, share):
+    length = share * polyline_length(placed)
     points = ", ".join(f"[{p[0]:.6f}, {p[1]:.6f}, {p[2]:.6f}]" for p in placed)
     if "angle" in frame["video"]:
         bend = (98 * math.cos(math.radians(roll)), 98 * math.sin(math.radians(roll)))
@@ -189,12 +198,16 @@ contacts_every = 0
 
 
 def let_go(app, text, folder):
-    """Final axis, base to tip, the run's summary and its trace."""
+    """Final axis, base to tip, the run's summary and its trace; None where the wire cannot be placed."""
     scene, out = os.path.join(folder, "scene.toml"), os.path.join(folder, "run")
     with open(scene, "w") as file:
         file.write(text)
     done = subprocess.run([app, "run", scene, "-o", out, "--overwrite", "--quiet"], capture_output=True, text=True)
-    if not os.path.exists(os.path.join(out, "wire.csv")):
+    if done.returncode == 2 and "beyond the wall" in done.stderr:
+        return None
+    if done.returncode == 2 and "is longer than" in done.stderr:
+        return TOO_LONG
+    if done.returncode not in (0, 4):  # 4: stopped, with the last good state
         sys.exit(f"{scene}: exit {done.returncode}: {done.stderr.strip()}")
     tables = {}
     for name in ("wire", "trace"):
@@ -215,7 +228,7 @@ def row_of(frame, roll, measured, placed, axis, summary, trace, code):
             "mean_without_tip_mm": f"{statistics.mean(away[:-tip]):.2f}", "max_without_tip_mm": f"{max(away[:-tip]):.2f}",
             "wire_mm": f"{1e3 * polyline_length(placed):.1f}", "steps": summary["steps"], "newton_mean": f"{statistics.mean(newton):.2f}",
             "newton_max": summary["newton_max"], "halved_steps": summary["halved_steps"],
-            "overlap_max_um": f"{1e6 * summary['overlap_max_m']:.1f}", "exit": code}
+            "overlap_max_um": f"{1e6 * summary['overlap_max_m']:.1f}", "moved": int("start" in summary["model"]), "exit": code}
 
 
 def distribution(name, values):
@@ -230,7 +243,7 @@ def main():
     parser.add_argument("--app", default="build/seldinger")
     parser.add_argument("--phantom", default="../shared/phantom/guide3d")
     parser.add_argument("--csv", default="bench/results/validation/guide3d.csv")
-    parser.add_argument("--rolls", type=int, default=6)
+    parser.add_argument("--rolls", type=int, default=4)
     parser.add_argument("--only", default="", help="videos or video:frame whose name begins so")
     parser.add_argument("--keep", help="writes the scenes here, too")
     options = parser.parse_args()
@@ -254,21 +267,27 @@ def main():
                 continue
             measured = [tuple(p) for p in frame["points_m"] if p[1] <= INLET_Y]
             placed = push_inside(measured, wall)
-            if placed is None:
-                print(f"{name}: not placed, measured too far beyond the wall", flush=True)
-                continue
             rolls = [360 * k // options.rolls for k in range(options.rolls)] if "angle" in frame["video"] else [0]
             rows = []
             for roll in rolls:
-                text = scene_of(frame, placed, roll, gravity["water" if frame["fluid"] else "air"], mesh)
+                for share in SHARES:
+                    text = scene_of(frame, placed, roll, gravity["water" if frame["fluid"] else "air"], mesh, share)
+                    run = let_go(options.app, text, folder)
+                    if run != TOO_LONG:
+                        break
                 if options.keep:
                     os.makedirs(options.keep, exist_ok=True)
                     with open(os.path.join(options.keep, f"{frame['video']}-{frame['frame']}-{roll}.toml"), "w") as scene:
                         scene.write(text)
-                rows.append(row_of(frame, roll, measured, placed, *let_go(options.app, text, folder)))
+                if run in (None, TOO_LONG):
+                    break
+                rows.append(row_of(frame, roll, measured, placed, *run))
                 table.writerow(rows[-1])
                 file.flush()
                 print(*(f"{k} {v}" for k, v in rows[-1].items()), sep="  ", flush=True)
+            if not rows:
+                print(f"{name}: not placed, measured too far beyond the wall", flush=True)
+                continue
             every += [float(row["mean_mm"]) for row in rows]
             chosen = min(rows, key=lambda row: float(row["mean_mm"]))
             best.append(float(chosen["mean_mm"]))
