@@ -11,7 +11,7 @@ A wire that starts where it was measured is a check of equilibrium, not a predic
 Each wire begins where it was measured (beyond the 20 mm at the inlet that are not to be used), pushed into the lumen where the measured
 points lie in the wall, and is let go without friction for 2.5 s of damped motion. Distances are from the measured points to the axis of the
 simulated wire. Bending stiffness: 5e-4 N m^2; the angled wire 6e-5 over its last 3 cm, 2e-5 with 98 1/m over the last 12 mm, straight over the
-last 3 mm; the straight wire 6e-5 over its tip of 15 cm. All are estimates. Its straight tip has no roll.
+last 3 mm; the straight wire 6e-5, since no more than its tip of 15 cm is inside. All are estimates. A straight tip has no roll.
 """
 import argparse
 import csv
@@ -149,8 +149,9 @@ def scene_of(frame, placed, roll, gravity, mesh, share):
     if "angle" in frame["video"]:
         bend = (98 * math.cos(math.radians(roll)), 98 * math.sin(math.radians(roll)))
         tip = section(0.03, 6e-5) + section(0.012, 2e-5, bend) + section(0.003, 2e-5, (0, 0))
+        stiffness = 5e-4
     else:
-        tip = section(0.15, 6e-5)
+        tip, stiffness = "", 6e-5  # no wire is longer than its tip
     g = ", ".join(f"{9.81 * x:.4f}" for x in gravity)
     return f"""# {frame['video']} frame {frame['frame']}: the measured shape, let go
 [scene]
@@ -164,8 +165,8 @@ record_every = 1
 length_m = {length:.6f}
 radius_m = {RADIUS}
 density = 5000.0
-bend_nm2 = 5e-4
-twist_nm2 = 3.85e-4
+bend_nm2 = {stiffness}
+twist_nm2 = {0.77 * stiffness}
 stretch_n = 1e4
 nodes = {round(length / EDGE) + 1}
 place = {{ shape = "points", points = [{points}] }}
