@@ -92,6 +92,9 @@ public:
     /// the base's tangents. Equal to R where prediction and trial agree, so at the solution.
     void mixed_residual(std::span<double> out) const;
 
+    /// Move of unknown i in a step by the velocity that it has at the start; the node at the hub of a fed wire stands still while
+    /// material moves through it.
+    [[nodiscard]] double known_move(int i) const { return fed() && is_hub(i) ? 0.0 : h * start_velocity_[i]; }
     /// Velocity and acceleration of unknown i at `trial`; of the material, where it passes through the hub.
     [[nodiscard]] double velocity(int i) const;
     [[nodiscard]] double acceleration(int i) const;
@@ -139,7 +142,9 @@ private:
     void velocities(double* out) const;
     void accelerations(double* out) const;
     [[nodiscard]] double actual_tension(int j) const;
+    [[nodiscard]] bool is_hub(int i) const { return i >= 4 * (rod.n - 1) && i < 4 * rod.n - 1; }
     [[nodiscard]] double flow(int i) const;
+    [[nodiscard]] double tension_before(int j) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
