@@ -315,6 +315,8 @@ const TrialState& Solver::trial() const { return trial_; }
 
 double Solver::reaction(int wire, int unknown) const { return work_[wire]->newton.problem.residual[unknown]; }
 
+double Solver::base_tension_excess(int wire) const { return work_[wire]->newton.problem.base_tension_excess(); }
+
 Vec3 Solver::load_force(int wire) const { return work_[wire]->newton.problem.load_force(); }
 
 double Solver::elastic_energy(int wire) const

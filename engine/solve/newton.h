@@ -134,6 +134,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i [N or N m]: the force that the hold exerts on the wire.
     [[nodiscard]] double reaction(int wire, int unknown) const;
+    /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
+    [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;

@@ -139,8 +139,9 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
     if (options_.linearised && phase_ == Phase::Search) {
         // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for
         // instead. Published detection has no such limit, and takes what it gets.
-        if (alpha_ == 1 || std::isinf(move_limit_)) phase_ = Phase::Done;
-        else give_up();
+        if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
+        problem.take_linear_tensions();
+        phase_ = Phase::Done;
         return;
     }
     rounding_ = contact ? contact->rounding(wire) : 0;

@@ -51,6 +51,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     motion = kind;
     conserving_ = spec.conserve && kind == Motion::Implicit;
     end_share_ = conserving_ ? 0.5 : 1;
+    base_excess_ = 0;
     h = step;
     const int n = rod.n;
     for (int i = 0; i < n; ++i) {
@@ -594,6 +595,16 @@ void WireProblem::mixed_residual(std::span<double> out) const
         add_to_node(out, j, excess);
         add_to_node(out, j + 1, -excess);
     }
+}
+
+void WireProblem::take_linear_tensions()
+{
+    const auto excess = [&](int j) { return actual_tension(j) - tension_[j]; };
+    for (int j = 0; j < rod.n - 1; ++j) {
+        add_to_node(residual, j, excess(j) * frames.tangent[j]);
+        add_to_node(residual, j + 1, -excess(j) * frames.tangent[j]);
+    }
+    base_excess_ = excess(rod.n - 2);
 }
 
 void WireProblem::write_velocity(int i, const double* v)
