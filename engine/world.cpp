@@ -199,7 +199,8 @@ void World::Impl::read_results(int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         if (clamps[c].node == hub && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
-    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity)
+    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
+                                             solver->base_tension_excess(wire)
                                        : -result.base_force.dot(rod.tangent(hub - 1));
     result.kinetic = solver->kinetic_energy(wire);
     result.elastic = solver->elastic_energy(wire);

@@ -57,13 +57,10 @@ NearWall::Lengths near_lengths(const SampleSet& samples, const WallTree& tree, u
 
 CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
                                double lumen_radius)
-    : ContactMethod(context, rods),
+    : ContactMethod(context, setup, rods, tree),
       swept_(setup.wires[0].contact.detection == Detection::Swept),
-      wall_(context, tree, setup.mesh),
       samples_(make_samples(per_wire(setup, &WireSetup::wire), per_wire(setup, &WireSetup::contact), setup.vessel, setup.mesh,
                             lumen_radius)),
-      nodes_(context, rods.total_capacity()),
-      nodes_t0_(context, rods.total_capacity()),
       near_(context, samples_, wall_, nodes_, models_, places_,
             near_lengths(samples_, tree, kernel_law(setup.wires[0].contact.normal))),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
@@ -131,10 +128,11 @@ void CapsuleContact::warm_up()
 
 void CapsuleContact::launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list)
 {
+    const DeviceNodes& before = nodes_before();
     const auto launch = [&](const auto& params) {
         evaluate_.launch(at, items, params, list, models_, places_, near_.cells(), near_.counts(), wall_.nodes, wall_.vertices,
-                         wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer,
-                         nodes_t0_.lo_buffer, nodes_t0_.theta_buffer, touches_t0_, touches_, forces_, barys_,
+                         wall_.rims, nodes_.hi_buffer, nodes_.lo_buffer, nodes_.theta_buffer, before.hi_buffer,
+                         before.lo_buffer, before.theta_buffer, touches_t0_, touches_, forces_, barys_,
                          multipliers_ ? multipliers_->states() : no_multipliers_, near_.clearances());
     };
     if (context_.float32()) launch(narrow(par));
@@ -287,15 +285,6 @@ void CapsuleContact::rebuild_active_list(std::span<const std::uint8_t> active)
     list_stale_ = false;
 }
 
-void CapsuleContact::set_nodes(const TrialState& trial)
-{
-    for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
-        const int begin = rods_.node_begin(w);
-        for (int i = begin; i < begin + rods_.node_count(w); ++i)
-            nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
-    });
-}
-
 // What was read back of some wires goes where these wires' sums are.
 void CapsuleContact::spread_sums(std::span<const std::uint8_t> active)
 {
@@ -333,7 +322,7 @@ bool CapsuleContact::pick_some(std::span<const std::uint8_t> active)
 void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
 {
     auto start = Clock::now();
-    set_nodes(trial);
+    set_nodes(nodes_, trial);
     find_near(active);
     const bool part = pick_some(active);
     const std::size_t samples = part ? some_.size() : active_.size();
@@ -342,7 +331,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
     const device::Lane at = lane(samples);
     if (samples > 0) {
         context_.enter(at);
-        nodes_.upload(context_, at);
+        upload_nodes(at);
         if (part) {
             context_.write(at, some_list_, some_.data(), bytes_of(some_));
             context_.write(at, some_first_buffer_, some_first_.data(), bytes_of(some_first_));

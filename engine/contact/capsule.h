@@ -39,7 +39,6 @@ private:
     void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list);
     [[nodiscard]] bool pick_some(std::span<const std::uint8_t> active);
     void spread_sums(std::span<const std::uint8_t> active);
-    void set_nodes(const TrialState& trial);
     [[nodiscard]] device::Lane lane(std::size_t samples) const;
     [[nodiscard]] SampleBuffers sample_buffers() const;
     void write_places(device::Lane at);
@@ -48,14 +47,12 @@ private:
     void start_barrier();
 
     bool swept_;
-    DeviceWall wall_;
     SampleSet samples_;
     std::vector<std::uint32_t> active_, edge_first_;  // samples that have cells, by edges
     std::vector<std::uint32_t> listed_;               // [samples] stamp of the last step in which the sample was evaluated
     std::vector<std::uint32_t> some_, some_first_;    // as active_, edge_first_, of the wires that are evaluated now
     std::vector<EdgeForce> last_edges_;               // scratch
     std::vector<int> last_wire_edges_;
-    DeviceNodes nodes_, nodes_t0_;
     device::Buffer models_, places_;
     NearWall near_;
     device::Kernel evaluate_, reduce_;

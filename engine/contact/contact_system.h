@@ -14,6 +14,7 @@
 #include "vessel/tree.h"
 
 #include <memory>
+#include <optional>
 
 namespace seldinger {
 
@@ -50,6 +51,8 @@ public:
     [[nodiscard]] virtual bool never_overlaps() const { return false; }
     /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
     [[nodiscard]] virtual bool is_clear(RodArrays&, int /*wire*/) { return true; }
+    void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
+                        std::span<const std::uint8_t> active) final;
     /// @param settling  0 or SEL_SETTLE_*
     void set_settling(uint settling) { params_.settling = settling; }
 
@@ -81,10 +84,18 @@ public:
     StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]
 
 protected:
-    ContactMethod(device::Context& context, RodArrays& rods) : context_(context), rods_(rods) {}
+    ContactMethod(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree);
+    /// Where a trial's moves begin: the start of the step, or what stands before it.
+    [[nodiscard]] const DeviceNodes& nodes_before() const { return params_.known ? *nodes_known_ : nodes_t0_; }
+    void set_nodes(DeviceNodes& nodes, const TrialState& state) const;
+    /// Positions that an evaluation needs.
+    void upload_nodes(device::Lane lane);
 
     device::Context& context_;
     RodArrays& rods_;
+    DeviceWall wall_;
+    DeviceNodes nodes_, nodes_t0_;            // at the trial, at the start of the step
+    std::optional<DeviceNodes> nodes_known_;  // see evaluate_start; schemes that start from known velocities only
     ContactParams params_{};
     EdgeSums sums_;
 };

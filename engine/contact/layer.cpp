@@ -37,12 +37,9 @@ double layer_width(double radius, double lumen_radius) { return radius * (0.25 +
 
 LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
                            double lumen_radius)
-    : ContactMethod(context, rods),
+    : ContactMethod(context, setup, rods, tree),
       setup_(setup),
-      wall_(context, tree, setup.mesh),
       typical_radius_(lumen_radius),
-      nodes_(context, rods.total_capacity()),
-      nodes_t0_(context, rods.total_capacity()),
       find_(context, "contact/layer.cl", "layer_find"),
       evaluate_(context, "contact/layer.cl", "layer_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
@@ -185,16 +182,15 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
 {
     const auto start = Clock::now();
     if (!pairs_.empty()) {
-        for (int w = 0; w < rods_.wire_count(); ++w)
-            for (int i = rods_.node_begin(w); i < rods_.node_begin(w) + rods_.node_count(w); ++i)
-                nodes_.set(i, trial.x[i], trial.y[i], trial.z[i], trial.theta[i], wall_.centre);
+        set_nodes(nodes_, trial);
         context_.enter(light);
-        nodes_.upload(context_, light);
+        upload_nodes(light);
         params_.item_count = static_cast<uint>(pairs_.size());
         params_.inv_dt = h > 0 ? 1 / h : 0;
         if (touches_t0_.bytes() == 0) touches_t0_ = device::Buffer(context_, sizeof(TouchState));
+        const DeviceNodes& before = nodes_before();
         evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_.vertices, nodes_.hi_buffer,
-                         nodes_.lo_buffer, nodes_.theta_buffer, nodes_t0_.hi_buffer, nodes_t0_.lo_buffer, nodes_t0_.theta_buffer,
+                         nodes_.lo_buffer, nodes_.theta_buffer, before.hi_buffer, before.lo_buffer, before.theta_buffer,
                          touches_t0_, touches_, forces_, barys_);
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);

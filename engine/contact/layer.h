@@ -38,7 +38,6 @@ private:
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
     const WorldSetup& setup_;
-    DeviceWall wall_;
     double typical_radius_;
     std::vector<std::uint32_t> stamps_;  // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;
@@ -49,7 +48,6 @@ private:
     std::vector<std::uint32_t> paired_edges_;  // [active edges] index among edges_
     std::vector<LayerPair> pairs_;
     std::vector<Key> keys_, last_keys_;  // [pairs], of this and of the last accepted step, both ordered
-    DeviceNodes nodes_, nodes_t0_;
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_,
         edge_sums_, touches_t0_, touches_;

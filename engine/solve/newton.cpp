@@ -26,7 +26,8 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity)
     int most_nodes = 0;
     for (int w = 0; w < rods.wire_count(); ++w) most_nodes = std::max(most_nodes, rods.capacity(w));
     workspaces_ = std::make_unique<Workspaces>(most_nodes);
-    for (auto* array : {&trial_.x, &trial_.y, &trial_.z, &trial_.theta}) array->resize(rods.total_capacity());
+    for (TrialState* state : {&trial_, &before_})
+        for (auto* array : {&state->x, &state->y, &state->z, &state->theta}) array->resize(rods.total_capacity());
     for (auto* mask : {&running_, &evaluate_, &solved_, &again_, &with_spins_}) mask->resize(rods.wire_count());
     first_.resize(rods.wire_count());
     spin_records_.resize(rods.wire_count());
@@ -83,14 +84,36 @@ void Solver::prepare_trials(std::span<const std::uint8_t> active)
     });
 }
 
+/// Contact where the wires that take part in its evaluation start from, with the velocities that they have there.
+void Solver::evaluate_start(double h, bool linearised, ContactTerm& contact)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!evaluate_[w]) continue;
+        const WireProblem& problem = newton_of(w).problem;
+        const int begin = rods_.node_begin(w);
+        for (int i = 0; i < problem.rod.n; ++i) {
+            const auto before = [&](int c) { return problem.start[4 * i + c] - problem.known_move(4 * i + c); };
+            before_.x[begin + i] = before(0);
+            before_.y[begin + i] = before(1);
+            before_.z[begin + i] = before(2);
+            before_.theta[begin + i] = before(3);
+        }
+    }
+    contact.evaluate_start(trial_, before_, h, linearised, evaluate_);
+}
+
 /// Until none is running. A wire takes its decision and sets up its next trial in one go, while its arrays are in the cache.
 void Solver::iterate(double h, ContactTerm* contact)
 {
     const auto any = [](const std::vector<std::uint8_t>& flags) {
         return std::find(flags.begin(), flags.end(), 1) != flags.end();
     };
-    while (any(running_)) {
-        if (contact && any(evaluate_)) contact->evaluate(trial_, h, evaluate_);
+    bool at_start = spec_.scheme == Scheme::Linearised;
+    for (; any(running_); at_start = false) {
+        if (contact && any(evaluate_)) {
+            if (at_start) evaluate_start(h, true, *contact);
+            else contact->evaluate(trial_, h, evaluate_);
+        }
         for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
             prefetch_after(w, SolveStage::Advance);
             if (!running_[w]) return;
@@ -269,7 +292,8 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
 void Solver::evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
 {
     for (int w = 0; w < rods_.wire_count(); ++w) evaluate_[w] = active[w] && newton_of(w).problem.update();
-    if (contact) contact->evaluate(trial_, h, evaluate_);
+    if (contact && h > 0) evaluate_start(h, false, *contact);
+    else if (contact) contact->evaluate(trial_, h, evaluate_);
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (evaluate_[w]) evaluate_[w] = newton_of(w).problem.evaluate_residual(contact, w);
 }
@@ -290,6 +314,8 @@ const RodFrames& Solver::frames(int wire) const { return work_[wire]->newton.pro
 const TrialState& Solver::trial() const { return trial_; }
 
 double Solver::reaction(int wire, int unknown) const { return work_[wire]->newton.problem.residual[unknown]; }
+
+double Solver::base_tension_excess(int wire) const { return work_[wire]->newton.problem.base_tension_excess(); }
 
 Vec3 Solver::load_force(int wire) const { return work_[wire]->newton.problem.load_force(); }
 

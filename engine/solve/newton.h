@@ -25,6 +25,14 @@ public:
     /// Evaluates contact of every wire w with active[w] != 0 at the trial state; h is the step [s]. Static: h = 0 (no damping,
     /// friction anchored at the accepted positions). After the call admissible(w) and add() speak of this trial state.
     virtual void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) = 0;
+    /// The same at the accepted state, from the velocities known there, which have taken the wire from `before` to it within h.
+    /// @param linearised  for one Newton step: force and tangent of add() are those of a function linear in the move from here
+    /// (contact_law.h); else the force alone
+    virtual void evaluate_start(const TrialState& start, const TrialState& /*before*/, double h, bool /*linearised*/,
+                                std::span<const std::uint8_t> active)
+    {
+        evaluate(start, h, active);
+    }
     /// False when the trial overlaps the wall beyond what the law allows (force would be infinite), or moved farther than was
     /// searched.
     [[nodiscard]] virtual bool admissible(int wire) const = 0;
@@ -126,6 +134,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i [N or N m]: the force that the hold exerts on the wire.
     [[nodiscard]] double reaction(int wire, int unknown) const;
+    /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
+    [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;
@@ -151,6 +161,7 @@ private:
                        std::span<const std::uint8_t> active, std::span<SolveReport> reports);
     void evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
     void write_trial(int wire);
+    void evaluate_start(double h, bool linearised, ContactTerm& contact);
     void restore(int wire);
     [[nodiscard]] static double move_limit(const ContactTerm* contact, int wire);
 
@@ -159,7 +170,7 @@ private:
     Vec3 gravity_;
     std::vector<std::unique_ptr<Work>> work_;
     std::unique_ptr<Workspaces> workspaces_;
-    TrialState trial_;
+    TrialState trial_, before_;  // before_: where known velocities come from, see ContactTerm::evaluate_start
     bool best_effort_ = false;
     std::vector<std::uint8_t> solved_, again_;      // [wires] between two rounds of multipliers
     std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact

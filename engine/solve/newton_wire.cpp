@@ -59,12 +59,7 @@ void NewtonWire::start(const NewtonOptions& options, double move_limit)
     if (options.shifted) set_shift_weights();
     if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
 
-    const RodView& rod = problem.rod;
-    for (int i = 0; i < rod.n; ++i) {
-        const double v[4] = {rod.vx[i], rod.vy[i], rod.vz[i], i < rod.n - 1 ? rod.spin_rate[i] : 0.0};
-        for (int c = 0; c < 4; ++c) guess_[4 * i + c] = problem.h * v[c];
-    }
-    if (problem.fed()) std::fill_n(&guess_[4 * (rod.n - 1)], 3, 0.0);  // material moves through the inlet, the node does not
+    for (int i = 0; i < problem.size(); ++i) guess_[i] = problem.known_move(i);
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
     if (move > move_limit) fraction = move_limit / move;
@@ -144,12 +139,14 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
     if (options_.linearised && phase_ == Phase::Search) {
         // Where no move may be longer than contact has searched, a part of the step is no step: half the time is asked for
         // instead. Published detection has no such limit, and takes what it gets.
-        if (alpha_ == 1 || std::isinf(move_limit_)) phase_ = Phase::Done;
-        else give_up();
+        if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
+        problem.take_linear_tensions();
+        phase_ = Phase::Done;
         return;
     }
     rounding_ = contact ? contact->rounding(wire) : 0;
-    if (norm_ <= problem.tolerance + rounding_ && at_prescribed()) {
+    // one linearised step is always taken: what contact has said is of the start, and what it keeps must be of the end
+    if (!options_.linearised && norm_ <= problem.tolerance + rounding_ && at_prescribed()) {
         if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
         if (may_be_saddle() && leave_saddle(contact, wire)) return;
         phase_ = Phase::Done;
@@ -481,7 +478,7 @@ void NewtonWire::correction_at_trial(std::span<const double> residual, std::span
 void NewtonWire::launch()
 {
     direction_norm_ = problem.norm(part(direction_));
-    if (!std::isfinite(direction_norm_) || direction_norm_ == 0) {
+    if (!std::isfinite(direction_norm_) || (direction_norm_ == 0 && !options_.linearised)) {
         give_up();
         non_finite_ = true;
         return;

@@ -51,6 +51,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     motion = kind;
     conserving_ = spec.conserve && kind == Motion::Implicit;
     end_share_ = conserving_ ? 0.5 : 1;
+    base_excess_ = 0;
     h = step;
     const int n = rod.n;
     for (int i = 0; i < n; ++i) {
@@ -71,8 +72,10 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     }
     prescribed[4 * n - 1] = 1;  // no edge begins at the last node
     prescribed_value[4 * n - 1] = start[4 * n - 1];
+    const bool linearised = spec.scheme == Scheme::Linearised && kind == Motion::Implicit;
     for (int j = 0; j < n - 1; ++j)
-        tension_[j] = rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+        tension_[j] = linearised ? tension_before(j)
+                                 : rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
     set_kinematics(spec);
     set_external(gravity);
     set_scales(spec, gravity);
@@ -85,6 +88,20 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     }
     start_usable_ = !conserving_ || update_frames(rod, trial_view(), clamps, start_frames_);
     set_damping(spec);
+}
+
+/// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the geometric
+/// stiffness of stretching). The state at the start of the step has it changed twice: by what was fed since, EA h v/l, which pushes
+/// with tens of newtons until this step has moved the wire on; and by EA phi^2/2 where the edge turned by phi, which no linear
+/// equation has seen and which is gone one step later. As stiffness, the first buckles the base edge and the second holds the wire.
+double WireProblem::tension_before(int j) const
+{
+    const Vec3 now = rod.pos(j + 1) - rod.pos(j);
+    Vec3 move;
+    for (int c = 0; c < 3; ++c) move[c] = known_move(4 * (j + 1) + c) - known_move(4 * j + c);
+    const double length = now.dot((now - move).normalized());
+    const double fed_in = j == rod.n - 2 ? -h * constraints_->hub_flow.dot(now.normalized()) : 0.0;
+    return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
 }
 
 void WireProblem::set_kinematics(const IntegratorSpec& spec)
@@ -249,8 +266,7 @@ bool WireProblem::update()
 /// Of material through a prescribed unknown that stands still: the hub's of a fed wire.
 double WireProblem::flow(int i) const
 {
-    const int axis = i - 4 * (rod.n - 1);
-    return axis >= 0 && axis < 3 ? constraints_->hub_flow[axis] : 0.0;
+    return is_hub(i) ? constraints_->hub_flow[i - 4 * (rod.n - 1)] : 0.0;
 }
 
 double WireProblem::velocity(int i) const
@@ -579,6 +595,16 @@ void WireProblem::mixed_residual(std::span<double> out) const
         add_to_node(out, j, excess);
         add_to_node(out, j + 1, -excess);
     }
+}
+
+void WireProblem::take_linear_tensions()
+{
+    const auto excess = [&](int j) { return actual_tension(j) - tension_[j]; };
+    for (int j = 0; j < rod.n - 1; ++j) {
+        add_to_node(residual, j, excess(j) * frames.tangent[j]);
+        add_to_node(residual, j + 1, -excess(j) * frames.tangent[j]);
+    }
+    base_excess_ = excess(rod.n - 2);
 }
 
 void WireProblem::write_velocity(int i, const double* v)

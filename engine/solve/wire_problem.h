@@ -92,6 +92,14 @@ public:
     /// the base's tangents. Equal to R where prediction and trial agree, so at the solution.
     void mixed_residual(std::span<double> out) const;
 
+    /// Move of unknown i in a step by the velocity that it has at the start; the node at the hub of a fed wire stands still while
+    /// material moves through it.
+    [[nodiscard]] double known_move(int i) const { return fed() && is_hub(i) ? 0.0 : h * start_velocity_[i]; }
+    /// After one linearised step: its own tensions into the residual, in place of those of the trial's shape, which turning by phi
+    /// has raised by EA phi^2/2. Reactions are then forces of the equations that have been solved.
+    void take_linear_tensions();
+    /// Tension of the base edge at the trial beyond that of the equations solved: 0 but for one linearised step [N].
+    [[nodiscard]] double base_tension_excess() const { return base_excess_; }
     /// Velocity and acceleration of unknown i at `trial`; of the material, where it passes through the hub.
     [[nodiscard]] double velocity(int i) const;
     [[nodiscard]] double acceleration(int i) const;
@@ -139,7 +147,9 @@ private:
     void velocities(double* out) const;
     void accelerations(double* out) const;
     [[nodiscard]] double actual_tension(int j) const;
+    [[nodiscard]] bool is_hub(int i) const { return i >= 4 * (rod.n - 1) && i < 4 * rod.n - 1; }
     [[nodiscard]] double flow(int i) const;
+    [[nodiscard]] double tension_before(int j) const;
     void set_kinematics(const IntegratorSpec& spec);
     void set_external(const Vec3& gravity);
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
@@ -165,6 +175,7 @@ private:
 
     const WireConstraints* constraints_ = nullptr;
     bool conserving_ = false, euler_ = false, start_usable_ = true;
+    double base_excess_ = 0;  // [N]
     double end_share_ = 1;    // of the end of the step in what the elastic force is taken from: 1/2 conserving
     RodFrames start_frames_;  // conserving: of q_0
     double velocity_rate_ = 0, acceleration_rate_ = 0, damping_rate_ = 0, damping_mass_ = 0, damping_stiffness_ = 0;

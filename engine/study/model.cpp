@@ -52,6 +52,17 @@ Scene apply(const Model& model, Scene scene)
     if (model.rolling) scene.contact.rolling = *model.rolling;
     if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
     if (model.precision) scene.contact.precision = *model.precision;
+    if (model.restitution) scene.contact.restitution = *model.restitution;
+    if (model.linear_stiffness) {
+        scene.contact.stiffness_from_wall = false;
+        scene.contact.stiffness = *model.linear_stiffness;
+        scene.contact.exponent = 1;
+    }
+    if (model.stretch_stiffness) {
+        scene.wire.shaft.stretch_stiffness = *model.stretch_stiffness;
+        for (WireSectionRange& range : scene.wire.sections) range.section.stretch_stiffness = *model.stretch_stiffness;
+    }
+    if (model.damping_mass) scene.integrator.damping_mass = *model.damping_mass;
     return scene;
 }
 
@@ -87,6 +98,8 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.scheme) set("integrator.scheme", word_of(scheme_words, *model.scheme));
     if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
     if (model.tolerance) set("integrator.tolerance", *model.tolerance);
+    if (model.stretch_stiffness) set("wire.stretch_n", *model.stretch_stiffness);
+    if (model.damping_mass) set("integrator.damping_mass_1_s", *model.damping_mass);
     if (model.spin) set("integrator.spins", word_of(spins_words, *model.spin ? Spins::Kept : Spins::Auto));
     if (scene.vessel.shape == VesselShape::None) return texts;
     if (model.detection) set("contact.detection", word_of(detection_words, *model.detection));
@@ -95,6 +108,8 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.rolling) set("contact.rolling", *model.rolling);
     if (model.elastic_wall) set("vessel.wall", word_of(wall_words, *model.elastic_wall));
     if (model.precision) set("contact.precision", word_of(precision_words, *model.precision));
+    if (model.restitution) set("contact.restitution", *model.restitution);
+    if (model.linear_stiffness) set("contact.stiffness", *model.linear_stiffness), set("contact.exponent", 1);
     return texts;
 }
 
@@ -117,6 +132,10 @@ std::string label(const Model& model)
     if (model.rolling) add(*model.rolling ? "rolling" : "no rolling");
     if (model.elastic_wall) add(*model.elastic_wall ? "elastic wall" : "rigid wall");
     if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
+    if (model.restitution) add(fmt::format("restitution {:g}", *model.restitution));
+    if (model.linear_stiffness) add(fmt::format("wall {:.3g} N/m^2", *model.linear_stiffness));
+    if (model.stretch_stiffness) add(fmt::format("EA {:.3g} N", *model.stretch_stiffness));
+    if (model.damping_mass) add(fmt::format("damping {:.3g} 1/s", *model.damping_mass));
     if (model.spin) add(*model.spin ? "spins kept" : "spins left out");
     return text.empty() ? "as the scene" : text;
 }

@@ -25,6 +25,11 @@ struct Model {
     std::optional<bool> rolling;
     std::optional<bool> elastic_wall;
     std::optional<Precision> precision;
+    // what the published method leaves open, and is searched for its best (study/published.h)
+    std::optional<double> restitution;        // [-]
+    std::optional<double> linear_stiffness;   // of a linear wall in place of the scene's law [N/m^2]
+    std::optional<double> stretch_stiffness;  // EA of the whole wire [N]
+    std::optional<double> damping_mass;       // [1/s]
     std::optional<bool> spin;  // false: spin angles left out of steps whose equations hold without them
 };
 

@@ -7,6 +7,14 @@
 // it was: with moves shorter than the lumen is wide no wall is ever passed.
 //
 // Friction acts at the wire's surface: slip of the surface = tangential move of the axis point - r dtheta (t x n).
+//
+// A linearised step (D5) takes the law at the start, x_0, with the velocity v_0 known there, and must get it as a linear function
+// of the move D = x+ - x_0: with f(x, v) the law and v+ = D/h,
+//   f + df/dx D + df/dv (D/h - v_0):   force f - df/dv v_0 at D = 0, slope df/dx + df/dv / h.
+// For the damped normal law that is the elastic force, and a slope with the known damping factor. Friction that depends on the
+// slip s is taken at the slip s_p = s_0 + h v_0 that the known velocity leads to: force f(s_p) - df/ds h v_0 at D = 0. Taken at
+// D = 0 instead, where no slip is, stuck springs and sgn(v) would glue every contact for the step. `sign` is explicit as published:
+// mu f_n sgn(v_0), without a slope.
 #ifndef SEL_SHARED_CONTACT_LAW_H
 #define SEL_SHARED_CONTACT_LAW_H
 #include "shared/contact_gap.h"
@@ -82,7 +90,19 @@ SEL_FN void add_outer(real* sym, real s, vec3 v, real w)
     sym[9] += s * w * w;
 }
 
-// Friction of one touch: writes its state, adds force and tangent. Surface slip u = P move - r spin c, c = t x n.
+// Slip over a step at which `smooth` and `sign` reach half of the cone [m].
+SEL_FN real smooth_slip(ContactParams par)
+{
+    return par.inv_dt > 0 ? par.smooth_speed / par.inv_dt : par.smooth_speed * (real)1e-3;
+}
+SEL_FN real sign_slip(ContactParams par)
+{
+    const real speed = par.smooth_speed * (real)1e-6;
+    return par.inv_dt > 0 ? speed / par.inv_dt : speed * (real)1e-3;
+}
+
+// Friction of one touch: writes its state, adds force and tangent. Surface slip u = P move - r spin c, c = t x n. Of what is taken
+// from the start of the step (par.known) see the top of this file.
 // @param fn     normal force [N]     dfn  its derivative with depth [N/m]
 SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, ContactParams par, TouchState old, int was_active,
                          real fn, real dfn, TouchState* now, SampleForce* out)
@@ -91,7 +111,9 @@ SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, Cont
     const vec3 c = cross3(mv.tangent, n);
     const vec3 move = mv.move - dot3(mv.move, n) * n - (m.radius * mv.spin) * c;
     const int sticks = par.friction == SEL_FRICTION_STICK_SLIP;
+    const int lagged = par.known && par.friction == SEL_FRICTION_SIGN;
     vec3 slip = move;
+    if (sticks && par.known == SEL_KNOWN_FORCE) slip = make_vec3(0, 0, 0);  // an anchored spring pulls from where it is
     if (sticks && was_active) {
         // the anchor turns with the wall's tangent plane, keeping its length
         const vec3 s = make_vec3(old.slip[0], old.slip[1], old.slip[2]);
@@ -114,22 +136,27 @@ SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, Cont
         across = stuck ? kt : cone / size;
     } else {
         // |f| = cone |u| / (|u| + u_s): `smooth`; `sign` is the same with a millionth of the speed
-        const real scale = par.smooth_speed * (par.friction == SEL_FRICTION_SIGN ? (real)1e-6 : 1);
-        const real us = par.inv_dt > 0 ? scale / par.inv_dt : scale * (real)1e-3;
+        const real us = par.friction == SEL_FRICTION_SIGN ? sign_slip(par) : smooth_slip(par);
         across = cone / (size + us);
         force = across * size;
         along = across * us / (size + us);
     }
     const vec3 d = size > 0 ? (1 / size) * slip : make_vec3(0, 0, 0);
     const real arm = -m.radius;  // torque of a surface force g about the tangent: arm (c . g)
-    const vec3 f = -force * d;
+    vec3 f = -force * d;
+    if (par.known == SEL_KNOWN_LINEAR && !lagged) {
+        const real ahead = dot3(d, move);
+        f = f + across * (move - ahead * d) + (size > 0 ? along * ahead : (real)0) * d;
+    }
     out->force[0] += f.x;
     out->force[1] += f.y;
     out->force[2] += f.z;
     out->force[3] += arm * dot3(c, f);
     // slip plane: d and e = n x d
     const vec3 e = cross3(n, d);
-    if (size > 0) {
+    if (lagged) {
+        dfn = 0;
+    } else if (size > 0) {
         add_outer(out->sym, along, d, arm * dot3(c, d));
         add_outer(out->sym, across, e, arm * dot3(c, e));
     } else {
@@ -179,7 +206,7 @@ SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int
     if (par.normal_law == SEL_NORMAL_DAMPED) {
         if (depth <= 0) return 0;
         const real force = normal_law(depth, rate, approach, par.inv_dt, m, slope);
-        if (fresh && rate > m.speed_floor) {  // v- is this step's own rate: the factor 1 + beta does not change with depth
+        if (fresh && rate > m.speed_floor && !par.known) {  // v- is this step's own rate: the factor 1 + beta does not change with depth
             (void)elastic_normal(depth, m, slope);
             *slope *= 1 + m.damping;
         }
@@ -196,21 +223,26 @@ SEL_FN real touch_force(real depth, real depth_t0, real rate, real approach, int
 // Rolling resistance (D10): an angle spring anchored at the contact that yields at M = roll_arm a fn.
 // @param g  gradient of the gap     sunk, dsunk  depth that a is reckoned from, and its derivative with the touch's depth
 // @param dfn  derivative of fn with depth [N/m]
-SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, TouchState old, int was_active, real sunk, real dsunk, real fn,
-                        real dfn, TouchState* now, SampleForce* out)
+SEL_FN void add_rolling(vec3 g, SampleModel m, SampleMove mv, ContactParams par, TouchState old, int was_active, real sunk,
+                        real dsunk, real fn, real dfn, TouchState* now, SampleForce* out)
 {
     if (m.roll_arm <= 0 || mv.fresh) return;
     const real half_width = sqrt(m.roll_depth * sunk + m.roll_force * fn / m.weight);
     const real most = m.roll_arm * half_width * fn;
     // the spring is as stiff as the surface's tangential one at the wire's radius, so that it adds no softer mode
     const real k = m.friction_stiffness * m.weight * m.radius * m.radius;
-    const real angle = (was_active ? old.roll : 0) + mv.spin;
+    if (par.known && par.friction == SEL_FRICTION_SIGN) {  // M sgn(omega) as published, regularised as sgn(v) is
+        out->force[3] -= most * mv.spin / (fabs(mv.spin) + sign_slip(par) / m.radius);
+        return;
+    }
+    const real angle = (was_active ? old.roll : 0) + (par.known == SEL_KNOWN_FORCE ? 0 : mv.spin);
     const real trial = k * fabs(angle);
     const real moment = trial < most ? trial : most;
     const real sign = angle < 0 ? (real)-1 : (real)1;
     out->force[3] -= sign * moment;
     if (trial < most) {
         out->sym[9] += k;
+        if (par.known == SEL_KNOWN_LINEAR) out->force[3] += k * mv.spin;
     } else if (half_width > 0) {
         // -dM/dx = sign dM/d(depth) (-g)
         const real widening = (m.roll_depth * dsunk + m.roll_force * dfn / m.weight) / (2 * half_width);
@@ -242,7 +274,7 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     const real size = sqrt(dot3(touch.normal, touch.normal));
     const vec3 n = size > 0 ? (1 / size) * touch.normal : touch.normal;
     // without a last gap the rate follows from the move
-    const real depth_t0 = fresh ? touch.depth + dot3(n, mv.move) : -old.gap;
+    const real depth_t0 = fresh || par.known ? touch.depth + dot3(n, mv.move) : -old.gap;
     const real rate = (touch.depth - depth_t0) * par.inv_dt;
     real approach = was_active ? old.approach : (fresh ? rate : old.rate);
     approach = max_r(approach, m.speed_floor);
@@ -260,11 +292,13 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     now->point[2] = p_centre.z + touch.to_wall.z;
     out->depth = max_r(out->depth, touch.depth);
     if (touch.outside) out->flags |= SEL_SAMPLE_OUTSIDE;
-    if (blocked(touch.depth, depth_t0, mv.shrink, m, par)) out->flags |= SEL_SAMPLE_BLOCKED;
+    if (!par.known && blocked(touch.depth, depth_t0, mv.shrink, m, par)) out->flags |= SEL_SAMPLE_BLOCKED;
     real slope;
     const real per_metre = touch_force(touch.depth, depth_t0, rate, approach, fresh, old.rate, mv.shrink, m, par, hard, &slope);
-    const real fn = m.weight * per_metre;
-    if (fn <= 0) return;
+    if (per_metre <= 0) return;
+    const int lagged = par.known == SEL_KNOWN_LINEAR && par.friction == SEL_FRICTION_SIGN;
+    real ignored;
+    const real fn = m.weight * (par.known == SEL_KNOWN_LINEAR ? elastic_normal(touch.depth, m, &ignored) : per_metre);
     const real dfn = m.weight * slope;
     const vec3 g = touch.normal;
     const real pushed = fn * size;  // |fn g|: between two facets the blended gradient g of the depth is a little shorter than 1
@@ -283,18 +317,19 @@ SEL_FN void add_touch(Touch touch, vec3 p_centre, SampleModel m, SampleMove mv, 
     out->normal_sum += pushed;
     out->contacts += 1;
     const real dpushed = dfn * size;
+    const real held = lagged ? m.weight * per_metre * size : pushed;  // the force that friction goes by
     if (par.normal_law == SEL_NORMAL_CONSTRAINT && hard.live) {
-        SampleModel held = m;
-        held.friction_stiffness = SEL_TANGENTIAL * hard.stiffness;
-        add_friction(touch, n, held, mv, par, held_by_multiplier(old, hard, held.friction_stiffness, was_active), 1, pushed,
+        SampleModel anchored = m;
+        anchored.friction_stiffness = SEL_TANGENTIAL * hard.stiffness;
+        add_friction(touch, n, anchored, mv, par, held_by_multiplier(old, hard, anchored.friction_stiffness, was_active), 1, pushed,
                      dpushed, now, out);
     } else {
-        add_friction(touch, n, m, mv, par, old, was_active, pushed, dpushed, now, out);
+        add_friction(touch, n, m, mv, par, old, was_active, held, dpushed, now, out);
     }
     const int soft = par.normal_law == SEL_NORMAL_DAMPED;
     const real sunk = soft ? touch.depth : depth_carrying(per_metre, m);
     const real dsunk = soft ? (real)1 : sunk * slope / (m.exponent * per_metre);
-    add_rolling(g, m, mv, old, was_active, sunk, dsunk, pushed, dpushed, now, out);
+    add_rolling(g, m, mv, par, old, was_active, sunk, dsunk, held, dpushed, now, out);
 }
 
 SEL_END

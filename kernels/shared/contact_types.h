@@ -126,6 +126,11 @@ typedef struct EdgeForce {
 #define SEL_SETTLE_STUCK 1u    // every touch sticks, whatever the cone
 #define SEL_SETTLE_SLIDING 2u  // every touch has slid to where it is: its cone is that of mu_sliding
 
+// What a step of one Newton iteration, or an explicit one, takes contact from: the state at its start and the velocity known there.
+// Where the step starts (`hi_t0`, `theta_t0`) is then where that velocity comes from in inv_dt, so that `move` is the known one.
+#define SEL_KNOWN_LINEAR 1u  // linearised (D5): force and tangent as functions of the move from the start of the step
+#define SEL_KNOWN_FORCE 2u   // explicit: the force alone
+
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
@@ -133,7 +138,7 @@ typedef struct ContactParams {
     uint friction;    // SEL_FRICTION_*
     uint settling;    // SEL_SETTLE_*, scene start = "settled"; 0: not settling
     uint normal_law;  // SEL_NORMAL_*
-    uint pad;
+    uint known;       // SEL_KNOWN_*; 0: the law at the trial, moves are those of the step
     real inv_dt;        // [1/s]; 0 in static equilibrium: no damping
     real blend;         // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;  // regularisation of `smooth` [m/s]

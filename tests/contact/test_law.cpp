@@ -361,13 +361,13 @@ TEST_SUITE("contact/law")
             mv.spin = 1;  // [rad] far beyond what the spring holds
             TouchState now{};
             SampleForce out{};
-            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &out);
+            add_rolling(v3(0, 0, 1), m, mv, ContactParams{}, TouchState{}, 0, 0, 1, force, 0, &now, &out);
             CHECK(out.rolling_sum / force == about(k).epsilon(1e-6));
             CHECK(out.force[3] == about(-k * force).epsilon(1e-6));
             // below yield: a spring
             mv.spin = 1e-9;
             SampleForce small{};
-            add_rolling(v3(0, 0, 1), m, mv, TouchState{}, 0, 0, 1, force, 0, &now, &small);
+            add_rolling(v3(0, 0, 1), m, mv, ContactParams{}, TouchState{}, 0, 0, 1, force, 0, &now, &small);
             CHECK(small.force[3] == about(-small.sym[9] * 1e-9).epsilon(1e-9));
         }
         // stress terms enter as stated

@@ -362,6 +362,7 @@ void evaluate_case()
                 s.par.friction = friction;
                 s.par.inv_dt = static_cast<real>(n == 65 ? 0 : 1000);
                 s.par.settling = n == 64 ? SEL_SETTLE_STUCK : n == 63 ? SEL_SETTLE_SLIDING : 0u;
+                s.par.known = n == 257 ? SEL_KNOWN_LINEAR : n == 1 ? SEL_KNOWN_FORCE : 0u;
                 const std::vector<uint> list = up_to(n);
                 const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
                 REQUIRE((n == 0 || *std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots));
