@@ -1,6 +1,7 @@
 #include "study/chart_models.h"
 
 #include "scene/scene_names.h"
+#include "study/published.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -72,19 +73,23 @@ void add_grid(Collection& models, const char* family, std::initializer_list<int>
             for (const int n : nodes) models.add(family, grid_name(n, dt, scheme), basis(n, dt, scheme));
 }
 
-void add_published(Collection& models, bool quick)
+void add_published(Collection& models, const Scene& scene, bool quick)
 {
     const auto add = [&](int nodes, double dt, Detection detection) {
-        Model model = basis(nodes, dt, Scheme::Linearised);
-        model.detection = detection;
-        model.normal = NormalLaw::LankaraniNikravesh;
-        model.friction = FrictionLaw::Sign;
+        Model model = published_method(detection);
+        model.nodes = nodes;
+        model.dt = dt;
         const bool layer = detection == Detection::Layer;
         models.add("published", fmt::format("published{} {} · {}", layer ? "" : " laws, capsule", nodes, step_name(dt)), model)
             .published = layer;
     };
     add(usual_nodes, 1 * ms, Detection::Layer);
     add(usual_nodes, frame, Detection::Layer);
+    const std::string benchmark = scene.source.stem().string();
+    for (const bool display : {false, true}) {
+        const Model best = published_at_best(benchmark, display);
+        models.add("published best", fmt::format("{} · {}", best.name, step_name(*best.dt)), best).published = true;
+    }
     add(usual_nodes, 1 * ms, Detection::Capsule);
     if (quick) return;
     for (const int nodes : {51, 201}) add(nodes, 1 * ms, Detection::Layer);
@@ -214,7 +219,7 @@ std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::
     }
     add_adaptive(models, quick);
     if (touches) {
-        add_published(models, quick);
+        add_published(models, scene, quick);
         add_contact_choices(models, scene, quick);
     } else {
         add_swinging(models, quick);

@@ -12,7 +12,7 @@ namespace seldinger {
 struct ChartModel {
     Model model;             // named
     std::string family;      // "nodes", "step", "cheap", "adaptive", "detection", ... : one colour or marker each
-    bool published = false;  // one linearised step, layer, Lankarani-Nikravesh, sgn(v) friction
+    bool published = false;  // the published method, as printed or at its best (study/published.h)
     std::string refused;     // why this build cannot run it here; empty when it can
 };
 

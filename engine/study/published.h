@@ -1,0 +1,18 @@
+#pragma once
+// The published method as models. Where its description is silent, what was assumed is in docs/published-method.md.
+
+#include "study/model.h"
+
+#include <string_view>
+
+namespace seldinger {
+
+/// One linearised step, Lankarani-Nikravesh damping, sgn(v) friction, in the published layer or another detection.
+[[nodiscard]] Model published_method(Detection detection = Detection::Layer);
+
+/// The same with the settings under which it does most in a benchmark, as bench/published_at_best.py has found them; in scenes that
+/// were not searched, with those that did best in most.
+/// @param benchmark  study/benchmarks.h  @param frame  in steps of a display, 1/60 s; else in any step
+[[nodiscard]] Model published_at_best(std::string_view benchmark, bool frame);
+
+}  // namespace seldinger
