@@ -102,12 +102,12 @@ struct StepReport {
 /// Per-wire readings of the accepted state.
 struct WireReadings {
     double inserted = 0;  // advance since the start [m]
-    double turned = 0;    // [rad]
+    double turned = 0;    // by the feed, right-handed about the direction of insertion [rad]
     int nodes = 0, contacts = 0;
     double contact_length = 0;                                   // metres of wire in contact
     double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
     double rolling = 0;                                          // sum of |moment| [N m]
-    double hand_force = 0, hand_torque = 0;
+    double hand_force = 0, hand_torque = 0;  // its work per length pushed in [N], per angle turned as `turned` is [N m]
     Vec3 base_force = Vec3::Zero();
     double overlap = 0;                                  // deepest overlap [m] >= 0
     double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0

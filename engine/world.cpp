@@ -176,6 +176,23 @@ void World::Impl::restore_wire(int wire)
     wire_time[wire] = time_backup[wire];
 }
 
+namespace {
+
+/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length: what a clamp prescribes, else the edge's
+/// own, which is that of its middle, turned on by half an edge of the curvature next to it.
+Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
+{
+    const int hub = rod.n - 1;
+    for (const RodClamp& clamp : clamps)
+        if (clamp.node == hub && clamp.direction) return clamp.tangent;
+    const Vec3 last = rod.tangent(hub - 1);
+    if (rod.n < 3) return last;
+    const double onward = 0.5 * rod.rest_length[hub - 1] / rod.voronoi_length(hub - 1);
+    return (last + onward * (last - rod.tangent(hub - 2))).normalized();
+}
+
+}  // namespace
+
 void World::Impl::read_results(int wire, double h)
 {
     WireResult& result = results[wire];
@@ -201,7 +218,7 @@ void World::Impl::read_results(int wire, double h)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
     result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
                                              solver->base_tension_excess(wire)
-                                       : -result.base_force.dot(rod.tangent(hub - 1));
+                                       : -result.base_force.dot(hub_tangent(rod, clamps));
     result.kinetic = solver->kinetic_energy(wire);
     result.elastic = solver->elastic_energy(wire);
     result.gravitational = solver->potential_energy(wire);

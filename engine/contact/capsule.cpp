@@ -437,6 +437,17 @@ std::string CapsuleContact::describe_law(const SampleModel& m) const
     }
 }
 
+namespace {
+
+std::string describe_limit(const SampleModel& m)
+{
+    if (m.depth_exact <= 0) return fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit);
+    return fmt::format("{:.3g} mm, half the radius; the stiffness as given to {:.3g} mm", 1e3 * m.depth_limit,
+                       1e3 * m.depth_exact);
+}
+
+}  // namespace
+
 std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() const
 {
     const WireSamples& wire = samples_.wires[0];
@@ -448,7 +459,7 @@ std::vector<std::pair<std::string, std::string>> CapsuleContact::describe() cons
             {"damping", fmt::format("beta {:.4g}, approach speed not below {:.3g} m/s", m.damping, m.speed_floor)},
             {"friction stiffness",
              fmt::format("{:.4g} N/m^2 per metre (2/3 of the normal one under the wire's own weight)", m.friction_stiffness)},
-            {"overlap limit", fmt::format("{:.3g} mm, half the smaller of wall thickness and radius", 1e3 * m.depth_limit)}};
+            {"overlap limit", describe_limit(m)}};
 }
 
 // Records that no contact of the last step wrote are leftovers: they have no say in what comes, nor may they in the bytes saved.

@@ -24,7 +24,7 @@ inline constexpr int record_words = 0;
 template <>
 inline constexpr WordRun record_words<double>[] = {{1, true}};
 template <>
-inline constexpr WordRun record_words<SampleModel>[] = {{20, true}};
+inline constexpr WordRun record_words<SampleModel>[] = {{21, true}};
 template <>
 inline constexpr WordRun record_words<SamplePlace>[] = {{2, false}, {2, true}, {2, false}, {1, true}};
 template <>

@@ -160,7 +160,7 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centrelin
         rod.set_vel(i, place.velocity);
         rod.ax[i] = rod.ay[i] = rod.az[i] = 0;
         rod.theta[i] = rod.spin_acc[i] = rod.ref_twist[i] = 0;
-        rod.spin_rate[i] = place.spin_rate;
+        rod.spin_rate[i] = 0.0 - place.spin_rate;  // theta turns about the edges' tangents, which point against insertion
         if (i > 0) u = ring ? (n - i) * h : next_at_chord(curve, u, rod.pos(i), h);
         if (u > curve.length * (1 + 1e-9))
             throw Error(ExitCode::BadScene,

@@ -46,7 +46,7 @@ struct WirePlacement {
     std::vector<Vec3> points;        // Points: from base to tip [m]
     bool rest_is_placed = false;     // stress-free shape is the placed one
     Vec3 velocity = Vec3::Zero();    // initial [m/s]
-    double spin_rate = 0;            // initial [rad/s]
+    double spin_rate = 0;            // initial, right-handed about the direction of insertion [rad/s]
 };
 
 /// Integrated curvature of a node whose edges turn by phi (rod/curvature.h): phi itself, or 2 tan(phi/2) as published.

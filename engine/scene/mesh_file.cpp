@@ -1,19 +1,17 @@
-// Mesh files to WallMesh: STL, OBJ and PLY through Assimp after checks that it leaves out, VTK's own by vtk_*.cpp.
+// Mesh files to WallMesh. Every reader hands on doubles: coordinates are rounded to float32 only when the mesh has been centred
+// (vessel/tree.cpp).
 #include "scene/mesh_file.h"
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "scene/ply_read.h"
+#include "scene/stl_obj_read.h"
 #include "scene/vtk_legacy.h"
-
-#include <assimp/scene.h>
-#include <assimp/Importer.hpp>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
-#include <cstring>
-#include <string_view>
+#include <cmath>
 
 namespace seldinger {
 namespace {
@@ -84,76 +82,18 @@ WallMesh from_polydata(const PolyData& data)
     return mesh;
 }
 
-/// What Assimp accepts in silence: a binary STL whose count does not fit its size, an ASCII one that stops half-way.
-void check_stl(const std::filesystem::path& path, const std::string& bytes)
+/// Half of the last bit of the largest coordinate, where no coordinate holds more than a float32 does; else 0. In the file's
+/// unit.
+double float32_rounding(const std::vector<Vec3>& vertices)
 {
-    if (bytes.size() >= 84) {
-        std::uint32_t count;
-        std::memcpy(&count, bytes.data() + 80, 4);
-        if (bytes.size() == 84 + 50 * static_cast<std::uint64_t>(count)) {
-            if (count == 0) bad_file(path, "holds no triangle");
-            return;
+    double largest = 0;
+    for (const Vec3& v : vertices)
+        for (const double c : v) {
+            if (!std::isfinite(c)) continue;
+            if (static_cast<double>(static_cast<float>(c)) != c) return 0;
+            largest = std::max(largest, std::abs(c));
         }
-    }
-    const bool text = bytes.compare(0, 5, "solid") == 0 && bytes.find("facet") != std::string::npos;
-    if (!text) {
-        if (bytes.size() < 84) bad_file(path, fmt::format("{} bytes are too few for an STL file", bytes.size()));
-        std::uint32_t count;
-        std::memcpy(&count, bytes.data() + 80, 4);
-        bad_file(path, fmt::format("the header announces {} triangles, the file has room for {}: truncated or damaged", count,
-                                   (bytes.size() - 84) / 50));
-    }
-    if (bytes.find("endsolid") == std::string::npos) bad_file(path, "ASCII STL without \"endsolid\": truncated");
-}
-
-/// Faces that a PLY header announces, to be compared with what arrived.
-long announced_ply_faces(const std::filesystem::path& path, const std::string& bytes)
-{
-    if (bytes.compare(0, 3, "ply") != 0) bad_file(path, "does not begin with \"ply\"");
-    const std::size_t end = bytes.find("end_header"), at = bytes.find("element face ");
-    if (end == std::string::npos) bad_file(path, "the PLY header has no end_header: truncated");
-    if (at == std::string::npos || at > end) bad_file(path, "holds no faces");
-    long count = -1;
-    std::from_chars(bytes.data() + at + 13, bytes.data() + end, count);
-    if (count <= 0) bad_file(path, "holds no faces");
-    return count;
-}
-
-WallMesh read_with_assimp(const std::filesystem::path& path, const std::string& extension)
-{
-    long announced = 0;
-    {
-        const std::string bytes = read_file(path);
-        if (extension == ".stl") check_stl(path, bytes);
-        if (extension == ".ply") announced = announced_ply_faces(path, bytes);
-    }
-    Assimp::Importer importer;
-    // no post-processing: Assimp's own triangulation trusts indices, and crashes on a truncated PLY
-    const aiScene* scene = importer.ReadFile(path.string(), 0);
-    if (!scene) bad_file(path, importer.GetErrorString());
-    WallMesh mesh;
-    long faces = 0;
-    std::vector<std::int32_t> corners;
-    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-        const aiMesh& part = *scene->mMeshes[m];
-        const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-        for (unsigned v = 0; v < part.mNumVertices; ++v)
-            mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
-        for (unsigned f = 0; f < part.mNumFaces; ++f, ++faces) {
-            corners.clear();
-            for (unsigned c = 0; c < part.mFaces[f].mNumIndices; ++c) {
-                const unsigned index = part.mFaces[f].mIndices[c];
-                if (index >= part.mNumVertices)
-                    bad_file(path, fmt::format("face {} names vertex {}, only {} exist: truncated or damaged", faces, index,
-                                               part.mNumVertices));
-                corners.push_back(first + static_cast<std::int32_t>(index));
-            }
-            triangulate(mesh.vertices, corners, mesh);  // leaves points and lines out
-        }
-    }
-    if (faces < announced)
-        bad_file(path, fmt::format("the header announces {} faces, {} could be read: truncated or damaged", announced, faces));
-    return mesh;
+    return largest > 0 ? 0.5 * std::exp2(std::ilogb(largest) - 23) : 0;
 }
 
 }  // namespace
@@ -168,7 +108,7 @@ double metres_per_unit(const std::string& units)
     throw Error(ExitCode::BadScene, fmt::format("units: \"{}\" given; m, cm, mm, um or in expected", units));
 }
 
-WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read)
+WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read, double* rounding)
 {
     const double scale = metres_per_unit(units);
     const std::string extension = lower_extension(path);
@@ -178,9 +118,12 @@ WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, 
     WallMesh mesh;
     if (extension == ".vtp") mesh = from_polydata(read_poly_data(path));
     else if (extension == ".vtk") mesh = from_polydata(read_legacy_vtk(path));
-    else if (extension == ".stl" || extension == ".obj" || extension == ".ply") mesh = read_with_assimp(path, extension);
+    else if (extension == ".stl") mesh = from_polydata(parse_stl(read_file(path), path.string()));
+    else if (extension == ".obj") mesh = from_polydata(parse_obj(read_file(path), path.string()));
+    else if (extension == ".ply") mesh = from_polydata(parse_ply(read_file(path), path.string()));
     else bad_file(path, fmt::format("unknown mesh format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected", extension));
     if (mesh.triangles.empty()) bad_file(path, "holds no triangle");
+    if (rounding) *rounding = scale * float32_rounding(mesh.vertices);
     for (Vec3& v : mesh.vertices) v *= scale;
     if (triangles_read) *triangles_read = static_cast<long>(mesh.triangles.size());
     return mesh;

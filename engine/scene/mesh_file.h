@@ -14,8 +14,11 @@ namespace seldinger {
 
 /// Triangles of an STL (binary, ASCII), OBJ, PLY, VTP or legacy VTK polydata file; polygons are cut into triangles.
 /// @param triangles_read  out, may be null: triangles before any repair
+/// @param rounding        out, may be null: half of the last bit of the largest coordinate of a file that holds no more than
+///                        float32 [m]; 0 for one with doubles
 /// @throws Error BadFile: missing, unreadable, empty, truncated, counts that do not fit, unknown extension
-[[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr);
+[[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr,
+                                 double* rounding = nullptr);
 
 /// Format by extension: .stl (binary), .obj, .ply (binary), .vtp. Written beside its place, then renamed, so that a reader
 /// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile

@@ -226,7 +226,7 @@ void Recorder::write_wire_table(const World& world)
     const std::vector<Vec3> force = world.nodal_contact_force(0);
     std::string table = "s_m,x_m,y_m,z_m,vx,vy,vz,spin_rad,fx_n,fy_n,fz_n\n";
     for (int i = 0; i < rod.n; ++i) {
-        const double spin = rod.theta[std::min(i, rod.n - 2)];
+        const double spin = 0.0 - rod.theta[std::min(i, rod.n - 2)];  // right-handed about the direction of insertion
         const Vec3 &f = force[static_cast<std::size_t>(i)], x = rod.pos(i), v = rod.vel(i);
         const double row[] = {rod.material_s[i], x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), spin, f.x(), f.y(), f.z()};
         for (const double& value : row) table += csv(value) + (&value == std::end(row) - 1 ? "\n" : ",");

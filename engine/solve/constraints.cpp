@@ -199,7 +199,7 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
             for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(4 * at_node + c, position[c]);
         }
         if (hold.spec.direction || hold.spec.spin) {
-            const double turned = interpolate(hold.spec.turn, t)[0];
+            const double turned = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
             const Vec3 director = Eigen::AngleAxisd(turned, hold.tangent) * hold.director;
             out.clamps.push_back({at_node, hold.spec.direction, hold.spec.spin, hold.tangent, director, turned});
         }

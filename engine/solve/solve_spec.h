@@ -36,7 +36,7 @@ struct HoldSpec {
     WirePoint at;
     bool position = false, direction = false, spin = false;  // what is held
     std::vector<std::array<double, 4>> move;                 // [t, dx, dy, dz], piecewise linear, relative to the start
-    std::vector<std::array<double, 2>> turn;                 // [t, rad]
+    std::vector<std::array<double, 2>> turn;                 // [t, rad], right-handed about the direction of insertion
     Vec3 velocity = Vec3::Zero();                            // added to `move` [m/s]
 };
 
@@ -56,7 +56,7 @@ struct LinkSpec {
 
 struct FeedKey {
     double t = 0, advance = 0, turn = 0;
-};  // [s, m, rad]
+};  // [s, m, rad]; turn is right-handed about the direction of insertion
 
 struct FeedSpec {
     bool on = false;

@@ -40,6 +40,7 @@ typedef struct SampleModel {
     real mu_static, mu_sliding;
     real speed_floor;  // least v- of (D7) [m/s]
     real depth_limit;  // depth_max of the hardening law [m]; 0: no hardening
+    real depth_exact;  // up to here the law is k depth^n without hardening, < depth_limit [m]
     real damping;      // beta of (D7)
     real roll_arm;     // bracket of (D10): moment per metre = roll_arm a f; 0: no rolling resistance
     real roll_depth;   // a^2 = roll_depth depth + roll_force f  (half-width of the line contact) [m]

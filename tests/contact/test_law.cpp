@@ -161,6 +161,51 @@ TEST_SUITE("contact/law")
         }
     }
 
+    // design section 9: force per metre = stiffness |depth|^n. The pole behind it lies at half the radius, as the wall's own
+    // does.
+    TEST_CASE("analytic: a stiffness given by the user is k depth^n to 0.4 radii, and a barrier at half the radius")
+    {
+        for (const double n : {1.0, 1.3, 1.5, 2.0}) {
+            CAPTURE(n);
+            ContactSpec contact;
+            contact.stiffness_from_wall = false;
+            contact.stiffness = 3e6;
+            contact.exponent = n;
+            const SampleModel line = line_sample(steel(), contact, wall(), INFINITY, 1e-3),
+                              tip = tip_sample(steel(), contact, wall(), INFINITY);
+            for (const SampleModel& m : {line, tip}) {
+                CHECK(m.depth_limit == about(r / 2).epsilon(1e-15));
+                double slope;
+                for (const double part : {1e-4, 0.01, 0.1, 0.2, 0.39, 0.4}) {
+                    CAPTURE(part);
+                    const double depth = part * r * (1 - 1e-15), law = m.stiffness * std::pow(depth, m.exponent);
+                    CHECK(elastic_normal(depth, m, &slope) == about(law).epsilon(1e-14));
+                    CHECK(slope == about(m.exponent * law / depth).epsilon(1e-14));
+                }
+                CHECK(line.stiffness == 3e6);
+                CHECK(line.exponent == n);
+                double before_force = 0, before_slope = 0;
+                for (double depth = 0.38 * r; depth < 0.51 * r; depth += 1e-4 * r) {
+                    CAPTURE(depth / r);
+                    const double h = 1e-7 * r, force = elastic_normal(depth, m, &slope);
+                    double ignored;
+                    const double difference =
+                        (elastic_normal(depth + h, m, &ignored) - elastic_normal(depth - h, m, &ignored)) / (2 * h);
+                    // truncation h / rest to the second power, rest >= 5e-4 r to the pole; where the second derivative jumps (at
+                    // 0.4 r and 0.4995 r) to the first
+                    CHECK(difference == about(slope).epsilon(1e-3));
+                    CHECK(force > before_force);
+                    CHECK(slope >= before_slope * (1 - 1e-12));  // convex: a step minimises
+                    before_force = force;
+                    before_slope = slope;
+                }
+                // as strong a pole as the wall's own: depth_max/(depth_max - depth) to first order
+                const double near = 0.998 * m.depth_limit, power = m.stiffness * std::pow(near, m.exponent);
+                CHECK(elastic_normal(near, m, &slope) == about(power / 0.002).epsilon(0.03));
+            }
+        }
+    }
+
     TEST_CASE("property: the damped force never pulls, and grows with depth")
     {
         const SampleModel m = line_sample(steel(), {}, wall(), INFINITY, 1e-3);

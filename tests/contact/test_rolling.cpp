@@ -110,7 +110,7 @@ TEST_SUITE("contact/rolling")
             CHECK(distance == about(speed == 0.01 ? 0.000680428 : 0.0170107).epsilon(1e-5));
             Rig rig = on_plane(dt);
             rig.setup.wires[0].wire.place.velocity = {0, speed, 0};
-            rig.setup.wires[0].wire.place.spin_rate = speed / r;
+            rig.setup.wires[0].wire.place.spin_rate = -speed / r;
             const Path path = run(rig, 1.1 * speed / slowing);
             CHECK(path.distance == about(distance).epsilon(0.01));
             CHECK(std::abs(path.speed) <= 1e-3 * speed);
@@ -127,7 +127,7 @@ TEST_SUITE("contact/rolling")
         const double caught = rim / (gravity * (3 * mu + 2 * arm / r)), speed = mu * gravity * caught;
         const double slowing = arm * gravity / (1.5 * r);
         Rig rig = on_plane(dt);
-        rig.setup.wires[0].wire.place.spin_rate = rim / r;
+        rig.setup.wires[0].wire.place.spin_rate = -rim / r;
         const Path path = run(rig, 1.1 * (caught + speed / slowing));
         CHECK(path.distance == about(speed * caught / 2 + speed * speed / (2 * slowing)).epsilon(0.02));
         CHECK(std::abs(path.spin) * r <= 1e-3 * rim);

@@ -92,6 +92,7 @@ struct Scene {
         m.mu_sliding = static_cast<real>(0.2);
         m.speed_floor = static_cast<real>(1e-4);
         m.depth_limit = k % 5 ? m.radius / 2 : 0;
+        m.depth_exact = k % 5 == 1 ? static_cast<real>(0.8) * m.depth_limit : k % 5 == 2 ? static_cast<real>(1e-6) : 0;
         m.damping = static_cast<real>(k % 4 ? 1.43 : 0.0);
         m.roll_arm = static_cast<real>(k % 3 ? 0.04 : 0.0);
         m.roll_depth = 2 * m.radius;

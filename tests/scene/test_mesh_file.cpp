@@ -99,8 +99,8 @@ TEST_SUITE("scene/mesh_file")
                     const Triangle3 a = triangle_of(tube, t), b = triangle_of(back, t);
                     off = std::max({off, (a.a - b.a).norm(), (a.b - b.b).norm(), (a.c - b.c).norm()});
                 }
-                // Assimp keeps float32 (2^-24 of 0.1 m); our own .vtp keeps doubles
-                CHECK(off < (std::strcmp(name, "a.vtp") == 0 ? 1e-16 : 1.1e-8));
+                // binary STL holds float32 (2^-24 of 0.1 m), the others doubles
+                CHECK(off < (std::strcmp(name, "a.stl") == 0 ? 1.1e-8 : 1e-16));
             }
         CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 4);  // no temporary file is left
         CHECK_THROWS_AS(write_mesh(folder.path / "a.xyz", tube, "mm"), Error);
@@ -212,6 +212,113 @@ TEST_SUITE("scene/mesh_file")
             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
             "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
         CHECK(read_mesh(folder.write("a.ply", ply + "4 0 1 2 3\n"), "mm").triangles.size() == 2);
+    }
+
+    TEST_CASE("property: coordinates far from the origin arrive as the doubles that the file holds, and float32 is told")
+    {
+        const Folder folder;
+        const char* const text[3] = {"2600.123456789012 -1.0000000000001 +3e0", "2601.123456789012 -1 3.25",
+                                     "2600.123456789012 0.1 3"};
+        const double exact[3][3] = {
+            {2600.123456789012, -1.0000000000001, 3}, {2601.123456789012, -1, 3.25}, {2600.123456789012, 0.1, 3}};
+        std::string facet = "solid far vertex\nfacet normal nan 0 0\nouter loop\n", obj = "# far\n", list;
+        for (const char* line : text) {
+            facet += std::string("VERTEX ") + line + "\n";
+            obj += std::string("v ") + line + " 0.5 0.5 0.5\n";
+            list += std::string(line) + "\n";
+        }
+        obj += "vt 0 0\nvn 0 0 1\nf -3/1/1 \\\n 2//1 3\n";
+        const std::string head =
+            "element vertex 3\ncomment far\nproperty double x\nproperty double y\nproperty float64 z\n"
+            "element edge 1\nproperty int a\nproperty list uchar short b\nelement face 1\n"
+            "property uchar flag\nproperty list uchar uint vertex_index\nend_header\n";
+        std::vector<double> values;
+        for (const auto& row : exact) values.insert(values.end(), row, row + 3);
+        const auto binary = [&](const auto& bytes) {
+            return bytes(values) + bytes(std::vector<std::int32_t>{7}) + std::string(1, 2) +
+                   bytes(std::vector<std::int16_t>{5, 6}) + std::string("\1\3", 2) + bytes(std::vector<std::uint32_t>{0, 1, 2});
+        };
+        const auto little = [](const auto& list_of) { return as_bytes(list_of); };
+        const auto big = [](const auto& list_of) { return big_endian(list_of); };
+        const std::pair<const char*, std::string> files[] = {
+            {"far.stl", facet + "endloop\nendfacet\nendsolid far\n"},
+            {"far.obj", obj},
+            {"far.ply", "ply\r\nformat ascii 1.0\r\n" + head + list + "7 2 5 6\n1 3 0 1 2"},
+            {"little.ply", "ply\nformat binary_little_endian 1.0\n" + head + binary(little)},
+            {"big.ply", "ply\nformat binary_big_endian 1.0\n" + head + binary(big)},
+        };
+        for (const auto& [name, bytes] : files) {
+            CAPTURE(name);
+            double rounding = -1;
+            const WallMesh mesh = read_mesh(folder.write(name, bytes), "m", nullptr, &rounding);
+            REQUIRE(mesh.triangles.size() == 1);
+            CHECK(rounding == 0);
+            for (int c = 0; c < 3; ++c)
+                for (int d = 0; d < 3; ++d)
+                    CHECK(mesh.vertices[static_cast<std::size_t>(mesh.triangles[0][static_cast<std::size_t>(c)])][d] ==
+                          exact[c][d]);
+        }
+        // half of the last bit of a float32 in [2048, 4096): 2^11 2^-24
+        write_mesh(folder.path / "b.stl", read_mesh(folder.path / "far.obj", "mm"), "mm");
+        double rounding = 0;
+        const WallMesh rounded = read_mesh(folder.path / "b.stl", "mm", nullptr, &rounding);
+        CHECK(rounding == doctest::Approx(std::exp2(-13) * 1e-3).epsilon(1e-12));
+        const double off = std::abs(rounded.vertices[0].x() - 2.600123456789012);
+        CHECK(off <= rounding);
+        CHECK(off > 1e-9);
+    }
+
+    TEST_CASE("property: a PLY, OBJ or STL that lies is refused before anything is made room for")
+    {
+        const Folder folder;
+        const std::string vertices = "property float x\nproperty float y\nproperty float z\n",
+                          faces = "property list uchar int vertex_indices\n", ascii = "ply\nformat ascii 1.0\n",
+                          three = "element vertex 3\n", one = "element face 1\n", end = "end_header\n",
+                          points = "0 0 0\n1 0 0\n0 1 0\n";
+        const auto ply = [&](const std::string& text) { return refusal(folder.write("lie.ply", text)); };
+        CHECK(
+            ply(ascii + "element vertex 1000000000\n" + vertices + one + faces + end + points + "3 0 1 2\n").find("announces") !=
+            std::string::npos);
+        CHECK(ply(ascii + "element other 1000000000\nproperty list uchar int a\n" + three + vertices + one + faces + end +
+                  points + "3 0 1 2\n")
+                  .find("announces") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + "element face 18446744073709551615\n" + faces + end + points + "3 0 1 2\n")
+                  .find("announces") != std::string::npos);
+        // nothing to read of an element without properties, however many there are
+        CHECK(ply(ascii + "element nothing 18446744073709551615\n" + three + vertices + one + faces + end + points + "3 0 1 2\n")
+                  .empty());
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "200 0 1 2\n").find("list of 200") !=
+              std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 3\n").find("names vertex 3") !=
+              std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 -1\n").find("names vertex -1") !=
+              std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1 1e300\n").find("is expected") !=
+              std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "3 0 1\n").find("is expected") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + points + "-3 0 1 2\n").find("list of -3") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n").find("announces") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + faces + end + "0 0 x\n" + points + "3 0 1 2\n").find("\"x\"") !=
+              std::string::npos);
+        CHECK(ply(ascii + three + "property float x\n" + one + faces + end + points).find("no x, y and z") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + one + "property list uchar int other\n" + end + points + "3 0 1 2\n")
+                  .find("vertex_indices") != std::string::npos);
+        CHECK(ply(ascii + three + "property real x\n" + end).find("no known type") != std::string::npos);
+        CHECK(ply(ascii + "property float x\n" + end).find("before any element") != std::string::npos);
+        CHECK(ply("ply\n" + three + vertices + one + faces + end + points + "3 0 1 2\n").find("no format") != std::string::npos);
+        CHECK(ply(ascii + three + vertices + end + points).find("no faces") != std::string::npos);
+        CHECK(ply(ascii + three + vertices).find("end_header") != std::string::npos);
+        const auto obj = [&](const std::string& text) { return refusal(folder.write("lie.obj", text)); };
+        CHECK(obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").empty());  // a face before its vertices
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n").find("names vertex 4") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n").find("names vertex") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n").find("face's vertex is expected") != std::string::npos);
+        CHECK(obj("v 0 0 0\nv 1 0\n").find("vertex 2") != std::string::npos);
+        CHECK(obj("g nothing\n").find("no triangle") != std::string::npos);
+        CHECK(refusal(folder.write("c.stl",
+                                   "solid c\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 zero 0\nendloop\n"
+                                   "endfacet\nendsolid c\n"))
+                  .find("\"zero\"") != std::string::npos);
     }
 
     TEST_CASE("property: broken files are refused with the file and the reason")

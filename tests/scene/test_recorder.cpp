@@ -154,6 +154,27 @@ TEST_SUITE("scene/recorder")
         CHECK(summary["status"] == "stopped");
     }
 
+    TEST_CASE("property: spin_rad grows with spin_rad_s, in the sense of every other turn")
+    {
+        const TempFolder folder;
+        std::string text = hanging;
+        text.insert(text.find("nodes"), "spin_rad_s = 2.0\n");
+        const Scene scene = read_scene_text(text, folder.path / "scene-file.toml");
+        World world(make_setup(scene));
+        const RepairReport none;
+        Recorder recorder(scene, none, world, folder.path / "run");
+        for (int k = 0; k < 10; ++k) {
+            const StepReport report = step(world, scene.dt);
+            REQUIRE_FALSE(report.failed());
+            recorder.stepped(world, report, 0.001);
+        }
+        (void)recorder.finish(world, RunStatus::Done, 0.1);
+        const std::string table = read_file(folder.path / "run" / "wire.csv");
+        std::string row = table.substr(table.find('\n') + 1);
+        for (int k = 0; k < 7; ++k) row.erase(0, row.find(',') + 1);
+        CHECK(std::stod(row) == doctest::Approx(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
+    }
+
     TEST_CASE("property: the last step is recorded even when it is not due")
     {
         const TempFolder folder;

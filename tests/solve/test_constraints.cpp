@@ -49,9 +49,9 @@ TEST_SUITE("solve/constraints")
             CHECK(prescribed[1].second == doctest::Approx(e.y));
             REQUIRE(rig.constraints[0].clamps.size() == 1);
             const RodClamp& clamp = rig.constraints[0].clamps[0];
-            CHECK(clamp.turns == doctest::Approx(e.turn));
-            // +z turned about the tangent from tip to base, -x: towards +y
-            CHECK(clamp.director.y() == doctest::Approx(std::sin(e.turn)));
+            CHECK(clamp.turns == doctest::Approx(-e.turn));
+            // +z turned about the direction of insertion, +x: towards -y
+            CHECK(clamp.director.y() == doctest::Approx(-std::sin(e.turn)));
             CHECK(clamp.tangent.x() == about(-1));
         }
     }

@@ -184,7 +184,7 @@ TEST_SUITE("solve/equilibrium")
             rig.hold({base, tip});
             rig.integrate_with({});
             REQUIRE(rig.settle());
-            const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
+            const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
             CHECK(torque == about(spec.shaft.twist_stiffness * angle / 0.3).epsilon(1e-9));
         }
     }

@@ -61,8 +61,8 @@ std::vector<Turned> turn_on_plane(int forth, int back)
         rig.solver->step(1e-3, rig.constraints, contact.get(), rig.active, rig.reports);
         REQUIRE(rig.reports[0].converged);
         contact->commit(rig.active);
-        trace.push_back({rig.constraints[0].clamps[0].turns, rig.rod().theta[0],
-                         clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0)});
+        trace.push_back({-rig.constraints[0].clamps[0].turns, -rig.rod().theta[0],
+                         -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0)});
     }
     return trace;
 }

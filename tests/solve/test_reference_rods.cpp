@@ -177,12 +177,12 @@ double check_whip(double natural, double lead, double length, int edges, int ste
         rig.fill(degrees);
         rig.solver->equilibrium(rig.constraints, &guide, rig.active, rig.reports);
         REQUIRE(rig.reports[0].converged);
-        const double distal = rig.rod().theta[0] * 180 / pi;
+        const double distal = -rig.rod().theta[0] * 180 / pi;  // in the sense of the base's turn
         if (distal - before > 90) snap = degrees - 0.5 * step;
         before = distal;
         if (degrees != static_cast<int>(expected[next].proximal)) continue;
         CHECK(std::abs(distal - expected[next].distal) < 3);
-        const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
+        const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
         CHECK(torque == about(expected[next].torque).epsilon(0.01));
         worst_angle = std::max(worst_angle, std::abs(distal - expected[next].distal));
         worst_torque = std::max(worst_torque, std::abs(torque / expected[next].torque - 1));
@@ -298,7 +298,7 @@ TEST_SUITE("solve/reference_rods")
             }
             // below it stays straight; above it throws a loop, which passes through itself (wires do not touch each other here)
             // and takes two turns with it: the torque left is that of the angle less 4 pi
-            const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
+            const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
             const double left = part < 1 ? angle : angle - 4 * pi;
             CHECK(torque == about(spec.shaft.twist_stiffness * left / 0.2).epsilon(1e-3));
         }
@@ -325,7 +325,7 @@ TEST_SUITE("solve/reference_rods")
                 }
                 // above it the ring bends out of its plane; past B/C = 1.25 that does not end before it has passed through itself
                 // and lost two turns (wires do not touch each other here): flat again, with less torque
-                const double torque = clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
+                const double torque = -clamp_torque(rig.rod(), rig.constraints[0].clamps, rig.solver->frames(0), 0);
                 const double flat = spec.shaft.twist_stiffness * base.turn[1][1] / spec.length;
                 const double off = out_of_plane(rig.rod());
                 if (part < 1) {
@@ -362,7 +362,10 @@ TEST_SUITE("solve/reference_rods")
         CHECK(std::abs(c.moment) == about(14.252015654526478).epsilon(0.002));
         CHECK(c.tension == about(46.98850028536553).epsilon(0.03));
         CHECK(c.envelope < 0.03);
-        CHECK(std::log((coarse.theta - theta) / (c.theta - theta)) / std::log(1.5) == about(2).epsilon(0.05));
+        // of the tension: where the helix lies between the nodes, which rounding decides, moves the steepest edge by a twentieth
+        // of its error and leaves moment and tension as they are
+        const double tension = 46.98850028536553;
+        CHECK(std::log((coarse.tension - tension) / (c.tension - tension)) / std::log(1.5) == about(2).epsilon(0.05));
     }
 
     TEST_CASE("analytic: the same with a tenth of the slack per length, as it is often published")

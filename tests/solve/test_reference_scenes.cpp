@@ -170,7 +170,7 @@ Values measure(const Json& of, int edges)
     if (quantity == "torque") return {std::abs(readings.hand_torque)};
     if (quantity == "pull") return {std::abs(readings.base_force.x())};
     if (quantity == "steepest") return {steepest(rod)};
-    if (quantity == "lag") return {rod.theta[0] * 180 / pi};
+    if (quantity == "lag") return {-rod.theta[0] * 180 / pi};  // as wire.csv has it: turned as the base is
     FAIL("expected.json: unknown quantity " << quantity);
     return {};
 }
@@ -189,7 +189,7 @@ bool whipped_round(const Json& of, double degrees)
 {
     Json settings = settings_of(of, judged(of));
     settings["hold.0.turn"] = {{0.0, 0.0}, {1.0, degrees * pi / 180}};
-    return settled(of, settings).rod(0).theta[0] > pi;
+    return -settled(of, settings).rod(0).theta[0] > pi;
 }
 
 }  // namespace
