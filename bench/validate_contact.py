@@ -133,7 +133,7 @@ def thick(app):
             run = Run(app, f"{SCENES}/capstan.toml", wire__length_m=length, wire__radius_m=wire, wire__density=7900.0,
                       wire__nodes=round(length / edge) + 1, vessel__bend_radius_m=bend, vessel__lead_in_m=0.02, vessel__lead_out_m=0.03,
                       contact__mu_static=mu, contact__mu_sliding=mu, load__0__force_n=[0.0, back, 0.0], load__0__ramp_s=0.05,
-                      hold__0__velocity_m_s=[-0.01, 0.0, 0.0], scene__duration_s=0.4)
+                      hold__0__velocity_m_s=[-0.01, 0.0, 0.0], scene__duration_s=0.4, vessel__youngs_pa=1e8)
             pull, wrap = pull_and_wrap(run, turn)
             without = 1 + math.log(pull / capstan_pull(1e-7, axis, 1e-3 * wire, back, mu, wrap)) / (mu * wrap)
             yield (f"0.035 inch round R {1e3 * axis:g} mm, mu {mu}: exponent / (mu wrap) over theory's (without the moment {without:.4f})", 1,
