@@ -13,9 +13,9 @@
 //   du = dx + omega x (-r n) = dx - r dtheta (t x n) + r (t (n . dt) - (t . n) dt),     dt = (1 - t t^T) dw / l
 //      = dx - r dtheta (t x n) + (r / l) (t (n . dw) - (t . n) dw)
 //
-// of which only what lies in the wall's plane counts: the slip. Virtual work f . du makes of friction f on the surface a force f on
-// the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and its
-// negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
+// of which only what lies in the wall's plane counts: the slip. Virtual work f . du makes of friction f on the surface a force f
+// on the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and
+// its negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
 // bending: Kirchhoff's M' + t x N = r n x f_t t, which is why a rope slides round a drum with the exponent
 // mu (1 - r/R) (1 - mu^2 r/R ...) of the axis' radius R instead of mu. The work is the same on both sides: friction takes
 // -f . slip, no more and no less. The normal force points at the axis and has no moment.
@@ -145,8 +145,8 @@ SEL_FN void add_skew(SampleForce* out, real s, SlipRow row, vec3 g)
     }
 }
 
-// adds what of friction f changes with the normal, where the wall's facets are blended: dn = -bend dx turns the plane that f lies in,
-// df = -n (f . dn), and the arm that it has. Left out, every touch that is between two facets costs an iteration.
+// adds what of friction f changes with the normal, where the wall's facets are blended: dn = -bend dx turns the plane that f lies
+// in, df = -n (f . dn), and the arm that it has. Left out, every touch that is between two facets costs an iteration.
 SEL_FN void add_wall_turn(SampleForce* out, vec3 f, vec3 n, const real* bend, real radius, SampleMove mv)
 {
     if (bend[0] + bend[3] + bend[5] == 0) return;

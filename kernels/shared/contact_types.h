@@ -104,12 +104,12 @@ typedef struct SampleForce {
     real
         skew[12];  // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
     // the couple
-    real couple[3];   // on node b, and its negative on node a [N]
-    real sym_xw[9];   // row x, column w
-    real sym_ww[6];   // xx xy xz yy yz zz
-    real sym_tw[3];   // theta against w
-    real skew_wx[9];  // -d(couple)/d(x, y, z), as `skew`
-    real depth;       // deepest overlap, negative: gap [m]
+    real couple[3];                                           // on node b, and its negative on node a [N]
+    real sym_xw[9];                                           // row x, column w
+    real sym_ww[6];                                           // xx xy xz yy yz zz
+    real sym_tw[3];                                           // theta against w
+    real skew_wx[9];                                          // -d(couple)/d(x, y, z), as `skew`
+    real depth;                                               // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
     real length;                                              // metres of wire in contact
     uint flags;                                               // SEL_SAMPLE_*

@@ -626,20 +626,20 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                     \
-    X(SampleModel, length)                                                                                                \
-    X(SampleModel, reach)                                                                                                 \
-    X(SampleModel, roll_force)                                                                                            \
-    X(SampleModel, restitution)                                                                                           \
-    X(SampleModel, hard_most) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink)   \
-        X(HardState, stiffness) X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction)        \
-            X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth)     \
-                X(SampleForce, couple) X(SampleForce, skew_wx) X(SampleForce, flags) X(SampleForce, contacts)                \
-                X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, u_ba) X(EdgeForce, ut_b)                                 \
-                    X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling)            \
-                        X(ContactParams, normal_law) X(ContactParams, inv_dt) X(ContactParams, smooth_speed)              \
-                            X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model)         \
-                                X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                          \
+    X(SampleModel, length)                                                                                                     \
+    X(SampleModel, reach)                                                                                                      \
+    X(SampleModel, roll_force)                                                                                                 \
+    X(SampleModel, restitution)                                                                                                \
+    X(SampleModel, hard_most)                                                                                                  \
+    X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness)          \
+        X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle)             \
+            X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, couple)           \
+                X(SampleForce, skew_wx) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
+                    X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)      \
+                        X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                       \
+                            X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width)   \
+                                X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {
