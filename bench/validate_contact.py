@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Contact and friction against independent solutions, where a run is too long for the tests. Rows go to a CSV.
 
-    validate_contact.py [--app build/seldinger] [--csv bench/results/validation/contact.csv] [--only capstan,stiff,insertion,cost]
+    validate_contact.py [--app build/seldinger] [--csv bench/results/validation/contact.csv] [--only capstan,thick,stiff,insertion,cost]
                         [--vessel MESH.stl]
 
-capstan    limp wire round a bend, 4 angles x 4 coefficients, against e^(mu wrap) corrected for what little stiffness there is
-stiff      stiff wire round a drum: shear, lift-off and point reactions taken into account (shooting solution, closed form)
+capstan    limp wire round a bend, 4 angles x 4 coefficients, against the elastic rod on a drum below
+thick      limp 0.035 inch wire round tight bends: friction at the surface, its moment about the axis of bending
+stiff      stiff wire round a drum: shear, lift-off and point reactions taken into account
 insertion  wire pushed into and pulled out of a bend, against a discrete rod with hard contact and mobilised friction
 cost       time per step with and without friction and rolling, experiment 2 from 10 to 24 cm, side by side; --vessel: the patient's
 """
@@ -64,25 +65,40 @@ def toml(value):
     return "[" + ", ".join(toml(v) for v in value) + "]" if isinstance(value, (list, tuple)) else repr(value)
 
 
-def lift_off(stiffness, radius, force):
-    """Angle by which a free tail lifts off a drum before it would turn into its force: cos t = 1 - B / (2 R^2 F)."""
-    return math.acos(1 - stiffness / (2 * radius * radius * force))
+def capstan_pull(stiffness, axis, wire, back, mu, wrap):
+    """Elastic rod of radius `wire` drawn over a drum, its axis at `axis`, friction at its surface. By Kirchhoff's equations M = B/R is constant in
+    contact, so that a shear r mu p carries the moment of friction. With rho = r/R and P = p R, per radian,
+
+        T' = mu (1 - rho) P,      rho mu P' = T - P:      T ~ e^(lambda phi), rho mu lambda^2 + lambda = mu (1 - rho)
+
+    lambda = mu (1 - rho)(1 - mu^2 rho ...), and a layer of length mu r that takes up the slack tail's shear. The tails lift off where
+    their curvature, B kappa^2/2 = F (1 - cos t), is the drum's; at the taut end a point force Q makes it smaller by r mu Q / B.
+    """
+    rho = wire / axis
+    t1 = math.acos(1 - stiffness / (2 * axis * axis * back))
+    root, scale = math.sqrt(1 + 4 * mu * mu * rho * (1 - rho)), 2 * rho * mu
+    slow, fast = (root - 1) / scale, (-root - 1) / scale
+    tension, slope = back * math.cos(t1), (1 - rho) / rho * back * math.sin(t1)
+    amount = (slope - fast * tension) / (slow - fast)
+    t2, force = t1, back
+    for _ in range(100):
+        angle = wrap - t1 - t2
+        a, c = amount * math.exp(slow * angle), (tension - amount) * math.exp(fast * angle)
+        end, shear = a + c, rho / (1 - rho) * (slow * a + fast * c)
+        low, high = 0.0, end
+        for _ in range(100):
+            point = (low + high) / 2
+            force, t2 = math.hypot(end + mu * point, point - shear), math.atan2(point - shear, end + mu * point)
+            if stiffness / axis - wire * mu * point > 2 * math.sqrt(stiffness * force) * math.sin(t2 / 2):
+                low = point
+            else:
+                high = point
+    return force
 
 
-def capstan_exponent(stiffness, radius, back, pull, mu, wrap):
-    """ln ratio inside the contact, of mu times the contact's angle; 1 is right."""
-    t1, t2 = lift_off(stiffness, radius, back), lift_off(stiffness, radius, pull)
-    inside = pull * (math.cos(t2) - mu * math.sin(t2)) / (back * (math.cos(t1) + mu * math.sin(t1)))
-    return math.log(inside) / (mu * (wrap - t1 - t2))
-
-
-def capstan_pull(stiffness, radius, back, mu, wrap):
-    pull = back * math.exp(mu * wrap)
-    for _ in range(200):
-        t1, t2 = lift_off(stiffness, radius, back), lift_off(stiffness, radius, pull)
-        grip = (math.cos(t1) + mu * math.sin(t1)) / (math.cos(t2) - mu * math.sin(t2))
-        pull = back * grip * math.exp(mu * (wrap - t1 - t2))
-    return pull
+def capstan_exponent(stiffness, axis, wire, back, pull, mu, wrap):
+    """ln of pull over back tension, of what the rod on the drum has; the difference in parts of mu wrap; 1 is right."""
+    return 1 + math.log(pull / capstan_pull(stiffness, axis, wire, back, mu, wrap)) / (mu * wrap)
 
 
 def pull_and_wrap(run, turn):
@@ -102,9 +118,26 @@ def capstan(app):
                       wire__nodes=round(length / 0.001) + 1, contact__mu_static=mu, contact__mu_sliding=mu,
                       load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
             pull, wrap = pull_and_wrap(run, turn)
-            got = capstan_exponent(1e-7, radius, back, pull, mu, wrap)
+            got = capstan_exponent(1e-7, radius, 0.000178, back, pull, mu, wrap)
             yield (f"capstan {math.degrees(turn):.0f} deg mu {mu}: exponent / (mu wrap), wrap {wrap:.4f} rad, ratio {pull / back:.5f}", 1, got, 0.03,
                    run.command)
+
+
+def thick(app):
+    wire, lumen, back, turn = 0.0004445, 0.002, 0.3, math.pi / 2
+    for axis in (0.005, 0.01, 0.02, 0.04):
+        for mu in (0.1, 0.3, 0.48):
+            bend = axis + lumen - wire
+            length = 0.031 + bend * turn
+            edge = min(0.0005, axis / 20)
+            run = Run(app, f"{SCENES}/capstan.toml", wire__length_m=length, wire__radius_m=wire, wire__density=7900.0,
+                      wire__nodes=round(length / edge) + 1, vessel__bend_radius_m=bend, vessel__lead_in_m=0.02, vessel__lead_out_m=0.03,
+                      contact__mu_static=mu, contact__mu_sliding=mu, load__0__force_n=[0.0, back, 0.0], load__0__ramp_s=0.05,
+                      hold__0__velocity_m_s=[-0.01, 0.0, 0.0], scene__duration_s=0.4, vessel__youngs_pa=1e8)
+            pull, wrap = pull_and_wrap(run, turn)
+            without = 1 + math.log(pull / capstan_pull(1e-7, axis, 1e-3 * wire, back, mu, wrap)) / (mu * wrap)
+            yield (f"0.035 inch round R {1e3 * axis:g} mm, mu {mu}: exponent / (mu wrap) over theory's (without the moment {without:.4f})", 1,
+                   capstan_exponent(1e-7, axis, wire, back, pull, mu, wrap), 0.01, run.command)
 
 
 def stiff(app):
@@ -117,7 +150,7 @@ def stiff(app):
                   load__0__force_n=[back * math.cos(turn), back * math.sin(turn), 0.0])
         pull, wrap = pull_and_wrap(run, turn)
         yield (f"stiff capstan B {stiffness} R {radius} F1 {back} mu {mu} wrap {wrap:.4f}: pull [N]",
-               capstan_pull(stiffness, radius, back, mu, wrap), pull, 0.03, run.command)
+               capstan_pull(stiffness, radius, 0.000178, back, mu, wrap), pull, 0.03, run.command)
 
 
 def insertion(app):
@@ -151,10 +184,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--app", default="build/seldinger")
     parser.add_argument("--csv", default="bench/results/validation/contact.csv")
-    parser.add_argument("--only", default="capstan,stiff,insertion,cost")
+    parser.add_argument("--only", default="capstan,thick,stiff,insertion,cost")
     parser.add_argument("--vessel", help="patient mesh of assets/scenes/patients/tha001-arch.toml")
     options = parser.parse_args()
-    suites = {"capstan": capstan, "stiff": stiff, "insertion": insertion, "cost": lambda app: cost(app, options.vessel)}
+    suites = {"capstan": capstan, "thick": thick, "stiff": stiff, "insertion": insertion, "cost": lambda app: cost(app, options.vessel)}
     os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
     missed = 0
     kept = []

@@ -30,11 +30,11 @@ inline constexpr WordRun record_words<SamplePlace>[] = {{2, false}, {2, true}, {
 template <>
 inline constexpr WordRun record_words<TouchState>[] = {{18, true}, {4, false}};
 template <>
-inline constexpr WordRun record_words<SampleForce>[] = {{32, true}, {2, false}};
+inline constexpr WordRun record_words<SampleForce>[] = {{62, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<HardState>[] = {{9, true}, {2, false}};
 template <>
-inline constexpr WordRun record_words<EdgeForce>[] = {{71, true}, {2, false}};
+inline constexpr WordRun record_words<EdgeForce>[] = {{83, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>

@@ -32,8 +32,9 @@ double EdgeSums::rounding(int wire, int begin, const RodView& rod) const
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
         const EdgeForce& f = edges[e];
         const int edge = static_cast<int>(edge_node[e]) - begin;
-        double stiffness = 0;  // of both ends together
-        for (const double* block : {f.s_aa, f.s_ab, f.s_ab, f.s_bb}) stiffness += std::abs(block[0] + block[3] + block[5]);
+        const double ab = std::abs(f.s_ab[0] + f.s_ab[4] + f.s_ab[8]);
+        const double stiffness =  // of both ends together
+            std::abs(f.s_aa[0] + f.s_aa[3] + f.s_aa[5]) + ab + ab + std::abs(f.s_bb[0] + f.s_bb[3] + f.s_bb[5]);
         most = std::max(most, stiffness * (rod.rest_length[edge] + rod.radius[edge]));
     }
     return 4 * 0x1p-24 * most;  // difference, product, sum and root of a distance; another edge at the node
@@ -56,10 +57,9 @@ void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandMatrix* 
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
                 const int k = tri[i][j], u = 3 * i + j;
-                const double ab = f.s_ab[k] + (skew ? f.u_ab[u] : 0);
                 jacobian->add(a + i, a + j, f.s_aa[k] + (skew ? f.u_aa[u] : 0));
-                jacobian->add(a + i, b + j, ab);
-                jacobian->add(b + i, a + j, ab);
+                jacobian->add(a + i, b + j, f.s_ab[u] + (skew ? f.u_ab[u] : 0));
+                jacobian->add(b + i, a + j, f.s_ab[3 * j + i] + (skew ? f.u_ba[u] : 0));
                 jacobian->add(b + i, b + j, f.s_bb[k] + (skew ? f.u_bb[u] : 0));
             }
             jacobian->add(a + i, t, f.st_a[i]);

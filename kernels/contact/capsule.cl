@@ -81,8 +81,9 @@ SEL_KERNEL void contact_evaluate(
             ahead(models + then, sizeof(SampleModel));
             ahead(forces + item + SEL_AHEAD, sizeof(SampleForce));
         }
-        forces[item] = sample_force(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims,
-                                    hi, lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard, clearances + s);
+        write_force(sample_force(s, par, models[s], places[s], cells + (ulong)s * par.slots, counts[s], nodes, vertices, rims, hi,
+                                 lo, theta, hi_t0, lo_t0, theta_t0, touches_t0, touches, hard, clearances + s),
+                    forces + item);
         barys[item] = places[s].bary;
     }
 }

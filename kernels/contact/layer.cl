@@ -36,8 +36,9 @@ SEL_KERNEL void layer_evaluate(const ContactParams par, __global const LayerPair
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         real bary;
-        forces[item] = evaluate_pair(item, par, pairs[item], edges[pairs[item].edge], vertices, hi, lo, theta, hi_t0, lo_t0,
-                                     theta_t0, touches_t0, touches, &bary);
+        write_force(evaluate_pair(item, par, pairs[item], edges[pairs[item].edge], vertices, hi, lo, theta, hi_t0, lo_t0, theta_t0,
+                                  touches_t0, touches, &bary),
+                    forces + item);
         barys[item] = bary;
     }
 }

@@ -10,7 +10,19 @@
 // that a start in overlap can be solved; `BLOCKED` says that a trial went beyond that and deeper than it was: with moves shorter
 // than the lumen is wide no wall is ever passed.
 //
-// Friction acts at the wire's surface: slip of the surface = tangential move of the axis point - r dtheta (t x n).
+// Friction acts at the wire's surface, at p = x - r n, where the section that x is the middle of has its material point. In the
+// discrete rod a section turns with its edge w = x_b - x_a, of length l and direction t, and spins about it: with
+// omega = t x dt + dtheta t
+//
+//   du = dx + omega x (-r n) = dx - r dtheta (t x n) + r (t (n . dt) - (t . n) dt),     dt = (1 - t t^T) dw / l
+//      = dx - r dtheta (t x n) + (r / l) (t (n . dw) - (t . n) dw)
+//
+// of which only what lies in the wall's plane counts: the slip. Virtual work f . du makes of friction f on the surface a force f
+// on the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and
+// its negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
+// bending: Kirchhoff's M' + t x N = r n x f_t t, which is why a rope slides round a drum with the exponent
+// mu (1 - r/R) (1 - mu^2 r/R ...) of the axis' radius R instead of mu. The work is the same on both sides: friction takes
+// -f . slip, no more and no less. The normal force points at the axis and has no moment.
 //
 // A linearised step (D5) takes the law at the start, x_0, with the velocity v_0 known there, and must get it as a linear function
 // of the move D = x+ - x_0: with f(x, v) the law and v+ = D/h,
@@ -89,7 +101,9 @@ SEL_FN real normal_law(real depth, real rate, real approach, real inv_dt, Sample
 // What the wire did over the step at this sample.
 typedef struct SampleMove {
     vec3 tangent;  // of the edge, unit
+    real length;   // of the edge [m]
     vec3 move;     // of the axis point [m]
+    vec3 turn;     // of the tangent [-]
     real spin;     // of the edge about its tangent [rad]
     int fresh;     // no start position: no friction yet
     uint stamp;    // of this step for this wire
@@ -122,15 +136,92 @@ SEL_FN real sign_slip(ContactParams par)
     return par.inv_dt > 0 ? speed / par.inv_dt : speed * (real)1e-3;
 }
 
-// Friction of one touch: writes its state, adds force and tangent. Surface slip u = P move - r spin c, c = t x n. Of what is taken
-// from the start of the step (par.known) see the top of this file.
+// Derivative of the slip along v, a direction in the wall's plane, with x, theta and w: also what a force v on the surface does.
+typedef struct SlipRow {
+    vec3 x;
+    real theta;
+    vec3 w;
+} SlipRow;
+
+SEL_FN SlipRow slip_row(vec3 v, vec3 n, real radius, SampleMove mv)
+{
+    SlipRow row;
+    row.x = v;
+    row.theta = -radius * dot3(cross3(mv.tangent, n), v);
+    row.w = (radius / mv.length) * (dot3(mv.tangent, v) * n - dot3(mv.tangent, n) * v);
+    return row;
+}
+
+// adds s * row row^T to the symmetric part
+SEL_FN void add_slip(SampleForce* out, real s, SlipRow row)
+{
+    const real x[3] = {row.x.x, row.x.y, row.x.z}, w[3] = {row.w.x, row.w.y, row.w.z};
+    add_outer(out->sym, s, row.x, row.theta);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out->sym_xw[3 * i + j] += s * x[i] * w[j];
+        out->sym_tw[i] += s * row.theta * w[i];
+    }
+    out->sym_ww[0] += s * w[0] * w[0];
+    out->sym_ww[1] += s * w[0] * w[1];
+    out->sym_ww[2] += s * w[0] * w[2];
+    out->sym_ww[3] += s * w[1] * w[1];
+    out->sym_ww[4] += s * w[1] * w[2];
+    out->sym_ww[5] += s * w[2] * w[2];
+}
+
+// adds s * row g^T to what is unsymmetric
+SEL_FN void add_skew(SampleForce* out, real s, SlipRow row, vec3 g)
+{
+    const real force[4] = {row.x.x, row.x.y, row.x.z, row.theta}, w[3] = {row.w.x, row.w.y, row.w.z};
+    for (int i = 0; i < 4; ++i) {
+        out->skew[3 * i] += s * force[i] * g.x;
+        out->skew[3 * i + 1] += s * force[i] * g.y;
+        out->skew[3 * i + 2] += s * force[i] * g.z;
+    }
+    for (int i = 0; i < 3; ++i) {
+        out->skew_wx[3 * i] += s * w[i] * g.x;
+        out->skew_wx[3 * i + 1] += s * w[i] * g.y;
+        out->skew_wx[3 * i + 2] += s * w[i] * g.z;
+    }
+}
+
+// adds what of friction f changes with the normal, where the wall's facets are blended: dn = -bend dx turns the plane that f lies
+// in, df = -n (f . dn), and the arm that it has. Left out, every touch that is between two facets costs an iteration.
+SEL_FN void add_wall_turn(SampleForce* out, vec3 f, vec3 n, const real* bend, real radius, SampleMove mv)
+{
+    if (bend[0] + bend[3] + bend[5] == 0) return;
+    const real arm = radius / mv.length;
+    const vec3 row[3] = {make_vec3(bend[0], bend[1], bend[2]), make_vec3(bend[1], bend[3], bend[4]),
+                         make_vec3(bend[2], bend[4], bend[5])};
+    const vec3 t = mv.tangent, c = cross3(f, t);
+    const real normal[3] = {n.x, n.y, n.z}, force[3] = {f.x, f.y, f.z}, axial = arm * dot3(f, t);
+    for (int j = 0; j < 3; ++j) {
+        const real by_force = dot3(row[j], f), by_tangent = dot3(row[j], t), by_column[3] = {row[j].x, row[j].y, row[j].z};
+        for (int i = 0; i < 3; ++i) {
+            out->skew[3 * i + j] -= normal[i] * by_force;
+            out->skew_wx[3 * i + j] += axial * by_column[i] - arm * force[i] * by_tangent;
+        }
+        out->skew[9 + j] -= radius * dot3(row[j], c);
+    }
+}
+
+// A unit vector across n.
+SEL_FN vec3 across_of(vec3 n)
+{
+    const vec3 axis = n.x * n.x < (real)0.5 ? make_vec3(1, 0, 0) : make_vec3(0, 1, 0);
+    const vec3 v = cross3(n, axis);
+    return (1 / sqrt(dot3(v, v))) * v;
+}
+
+// Friction of one touch: writes its state, adds force and tangent. See the top for the slip, and for what is
+// taken from the start of the step (par.known).
 // @param fn     normal force [N]     dfn  its derivative with depth [N/m]
 SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, ContactParams par, TouchState old, int was_active,
                          real fn, real dfn, TouchState* now, SampleForce* out)
 {
     if (mv.fresh || par.friction == SEL_FRICTION_NONE) return;
-    const vec3 c = cross3(mv.tangent, n);
-    const vec3 move = mv.move - dot3(mv.move, n) * n - (m.radius * mv.spin) * c;
+    const vec3 rolled = m.radius * (dot3(n, mv.turn) * mv.tangent - dot3(mv.tangent, n) * mv.turn);  // lies in the wall's plane
+    const vec3 move = mv.move - dot3(mv.move, n) * n - (m.radius * mv.spin) * cross3(mv.tangent, n) + rolled;
     const int sticks = par.friction == SEL_FRICTION_STICK_SLIP;
     const int lagged = par.known && par.friction == SEL_FRICTION_SIGN;
     vec3 slip = move;
@@ -162,39 +253,32 @@ SEL_FN void add_friction(Touch touch, vec3 n, SampleModel m, SampleMove mv, Cont
         force = across * size;
         along = across * us / (size + us);
     }
-    const vec3 d = size > 0 ? (1 / size) * slip : make_vec3(0, 0, 0);
-    const real arm = -m.radius;  // torque of a surface force g about the tangent: arm (c . g)
+    // slip plane: d and e = n x d; without a slip any two directions
+    const vec3 d = size > 0 ? (1 / size) * slip : across_of(n);
     vec3 f = -force * d;
     if (par.known == SEL_KNOWN_LINEAR && !lagged) {
         const real ahead = dot3(d, move);
-        f = f + across * (move - ahead * d) + (size > 0 ? along * ahead : (real)0) * d;
+        f = f + across * (move - ahead * d) + ((size > 0 ? along : across) * ahead) * d;
     }
+    const SlipRow exerted = slip_row(f, n, m.radius, mv), row = slip_row(d, n, m.radius, mv);
     out->force[0] += f.x;
     out->force[1] += f.y;
     out->force[2] += f.z;
-    out->force[3] += arm * dot3(c, f);
-    // slip plane: d and e = n x d
-    const vec3 e = cross3(n, d);
+    out->force[3] += exerted.theta;
+    out->couple[0] += exerted.w.x;
+    out->couple[1] += exerted.w.y;
+    out->couple[2] += exerted.w.z;
+    out->flags |= SEL_SAMPLE_COUPLE;
     if (lagged) {
         dfn = 0;
-    } else if (size > 0) {
-        add_outer(out->sym, along, d, arm * dot3(c, d));
-        add_outer(out->sym, across, e, arm * dot3(c, e));
     } else {
-        const vec3 g = cross3(n, c);
-        add_outer(out->sym, across, c, arm);
-        add_outer(out->sym, across, g, 0);
+        add_slip(out, size > 0 ? along : across, row);
+        add_slip(out, across, slip_row(cross3(n, d), n, m.radius, mv));
     }
     if (!stuck && size > 0 && dfn > 0) {
         // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
-        const real mu_dfn = (cone > 0 ? force / fn : 0) * dfn;
-        const vec3 g = touch.normal;
-        const real row[4] = {d.x, d.y, d.z, arm * dot3(c, d)};
-        for (int i = 0; i < 4; ++i) {
-            out->skew[3 * i] -= mu_dfn * row[i] * g.x;
-            out->skew[3 * i + 1] -= mu_dfn * row[i] * g.y;
-            out->skew[3 * i + 2] -= mu_dfn * row[i] * g.z;
-        }
+        add_skew(out, -(cone > 0 ? force / fn : 0) * dfn, row, touch.normal);
+        add_wall_turn(out, -force * d, n, touch.bend, m.radius, mv);
         out->flags |= SEL_SAMPLE_SLIDING;
     }
     // an elastic slip longer than the cone holds is drawn after the wire

@@ -132,6 +132,9 @@ SEL_FN SampleForce no_force(SampleModel m)
     for (int k = 0; k < 4; ++k) none.force[k] = 0;
     for (int k = 0; k < 10; ++k) none.sym[k] = 0;
     for (int k = 0; k < 12; ++k) none.skew[k] = 0;
+    for (int k = 0; k < 9; ++k) none.sym_xw[k] = none.skew_wx[k] = 0;
+    for (int k = 0; k < 6; ++k) none.sym_ww[k] = 0;
+    for (int k = 0; k < 3; ++k) none.couple[k] = none.sym_tw[k] = 0;
     none.depth = -(m.radius + m.reach);
     none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
     none.flags = 0;
@@ -167,15 +170,17 @@ SEL_FN SampleForce evaluate_sample(uint s, ContactParams par, SampleModel m, Sam
     SampleForce out = no_force(m);
     const AxisPoint at = axis_point(place.edge, place.bary, hi, lo);
     SampleMove mv;
-    mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
+    mv.length = sqrt(dot3(at.edge, at.edge));
+    mv.tangent = (1 / mv.length) * at.edge;
     mv.stamp = place.stamp;
     mv.shrink = place.shrink;
     mv.fresh = place.edge_t0 == SEL_NO_EDGE;
-    mv.move = make_vec3(0, 0, 0);
+    mv.move = mv.turn = make_vec3(0, 0, 0);
     mv.spin = 0;
     if (!mv.fresh) {
         const AxisPoint was = axis_point(place.edge_t0, place.bary_t0, hi_t0, lo_t0);
         mv.move = (at.origin - was.origin) + (at.offset - was.offset);
+        mv.turn = mv.tangent - (1 / sqrt(dot3(was.edge, was.edge))) * was.edge;
         mv.spin = theta[place.edge] - theta_t0[place.edge_t0];
     }
 
@@ -229,19 +234,58 @@ SEL_FN SampleForce sample_force(uint s, ContactParams par, SampleModel m, Sample
                            touches_t0, touches, hard);
 }
 
+// Where nothing touches, of 0.5 kB three words are read.
+SEL_FN void write_force(SampleForce force, SEL_GLOBAL SampleForce* out)
+{
+    if (force.contacts > 0) {
+        *out = force;
+        return;
+    }
+    out->depth = force.depth;
+    out->flags = force.flags;
+    out->contacts = 0;
+}
+
+// Adds what a sample's couple does: q = (x_a, x_b, theta), x = a x_a + b x_b, w = x_b - x_a.
+SEL_FN void add_couple(SampleForce f, real a, real b, EdgeForce* out)
+{
+    const int place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};  // of (i, j) among xx xy xz yy yz zz
+    for (int i = 0; i < 3; ++i) {
+        out->force_a[i] -= f.couple[i];
+        out->force_b[i] += f.couple[i];
+        out->st_a[i] -= f.sym_tw[i];
+        out->st_b[i] += f.sym_tw[i];
+        for (int j = 0; j < 3; ++j) {
+            const real xw = f.sym_xw[3 * i + j], wx = f.sym_xw[3 * j + i], ww = f.sym_ww[place[3 * i + j]];
+            out->s_ab[3 * i + j] += a * xw - b * wx - ww;
+            if (j < i) continue;
+            out->s_aa[place[3 * i + j]] += ww - a * (xw + wx);
+            out->s_bb[place[3 * i + j]] += ww + b * (xw + wx);
+        }
+    }
+    if (!(f.flags & SEL_SAMPLE_SLIDING)) return;
+    for (int i = 0; i < 9; ++i) {
+        out->u_aa[i] -= a * f.skew_wx[i];
+        out->u_ab[i] -= b * f.skew_wx[i];
+        out->u_ba[i] += a * f.skew_wx[i];
+        out->u_bb[i] += b * f.skew_wx[i];
+    }
+}
+
 // Sums the samples items[first..last) (consecutive on one edge) in order. barys: of those samples.
 SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const SampleForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
 {
     EdgeForce out;
     for (int k = 0; k < 3; ++k) out.force_a[k] = out.force_b[k] = out.st_a[k] = out.st_b[k] = out.ut_a[k] = out.ut_b[k] = 0;
-    for (int k = 0; k < 6; ++k) out.s_aa[k] = out.s_ab[k] = out.s_bb[k] = 0;
-    for (int k = 0; k < 9; ++k) out.u_aa[k] = out.u_ab[k] = out.u_bb[k] = 0;
+    for (int k = 0; k < 6; ++k) out.s_aa[k] = out.s_bb[k] = 0;
+    for (int k = 0; k < 9; ++k) out.s_ab[k] = out.u_aa[k] = out.u_ab[k] = out.u_ba[k] = out.u_bb[k] = 0;
     out.torque = out.s_tt = 0;
     out.depth = (real)-1e30;
     out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
     out.flags = out.contacts = 0;
     const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
-    const int couple[3] = {3, 6, 8};          // xt yt zt
+    const int spin[3] = {3, 6, 8};            // xt yt zt
+    const int full[9] = {0, 1, 2, 1, 4, 5, 2, 5, 7};
     for (uint k = first; k < last; ++k) {
         const SampleForce f = forces[k];
         out.depth = max_r(out.depth, f.depth);
@@ -251,18 +295,20 @@ SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const SampleForce* forces, SEL_GLOBAL co
         for (int i = 0; i < 3; ++i) {
             out.force_a[i] += a * f.force[i];
             out.force_b[i] += b * f.force[i];
-            out.st_a[i] += a * f.sym[couple[i]];
-            out.st_b[i] += b * f.sym[couple[i]];
+            out.st_a[i] += a * f.sym[spin[i]];
+            out.st_b[i] += b * f.sym[spin[i]];
         }
         for (int i = 0; i < 6; ++i) {
             out.s_aa[i] += a * a * f.sym[block[i]];
-            out.s_ab[i] += a * b * f.sym[block[i]];
             out.s_bb[i] += b * b * f.sym[block[i]];
         }
+        for (int i = 0; i < 9; ++i) out.s_ab[i] += a * b * f.sym[full[i]];
+        if (f.flags & SEL_SAMPLE_COUPLE) add_couple(f, a, b, &out);
         if (f.flags & SEL_SAMPLE_SLIDING) {
             for (int i = 0; i < 9; ++i) {
                 out.u_aa[i] += a * a * f.skew[i];
                 out.u_ab[i] += a * b * f.skew[i];
+                out.u_ba[i] += a * b * f.skew[i];
                 out.u_bb[i] += b * b * f.skew[i];
             }
             for (int i = 0; i < 3; ++i) {

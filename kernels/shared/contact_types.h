@@ -96,13 +96,21 @@ typedef struct HardState {
 } HardState;
 
 // What one sample exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding friction
-// makes unsymmetric. q = (x, y, z, theta).
+// makes unsymmetric. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with: what friction does
+// at the surface is, seen from the nodes, a force on the axis point, a torque, and a couple. `contacts` 0: only depth and flags
+// are written; without SEL_SAMPLE_COUPLE what stands in the second block is 0.
 typedef struct SampleForce {
     real force[4];  // on the axis point [N], about the tangent [N m]
     real sym[10];   // symmetric part: xx xy xz xt yy yz yt zz zt tt
     real
         skew[12];  // 4 x 3: -d(force[row])/d(x, y, z) due to the normal force's change while sliding, or rolling beyond the yield
-    real depth;    // deepest overlap, negative: gap [m]
+    // the couple
+    real couple[3];                                           // on node b, and its negative on node a [N]
+    real sym_xw[9];                                           // row x, column w
+    real sym_ww[6];                                           // xx xy xz yy yz zz
+    real sym_tw[3];                                           // theta against w
+    real skew_wx[9];                                          // -d(couple)/d(x, y, z), as `skew`
+    real depth;                                               // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
     real length;                                              // metres of wire in contact
     uint flags;                                               // SEL_SAMPLE_*
@@ -111,14 +119,15 @@ typedef struct SampleForce {
 #define SEL_SAMPLE_BLOCKED 1u  // deeper than the law allows, and deepening: the trial is inadmissible
 #define SEL_SAMPLE_SLIDING 2u  // `skew` is not zero
 #define SEL_SAMPLE_OUTSIDE 4u
+#define SEL_SAMPLE_COUPLE 8u  // friction acts
 
 // Sum over an edge's samples, in sample order: generalised force on (x_a, x_b, theta) and blocks of -dF/dq. Index s: 6 entries
-// xx xy xz yy yz zz of a symmetric 3 x 3 block; u: 9 entries, row-major.
+// xx xy xz yy yz zz of a symmetric 3 x 3 block; s_ab and u: 9 entries, row-major.
 typedef struct EdgeForce {
     real force_a[3], force_b[3], torque;
-    real s_aa[6], s_ab[6], s_bb[6];  // sums of (1-b)^2, (1-b) b, b^2 times the sample's block
-    real st_a[3], st_b[3], s_tt;     // x-theta coupling and theta-theta
-    real u_aa[9], u_ab[9], u_bb[9];
+    real s_aa[6], s_ab[9], s_bb[6];
+    real st_a[3], st_b[3], s_tt;  // x-theta coupling and theta-theta
+    real u_aa[9], u_ab[9], u_ba[9], u_bb[9];
     real ut_a[3], ut_b[3];  // row theta against x_a, x_b
     real depth, normal_sum, friction_sum, sliding_sum, rolling_sum, length;
     uint flags, contacts;

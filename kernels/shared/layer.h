@@ -238,13 +238,7 @@ SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, L
                                  SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
                                  SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches, real* bary)
 {
-    SampleForce out;
-    for (int k = 0; k < 4; ++k) out.force[k] = 0;
-    for (int k = 0; k < 10; ++k) out.sym[k] = 0;
-    for (int k = 0; k < 12; ++k) out.skew[k] = 0;
-    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
-    out.flags = 0;
-    out.contacts = 0;
+    SampleForce out = no_force(e.model);
     out.depth = -e.reach;
     TouchState old, now;
     for (int i = 0; i < 3; ++i) now.slip[i] = now.friction[i] = now.normal[i] = now.point[i] = 0;
@@ -263,7 +257,9 @@ SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, L
         const AxisPoint was = axis_point(e.node, *bary, hi_t0, lo_t0);
         const vec3 p = at.offset + *bary * at.edge;
         SampleMove mv;
-        mv.tangent = (1 / sqrt(dot3(at.edge, at.edge))) * at.edge;
+        mv.length = sqrt(dot3(at.edge, at.edge));
+        mv.tangent = (1 / mv.length) * at.edge;
+        mv.turn = mv.tangent - (1 / sqrt(dot3(was.edge, was.edge))) * was.edge;
         mv.move = (at.origin - was.origin) + (p - was.offset);
         mv.spin = theta[e.node] - theta_t0[e.node];
         mv.fresh = 0;

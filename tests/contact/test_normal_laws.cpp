@@ -157,6 +157,33 @@ TEST_SUITE("contact/normal_laws")
             }
     }
 
+    // Modified equations of the schemes, bench/restitution.py: e misses by c h/t_c, c = 3.203 and 1.601 for e = 0.7 on the wall's
+    // law, t_c = 3.373 lengths over speed; the trapezoid's first order is 0. The second order and the tip's own law add to c.
+    TEST_CASE("analytic: restitution misses by c h/t_c with backward Euler, by half of it conserving, by h^2 with the trapezoid")
+    {
+        const double speed = 0.05, e = 0.7;
+        const auto error = [&](int scheme, int part) {
+            WorldSetup setup = over_floor(NormalLaw::HuntCrossley, 2e-6, 0.02);
+            setup.wires[0].contact.restitution = e;
+            setup.wires[0].wire.shaft.bend_stiffness = 1e-3;
+            setup.integrator.conserve = scheme == 1;
+            setup.integrator.newmark = scheme == 2;
+            if (scheme == 2) setup.integrator.beta = 0.25, setup.integrator.gamma = 0.5;
+            const SampleModel law = line_sample(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
+            const double duration = 3.373 * std::pow(law.line_mass * speed * speed / law.stiffness, 0.4) / speed;
+            return (e - restitution(std::move(setup), speed, duration / part, 1000)) * part;
+        };
+        const double c[] = {3.203, 1.601};
+        for (int scheme = 0; scheme < 2; ++scheme) {
+            CAPTURE(scheme);
+            const double coarse = error(scheme, 100), fine = error(scheme, 200);
+            MESSAGE("c " << coarse << ", " << fine << " of " << c[scheme]);
+            CHECK(fine == about(c[scheme]).epsilon(0.05));
+            CHECK(coarse == about(fine).epsilon(0.05));
+        }
+        CHECK(std::abs(error(2, 100)) / 100 <= 1e-3);
+    }
+
     // v- -> 0: floored so that a contact under the wire's own weight is damped just critically, at a rate of sqrt(n g / depth).
     // The law being weaker in shallower contact, a wire laid down still swings over once, by what
     //     d'' = 1 - d^n (1 + 2 sqrt(n) d'),    d in depths, t in sqrt(depth / g)

@@ -187,10 +187,11 @@ Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vec
     Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0, found.clearances};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        out.forces[k] = sample_force(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots,
-                                     found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(),
-                                     s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
-                                     s.touches_t0.data(), out.touches.data(), s.hard.data(), &out.clearances[at]);
+        write_force(sample_force(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
+                                 s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(),
+                                 s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
+                                 out.touches.data(), s.hard.data(), &out.clearances[at]),
+                    &out.forces[k]);
         out.barys[k] = s.places[at].bary;
     }
     return out;
@@ -547,7 +548,7 @@ void reduce_case()
                 real* x = forces[k].force;
                 for (std::size_t i = 0; i < offsetof(SampleForce, flags) / sizeof(real); ++i)
                     x[i] = static_cast<real>(draw(-1, 1));
-                forces[k].flags = draw.below(8);
+                forces[k].flags = draw.below(16);
                 forces[k].contacts = draw.below(3);
                 barys[k] = static_cast<real>(draw(0, 1));
             }
@@ -601,10 +602,10 @@ void layer_evaluate_case()
             }
             Evaluated host{std::vector<SampleForce>(n), std::vector<real>(n), std::vector<TouchState>(n)};
             for (std::size_t k = 0; k < n; ++k)
-                host.forces[k] =
-                    evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
-                                  s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(),
-                                  s.touches_t0.data(), host.touches.data(), &host.barys[k]);
+                write_force(evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
+                                          s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
+                                          s.theta_t0.data(), s.touches_t0.data(), host.touches.data(), &host.barys[k]),
+                            &host.forces[k]);
             ContactParams par = s.par;
             par.item_count = static_cast<uint>(n);
             Guarded<LayerPair> list(context, lane, pairs);
@@ -627,19 +628,20 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                     \
-    X(SampleModel, length)                                                                                                \
-    X(SampleModel, reach)                                                                                                 \
-    X(SampleModel, roll_force)                                                                                            \
-    X(SampleModel, restitution)                                                                                           \
-    X(SampleModel, hard_most) X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink)   \
-        X(HardState, stiffness) X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction)        \
-            X(TouchState, triangle) X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth)     \
-                X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, ut_b) \
-                    X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling)            \
-                        X(ContactParams, normal_law) X(ContactParams, inv_dt) X(ContactParams, smooth_speed)              \
-                            X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width) X(LayerEdge, model)         \
-                                X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                          \
+    X(SampleModel, length)                                                                                                     \
+    X(SampleModel, reach)                                                                                                      \
+    X(SampleModel, roll_force)                                                                                                 \
+    X(SampleModel, restitution)                                                                                                \
+    X(SampleModel, hard_most)                                                                                                  \
+    X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness)          \
+        X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle)             \
+            X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, couple)           \
+                X(SampleForce, skew_wx) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
+                    X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)      \
+                        X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                       \
+                            X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width)   \
+                                X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {
