@@ -152,6 +152,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     for (int w = 0; w < count; ++w)
         backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
+    audits.resize(count);
+    for (int w = 0; w < count; ++w) audits[w].limits = energy_limits(setup.wires[w].wire, setup.gravity);
 }
 
 void World::Impl::save_wire(int wire)
@@ -201,9 +203,10 @@ void World::Impl::read_results(int wire, double h)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
     result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity)
                                        : -result.base_force.dot(rod.tangent(hub - 1));
-    result.kinetic = solver->kinetic_energy(wire);
-    result.elastic = solver->elastic_energy(wire);
-    result.gravitational = solver->potential_energy(wire);
+    if (h == 0) begin_audit(*this, wire, false);
+    result.kinetic = audits[wire].kinetic;
+    result.elastic = audits[wire].elastic;
+    result.gravitational = audits[wire].gravitational;
     result.residual = reports[wire].residual;
     result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
                                        result.nodal_contact, momentum_start[wire], h);
@@ -251,6 +254,7 @@ WireReadings World::readings(int wire) const
     r.elastic = result.elastic;
     r.gravitational = result.gravitational;
     r.remesh_energy = impl_->remesh_energy[wire];
+    r.energy_made = impl_->audits[wire].balance.made();
     r.force_residual = result.residual;
     r.momentum = result.momentum;
     return r;
