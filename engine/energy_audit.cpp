@@ -1,5 +1,7 @@
 #include "energy_audit.h"
 
+#include "core/bytes.h"
+#include "core/error.h"
 #include "world.h"
 
 #include <algorithm>
@@ -39,7 +41,7 @@ double mean(std::span<const double> last, std::size_t k, std::size_t count, doub
     return last.size() == count ? 0.5 * (last[k] + now) : now;
 }
 
-double held_work(const World::Impl& state, int wire)
+double held_work(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
     const auto& prescribed = state.constraints[wire].prescribed;
@@ -53,7 +55,7 @@ double held_work(const World::Impl& state, int wire)
     return work;
 }
 
-double turning_work(const World::Impl& state, int wire)
+double turning_work(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
@@ -68,7 +70,7 @@ double turning_work(const World::Impl& state, int wire)
     return work;
 }
 
-double hand_work(const World::Impl& state, int wire)
+double hand_work(World::Impl& state, int wire)
 {
     if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
     const EnergyAudit& audit = state.audits[wire];
@@ -88,7 +90,7 @@ Vec3 move_of(const Solver& solver, int wire, int edge, double bary)
     return (1 - bary) * move_of(solver, wire, edge) + bary * move_of(solver, wire, edge + 1);
 }
 
-double load_work(const World::Impl& state, int wire)
+double load_work(World::Impl& state, int wire)
 {
     const Solver& solver = *state.solver;
     const RodView rod = state.rods.view(wire);
@@ -110,7 +112,7 @@ double load_work(const World::Impl& state, int wire)
 }
 
 /// Of holds that change their speed within the step, where reactions at its ends do not show it.
-double unseen_work(const World::Impl& state, int wire, double h)
+double unseen_work(World::Impl& state, int wire, double h)
 {
     const EnergyAudit& audit = state.audits[wire];
     const auto& prescribed = state.constraints[wire].prescribed;
@@ -123,7 +125,7 @@ double unseen_work(const World::Impl& state, int wire, double h)
     return change == 0 ? 0 : mass_of(state.rods.view(wire)) * change;
 }
 
-WireEnergy energy_now(const World::Impl& state, int wire)
+WireEnergy energy_now(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
     return {audit.kinetic, audit.elastic + audit.gravitational, state.contact ? state.contact->stored_energy(wire) : 0.0};
@@ -153,9 +155,9 @@ EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
     return limits;
 }
 
-FeedingAudit::FeedingAudit(const World::Impl& state, int wire) : wire_(wire), inside_(state.feeds[wire].inside)
+FeedingAudit::FeedingAudit(World::Impl& state, int wire) : wire_(wire), inside_(state.feeds[wire].inside)
 {
-    const RodView rod = const_cast<RodArrays&>(state.rods).view(wire);
+    const RodView rod = state.rods.view(wire);
     for (int k = 0; k < 2; ++k) mass_[k] = rod.mass[rod.n - 1 - k];
     inertia_ = rod.spin_inertia[rod.n - 2];
 }
@@ -236,6 +238,48 @@ void accept_energy(World::Impl& state, int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         audit.torque[c] = clamps[c].spin ? clamp_torque(rod, clamps, state.solver->frames(wire), static_cast<int>(c)) : 0;
     if (state.feeds[wire].on) audit.hand_force = feed_force(rod, clamps, state.solver->frames(wire), state.setup.gravity);
+}
+
+namespace {
+
+void put_list(std::vector<std::uint8_t>& bytes, const std::vector<double>& list)
+{
+    const std::int32_t count = static_cast<std::int32_t>(list.size());
+    put_bytes(bytes, &count, 1);
+    put_bytes(bytes, list.data(), list.size());
+}
+
+void take_list(const std::uint8_t*& bytes, const std::uint8_t* end, std::vector<double>& list)
+{
+    std::int32_t count = 0;
+    take_bytes(bytes, end, &count, 1);
+    if (count < 0 || static_cast<std::size_t>(count) * sizeof(double) > static_cast<std::size_t>(end - bytes))
+        throw Error(ExitCode::BadFile, "a list of the saved state is longer than the file");
+    list.resize(static_cast<std::size_t>(count));
+    take_bytes(bytes, end, list.data(), list.size());
+}
+
+}  // namespace
+
+void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit)
+{
+    const std::uint8_t known = audit.known;
+    put_bytes(bytes, &known, 1);
+    put_bytes(bytes, &audit.balance, 1);
+    put_bytes(bytes, &audit.hand_force, 1);
+    put_bytes(bytes, &audit.speed, 1);
+    for (const auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) put_list(bytes, *list);
+}
+
+void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit)
+{
+    std::uint8_t known = 0;
+    take_bytes(bytes, end, &known, 1);
+    audit.known = known != 0;
+    take_bytes(bytes, end, &audit.balance, 1);
+    take_bytes(bytes, end, &audit.hand_force, 1);
+    take_bytes(bytes, end, &audit.speed, 1);
+    for (auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) take_list(bytes, end, *list);
 }
 
 }  // namespace seldinger

@@ -19,6 +19,7 @@
 #include "engine.h"
 #include "solve/energy_balance.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace seldinger {
@@ -46,7 +47,7 @@ struct EnergyAudit {
 /// Before and after the feed has moved on by a sub-step.
 class FeedingAudit {
 public:
-    FeedingAudit(const World::Impl& state, int wire);
+    FeedingAudit(World::Impl& state, int wire);
     void after(World::Impl& state);
 
 private:
@@ -62,5 +63,9 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 [[nodiscard]] bool energy_adds_up(World::Impl& state, int wire, double h);
 /// The same has been accepted.
 void accept_energy(World::Impl& state, int wire, double h);
+
+/// What a run goes on from. Of the saved state, but not of the state that is hashed: it changes nothing that moves.
+void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
+void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
 
 }  // namespace seldinger

@@ -203,7 +203,7 @@ void World::Impl::read_results(int wire, double h)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
     result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity)
                                        : -result.base_force.dot(rod.tangent(hub - 1));
-    if (h == 0) begin_audit(*this, wire, false);
+    if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
     result.kinetic = audits[wire].kinetic;
     result.elastic = audits[wire].elastic;
     result.gravitational = audits[wire].gravitational;
@@ -312,15 +312,21 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
 }
 
-std::vector<std::uint8_t> World::save_state() const
+std::vector<std::uint8_t> World::Impl::state_bytes() const
 {
     std::vector<std::uint8_t> bytes;
-    Impl& s = *impl_;
-    put_bytes(bytes, &s.time, 1);
-    const std::int64_t steps = s.steps;
-    put_bytes(bytes, &steps, 1);
-    for (int w = 0; w < s.wire_count(); ++w) s.put_wire(bytes, w);
-    if (s.contact) s.contact->save(bytes);
+    put_bytes(bytes, &time, 1);
+    const std::int64_t taken = steps;
+    put_bytes(bytes, &taken, 1);
+    for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
+    if (contact) contact->save(bytes);
+    return bytes;
+}
+
+std::vector<std::uint8_t> World::save_state() const
+{
+    std::vector<std::uint8_t> bytes = impl_->state_bytes();
+    for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
     return bytes;
 }
 
@@ -349,6 +355,7 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
     if (s.contact) s.contact->restore(at, end);
+    for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
@@ -359,7 +366,7 @@ std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format
 
 }  // namespace
 
-std::string World::state_hash() const { return hash_of(save_state()); }
+std::string World::state_hash() const { return hash_of(impl_->state_bytes()); }
 
 std::string World::state_hash(int wire) const
 {

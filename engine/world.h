@@ -76,6 +76,7 @@ struct World::Impl {
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
+    [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
 
 }  // namespace seldinger
