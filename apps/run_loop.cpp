@@ -27,7 +27,8 @@ std::string energy_advice(const IntegratorSpec& integrator)
         return "an explicit step is stable below the fastest wave's period only; make scene.dt_s smaller, or set "
                "integrator.scheme = \"newton\"";
     if (integrator.newmark)
-        return "Newmark's steps do that in contact and where a wire stretches fast; leave integrator.beta and integrator.gamma out "
+        return "Newmark's steps do that in contact and where a wire stretches fast; leave integrator.beta and integrator.gamma "
+               "out "
                "(backward Euler)";
     if (integrator.conserve) return "set integrator.conserve = false (backward Euler), or make scene.dt_s smaller";
     return "make scene.dt_s smaller or contact.stiffness lower";
@@ -99,7 +100,8 @@ private:
         const auto start = Clock::now();
         const StepReport report = step(world_, scene_.dt);
         if (report.failed())
-            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(), advice(report, false, scene_.integrator, world_.readings(0).energy_made));
+            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
+                                   advice(report, false, scene_.integrator, world_.readings(0).energy_made));
         else recorder_.stepped(world_, report, seconds_since(start));
         return !report.failed();
     }

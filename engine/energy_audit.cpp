@@ -15,10 +15,7 @@ namespace {
 constexpr double floor_share = 1e-4;  // of the wire's own scale of energy, see energy_limits
 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
-bool end_forces(const IntegratorSpec& spec)
-{
-    return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit;
-}
+bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
 
 double kinetic_energy(const RodView& rod)
 {
@@ -82,7 +79,8 @@ double hand_work(World::Impl& state, int wire)
 
 Vec3 move_of(const Solver& solver, int wire, int node)
 {
-    return {solver.displacement(wire, 4 * node), solver.displacement(wire, 4 * node + 1), solver.displacement(wire, 4 * node + 2)};
+    return {solver.displacement(wire, 4 * node), solver.displacement(wire, 4 * node + 1),
+            solver.displacement(wire, 4 * node + 2)};
 }
 
 Vec3 move_of(const Solver& solver, int wire, int edge, double bary)
@@ -100,7 +98,8 @@ double load_work(World::Impl& state, int wire)
         if (load.moment.isZero()) continue;
         const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
         const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
-        work += load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, 4 * load.edge + 3);
+        work +=
+            load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, 4 * load.edge + 3);
     }
     for (const auto& spring : state.constraints[wire].springs) {
         const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);

@@ -1,6 +1,6 @@
 #pragma once
-// The engine's own watch over what energy_balance.h is about: one audit per wire, asked at the end of every sub-step, before it is
-// accepted. Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
+// The engine's own watch over what energy_balance.h is about: one audit per wire, asked at the end of every sub-step, before it
+// is accepted. Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
 //
 // Work of one sub-step, by the forces that its equations hold at:
 //   holds        reaction . move                     backward Euler: the end's; Newmark: mean of both ends; energy-momentum: the
@@ -30,13 +30,13 @@ struct EnergyAudit {
     EnergyLimits limits;
 
     // at the end of the last accepted sub-step, for means over the next one
-    double hand_force = 0, speed = 0;               // [N], of the feed [m/s]
-    std::vector<double> held, held_speed;           // per prescribed unknown: reaction and velocity
-    std::vector<double> torque, turns;              // per clamp [N m], [rad]
+    double hand_force = 0, speed = 0;      // [N], of the feed [m/s]
+    std::vector<double> held, held_speed;  // per prescribed unknown: reaction and velocity
+    std::vector<double> torque, turns;     // per clamp [N m], [rad]
 
     // of the present sub-step
     EnergyBalance next;
-    EnergyInput fed;                                    // by feeding
+    EnergyInput fed;                                     // by feeding
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
 };
 

@@ -63,7 +63,7 @@ enum StepFlag : unsigned {
     StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
     StepNonFinite = 1u << 4,   // a value is not finite; the state before the step was kept
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
-                               // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+                           // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
 };
 
 /// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.

@@ -8,9 +8,9 @@
 //   made(t) = max(0, B(t) - min over s < t of (B(s) + S(s)))
 //
 // is energy that came from nowhere, and never more than that. It is held against what the scheme may honestly miss. No scheme
-// keeps the energy of a nonlinear system exactly: a step of backward Euler that ends where the potential is concave (a column that
-// buckles, a tip that snaps) makes (1/2) d.(-H) d for the concave part H of the Hessian and the move d; the trapezoid misses third
-// order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much when
+// keeps the energy of a nonlinear system exactly: a step of backward Euler that ends where the potential is concave (a column
+// that buckles, a tip that snaps) makes (1/2) d.(-H) d for the concave part H of the Hessian and the move d; the trapezoid misses
+// third order terms of either sign. Such errors are a share of the energy that the motion exchanges. A step makes too much when
 //
 //   min(made, kinetic) > fraction * (turned over + released) + floor + unseen + rounding
 //
@@ -58,7 +58,8 @@ private:
     void account(const WireEnergy& now, const EnergyInput& input);
     [[nodiscard]] double own(const WireEnergy& now) const { return now.stored - carried_; }  // wherever heights are counted from
 
-    double work_ = 0, carried_ = 0, unseen_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0, most_made_ = 0;
+    double work_ = 0, carried_ = 0, unseen_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0,
+           most_made_ = 0;
 };
 
 }  // namespace seldinger

@@ -538,7 +538,8 @@ double WireProblem::stretched_length(int j) const
 /// The same over the rest length is the strain, also of an edge whose rest length has grown over the step.
 double WireProblem::strained_length(int j) const
 {
-    return conserving_ ? stretched_length(j) + feed_stretch(rod, start_frames_, j, constraints_->base_grown) : stretched_length(j);
+    return conserving_ ? stretched_length(j) + feed_stretch(rod, start_frames_, j, constraints_->base_grown)
+                       : stretched_length(j);
 }
 
 double WireProblem::actual_tension(int j) const

@@ -42,8 +42,8 @@ struct FailureLimits {
     double static_indentation = std::numeric_limits<double>::infinity();  // of the law under the scene's largest static load [m];
                                                                           // infinity where impacts, not a static load, press
     double jitter = 0.10;  // of max(mean |hand force|, force_floor) [-]; more by what the force honestly does between such steps
-    double force_floor = 1e-3;   // [N]
-    int jitter_window = 50;      // steps
+    double force_floor = 1e-3;  // [N]
+    int jitter_window = 50;     // steps
     EnergyLimits energy;
 };
 

@@ -52,8 +52,8 @@ Ran run(World& world, int steps, double dt = 1e-3)
         ran.made = std::max(ran.made, now.energy_made);
         ran.hand_force = std::max(ran.hand_force, std::abs(now.hand_force));
     }
-    MESSAGE(ran.steps << " steps, flags " << ran.flags << ", kinetic " << ran.kinetic << " J, made " << ran.made
-                      << " J, |hand| " << ran.hand_force << " N");
+    MESSAGE(ran.steps << " steps, flags " << ran.flags << ", kinetic " << ran.kinetic << " J, made " << ran.made << " J, |hand| "
+                      << ran.hand_force << " N");
     return ran;
 }
 
