@@ -12,7 +12,7 @@ namespace seldinger {
 
 namespace {
 
-constexpr double floor_share = 1e-4;  // of the wire's own scale of energy, see energy_limits
+constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_limits
 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
 bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
@@ -154,6 +154,15 @@ EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
     return limits;
 }
 
+void audit_remeshing(World::Impl& state, int wire)
+{
+    EnergyAudit& audit = state.audits[wire];
+    audit.fed = {};
+    if (!audit.known) return;
+    const double moving = kinetic_energy(state.rods.view(wire)) + state.solver->potential_energy(wire);
+    audit.fed.carried = (moving - audit.moving) + (state.remesh_energy[wire] - audit.remeshed);
+}
+
 FeedingAudit::FeedingAudit(World::Impl& state, int wire) : wire_(wire), inside_(state.feeds[wire].inside)
 {
     const RodView rod = state.rods.view(wire);
@@ -173,7 +182,7 @@ void FeedingAudit::after(World::Impl& state)
     const int hub = rod.n - 1;
     EnergyInput& fed = audit.fed;
     const double spin = rod.spin_rate[hub - 1];
-    fed.carried = 0.5 * (rod.spin_inertia[hub - 1] - inertia_) * spin * spin;
+    fed.carried += 0.5 * (rod.spin_inertia[hub - 1] - inertia_) * spin * spin;
     for (int k = 0; k < 2; ++k) {
         const double more = rod.mass[hub - k] - mass_[k];
         fed.carried += more * (0.5 * rod.vel(hub - k).squaredNorm() - state.setup.gravity.dot(feed.point));
@@ -197,6 +206,8 @@ void begin_audit(World::Impl& state, int wire, bool placed)
     }
     audit.balance.begin(energy_now(state, wire));
     audit.known = true;
+    audit.moving = audit.kinetic + audit.gravitational;
+    audit.remeshed = state.remesh_energy[wire];
     if (!placed) accept_energy(state, wire, 0);
 }
 
@@ -220,6 +231,8 @@ void accept_energy(World::Impl& state, int wire, double h)
     EnergyAudit& audit = state.audits[wire];
     if (h > 0) audit.balance = audit.next;
     audit.known = true;
+    audit.moving = audit.kinetic + audit.gravitational;
+    audit.remeshed = state.remesh_energy[wire];
     const auto& prescribed = state.constraints[wire].prescribed;
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
     audit.turns.resize(clamps.size());
@@ -265,6 +278,8 @@ void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit)
     const std::uint8_t known = audit.known;
     put_bytes(bytes, &known, 1);
     put_bytes(bytes, &audit.balance, 1);
+    put_bytes(bytes, &audit.moving, 1);
+    put_bytes(bytes, &audit.remeshed, 1);
     put_bytes(bytes, &audit.hand_force, 1);
     put_bytes(bytes, &audit.speed, 1);
     for (const auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) put_list(bytes, *list);
@@ -276,6 +291,8 @@ void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit
     take_bytes(bytes, end, &known, 1);
     audit.known = known != 0;
     take_bytes(bytes, end, &audit.balance, 1);
+    take_bytes(bytes, end, &audit.moving, 1);
+    take_bytes(bytes, end, &audit.remeshed, 1);
     take_bytes(bytes, end, &audit.hand_force, 1);
     take_bytes(bytes, end, &audit.speed, 1);
     for (auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) take_list(bytes, end, *list);

@@ -14,7 +14,8 @@
 // together, a contact spring in its depth), so that energy plus work can only be lost, but where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
-// What splits, merges and paid debts of rest length make (`remesh_energy_j` logs it apart) is no work: it counts as made or lost.
+// What splits and merges make between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged apart: not made
+// here.
 
 #include "engine.h"
 #include "solve/energy_balance.h"
@@ -30,6 +31,7 @@ struct EnergyAudit {
     EnergyLimits limits;
 
     // at the end of the last accepted sub-step, for means over the next one
+    double moving = 0, remeshed = 0;       // kinetic + gravitational, logged by remeshing [J]
     double hand_force = 0, speed = 0;      // [N], of the feed [m/s]
     std::vector<double> held, held_speed;  // per prescribed unknown: reaction and velocity
     std::vector<double> torque, turns;     // per clamp [N m], [rad]
@@ -40,9 +42,12 @@ struct EnergyAudit {
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
 };
 
-/// Fraction of the energy turned over as in EnergyLimits; floor: a ten-thousandth of what lifts the whole wire by its own length
+/// Fraction of the energy turned over as in EnergyLimits; floor: a thousandth of what lifts the whole wire by its own length
 /// and bends it to a radius of that.
 [[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
+
+/// Before a sub-step: what has become of the wire since the last one, by splits and merges.
+void audit_remeshing(World::Impl& state, int wire);
 
 /// Before and after the feed has moved on by a sub-step.
 class FeedingAudit {

@@ -35,7 +35,7 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
         const Vec3 before = momentum(state.rods.view(w));
-        state.audits[w].fed = {};
+        audit_remeshing(state, w);
         if (state.feeds[w].on) {
             FeedingAudit feeding(state, w);
             feed_to(state.feeds[w], setup.feed, setup.wire, state.rods, w, t, h);
