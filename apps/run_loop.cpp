@@ -18,9 +18,28 @@ constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Which setting helps, by what went wrong.
-std::string advice(const StepReport& report, bool settling)
+/// What to change where energy came from nowhere.
+std::string energy_advice(const IntegratorSpec& integrator)
 {
+    if (integrator.scheme == Scheme::Linearised)
+        return "one Newton step leaves what it likes of the equations; set integrator.scheme = \"newton\"";
+    if (integrator.scheme == Scheme::Explicit)
+        return "an explicit step is stable below the fastest wave's period only; make scene.dt_s smaller, or set "
+               "integrator.scheme = \"newton\"";
+    if (integrator.newmark)
+        return "Newmark's steps do that in contact and where a wire stretches fast; leave integrator.beta and integrator.gamma "
+               "out "
+               "(backward Euler)";
+    if (integrator.conserve) return "set integrator.conserve = false (backward Euler), or make scene.dt_s smaller";
+    return "make scene.dt_s smaller or contact.stiffness lower";
+}
+
+/// Which setting helps, by what went wrong.
+std::string advice(const StepReport& report, bool settling, const IntegratorSpec& integrator, double energy_made)
+{
+    if (report.flags & StepEnergy)
+        return fmt::format("energy comes from nowhere ({:.3g} J so far, and steps of an eighth make more): {}", energy_made,
+                           energy_advice(integrator));
     if (report.flags & StepNonFinite)
         return "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller";
     if (settling)
@@ -71,7 +90,7 @@ private:
     bool settle_first()
     {
         const StepReport report = settle(world_);
-        if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true));
+        if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
         else recorder_.settled(world_, report);
         return !report.failed();
     }
@@ -81,7 +100,8 @@ private:
         const auto start = Clock::now();
         const StepReport report = step(world_, scene_.dt);
         if (report.failed())
-            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(), advice(report, false));
+            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
+                                   advice(report, false, scene_.integrator, world_.readings(0).energy_made));
         else recorder_.stepped(world_, report, seconds_since(start));
         return !report.failed();
     }

@@ -63,6 +63,8 @@ enum StepFlag : unsigned {
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
     StepNonFinite = 1u << 4,   // a value is not finite; the state before the step was kept
+    StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
+                           // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
 };
 
 /// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.
@@ -87,7 +89,7 @@ struct WireReport {
     unsigned flags = StepOk;
     int newton_iterations = 0;  // of the worst sub-step
     int sub_steps = 1;
-    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
 /// The worst of all wires, all flags together.
@@ -96,7 +98,7 @@ struct StepReport {
     int newton_iterations = 0;
     int sub_steps = 1;
     StageTimes times;
-    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite); }
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
 /// Per-wire readings of the accepted state.
@@ -113,6 +115,7 @@ struct WireReadings {
     double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
     double remesh_energy = 0;                            // accumulated [J]
+    double energy_made = 0;                              // most that came from nowhere so far (energy_balance.h) [J]
     double force_residual = 0;                           // largest left on a free node [N]
     MomentumBalance momentum;                            // of the last sub-step
 };

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double most_feed_parts = 4096;
 constexpr int most_halvings = 9;  // h / 512: an update moves no node by more than half a radius, so 20 m/s at 1/60 s takes that
+constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length
 
 using Clock = std::chrono::steady_clock;
 
@@ -34,7 +35,12 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
         const WireSetup& setup = state.setup.wires[w];
         const double t = state.wire_time[w] + h;
         const Vec3 before = momentum(state.rods.view(w));
-        if (state.feeds[w].on) feed_to(state.feeds[w], setup.feed, setup.wire, state.rods, w, t, h);
+        audit_remeshing(state, w);
+        if (state.feeds[w].on) {
+            FeedingAudit feeding(state, w);
+            feed_to(state.feeds[w], setup.feed, setup.wire, state.rods, w, t, h);
+            feeding.after(state);
+        }
         if (state.feeds[w].on && !state.feeds[w].inside) state.live[w] = state.active[w] = 0;
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(t, rod, state.constraints[w]);
@@ -43,13 +49,20 @@ void feed_and_constrain(World::Impl& state, double h, const WireMask& mask)
     });
 }
 
+// Constraints of the accepted state on the present node set.
+void constrain_now(World::Impl& state, int w)
+{
+    const RodView rod = state.rods.view(w);
+    state.holds[w].fill(state.wire_time[w], rod, state.constraints[w]);
+    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+}
+
 // Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
 void start_acceleration(World::Impl& state)
 {
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
-        state.holds[w].fill(state.wire_time[w], state.rods.view(w), state.constraints[w]);
-        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], state.rods.view(w), state.constraints[w]);
+        constrain_now(state, w);
     }
     if (state.contact) {
         state.contact->begin_step(state.rods);
@@ -109,6 +122,12 @@ void collect_timers(World::Impl& state, StepReport& report)
 void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
+    // what touches as placed is not known yet: there energies are counted from the end of the first step
+    for (int w = 0; w < state.wire_count() && state.steps == 0 && !state.contact; ++w) {
+        if (state.audits[w].known || (state.feeds[w].on && !state.feeds[w].inside)) continue;
+        constrain_now(state, w);
+        begin_audit(state, w, true);
+    }
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         prefetch_after(state, w);
         state.save_wire(w);
@@ -131,6 +150,8 @@ void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int 
     add_to(report);
 }
 
+bool audited(const World::Impl& state) { return state.setup.integrator.scheme != Scheme::Static; }
+
 WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
     if (state.contact) state.contact->begin_step(state.rods);
@@ -147,13 +168,24 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
         state.contact_in_solve += after.detect - before.detect + after.evaluate - before.evaluate + after.reduce - before.reduce;
     }
 
-    WireMask done = mask, failed(mask.size(), 0);
+    WireMask done = mask, failed(mask.size(), 0), ended(mask.size(), 0), adds_up(mask.size(), 1);
+    if (audited(state))
+        for_each_item(state.wire_count(), wire_grain, [&](int w) {
+            if (state.active[w] && state.reports[w].converged) adds_up[w] = energy_adds_up(state, w, h);
+        });
     bool any_failed = false;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
-        if (solved.converged) continue;
+        if (solved.converged && adds_up[w]) continue;
+        if (solved.converged && depth >= most_energy_halvings) {
+            ended[w] = 1;
+            done[w] = 0;
+            state.restore_wire(w);
+            note(state, report, w, StepEnergy);
+            continue;
+        }
         failed[w] = 1;
         done[w] = 0;
         any_failed = true;
@@ -165,12 +197,17 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
         prefetch_after(state, w);
         if (!done[w]) return;
         state.wire_time[w] += h;
+        if (state.active[w] && audited(state)) accept_energy(state, w, h);
         state.read_results(w, h);
     });
-    if (!any_failed) return failed;
+    if (!any_failed) return ended;
     for (int w = 0; w < state.wire_count(); ++w)
         if (failed[w]) state.restore_wire(w);
-    if (depth == most_halvings) return failed;
+    const auto with_ended = [&](WireMask lost) {
+        for (std::size_t w = 0; w < ended.size(); ++w) lost[w] = lost[w] || ended[w];
+        return lost;
+    };
+    if (depth == most_halvings) return with_ended(failed);
     WireMask lost = advance_or_halve(state, h / 2, failed, report, depth + 1), rest = failed;
     bool any_left = false;
     for (int w = 0; w < state.wire_count(); ++w) {
@@ -179,23 +216,15 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
         rest[w] = !lost[w];
         any_left = any_left || rest[w];
     }
-    if (!any_left) return lost;
+    if (!any_left) return with_ended(lost);
     const WireMask lost_later = advance_or_halve(state, h / 2, rest, report, depth + 1);
     for (int w = 0; w < state.wire_count(); ++w) lost[w] = lost[w] || lost_later[w];
-    return lost;
+    return with_ended(lost);
 }
 
 }  // namespace
 
 namespace {
-
-// Constraints of the accepted state on the present node set.
-void constrain_now(World::Impl& state, int w)
-{
-    const RodView rod = state.rods.view(w);
-    state.holds[w].fill(state.wire_time[w], rod, state.constraints[w]);
-    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
-}
 
 // A wire that is not fed pays its debt of rest length over this time [s]: slow against axial waves, fast against a hand.
 constexpr double debt_time = 0.05;

@@ -152,6 +152,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     for (int w = 0; w < count; ++w)
         backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
+    audits.resize(count);
+    for (int w = 0; w < count; ++w) audits[w].limits = energy_limits(setup.wires[w].wire, setup.gravity);
 }
 
 void World::Impl::save_wire(int wire)
@@ -219,9 +221,10 @@ void World::Impl::read_results(int wire, double h)
     result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
                                              solver->base_tension_excess(wire)
                                        : -result.base_force.dot(hub_tangent(rod, clamps));
-    result.kinetic = solver->kinetic_energy(wire);
-    result.elastic = solver->elastic_energy(wire);
-    result.gravitational = solver->potential_energy(wire);
+    if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
+    result.kinetic = audits[wire].kinetic;
+    result.elastic = audits[wire].elastic;
+    result.gravitational = audits[wire].gravitational;
     result.residual = reports[wire].residual;
     result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
                                        result.nodal_contact, momentum_start[wire], h);
@@ -269,6 +272,7 @@ WireReadings World::readings(int wire) const
     r.elastic = result.elastic;
     r.gravitational = result.gravitational;
     r.remesh_energy = impl_->remesh_energy[wire];
+    r.energy_made = impl_->audits[wire].balance.made();
     r.force_residual = result.residual;
     r.momentum = result.momentum;
     return r;
@@ -326,15 +330,21 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
 }
 
-std::vector<std::uint8_t> World::save_state() const
+std::vector<std::uint8_t> World::Impl::state_bytes() const
 {
     std::vector<std::uint8_t> bytes;
-    Impl& s = *impl_;
-    put_bytes(bytes, &s.time, 1);
-    const std::int64_t steps = s.steps;
-    put_bytes(bytes, &steps, 1);
-    for (int w = 0; w < s.wire_count(); ++w) s.put_wire(bytes, w);
-    if (s.contact) s.contact->save(bytes);
+    put_bytes(bytes, &time, 1);
+    const std::int64_t taken = steps;
+    put_bytes(bytes, &taken, 1);
+    for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
+    if (contact) contact->save(bytes);
+    return bytes;
+}
+
+std::vector<std::uint8_t> World::save_state() const
+{
+    std::vector<std::uint8_t> bytes = impl_->state_bytes();
+    for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
     return bytes;
 }
 
@@ -363,6 +373,7 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
     if (s.contact) s.contact->restore(at, end);
+    for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
@@ -373,7 +384,7 @@ std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format
 
 }  // namespace
 
-std::string World::state_hash() const { return hash_of(save_state()); }
+std::string World::state_hash() const { return hash_of(impl_->state_bytes()); }
 
 std::string World::state_hash(int wire) const
 {

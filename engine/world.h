@@ -3,6 +3,7 @@
 
 #include "contact/contact_system.h"
 #include "device/device.h"
+#include "energy_audit.h"
 #include "engine.h"
 #include "rod/adapt.h"
 #include "solve/constraints.h"
@@ -45,6 +46,7 @@ struct World::Impl {
     std::vector<WireHolds> holds;            // per wire
     std::vector<FeedState> feeds;            // per wire
     std::vector<double> remesh_energy;       // per wire, accumulated [J]
+    std::vector<EnergyAudit> audits;         // per wire
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
     std::unique_ptr<ContactMethod> contact;  // none without a vessel
     std::unique_ptr<Solver> solver;
@@ -74,6 +76,7 @@ struct World::Impl {
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
+    [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
 
 }  // namespace seldinger

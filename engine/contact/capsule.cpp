@@ -85,6 +85,8 @@ CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup
     sums_.edges.resize(most_edges);
     last_edges_.resize(most_edges);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
+    for (const WireSamples& wire : samples_.wires)
+        storage_.emplace_back(std::span(samples_.models).subspan(wire.begin, wire.capacity), params_.normal_law);
     last_wire_edges_ = sums_.wire_edges;
     some_.reserve(n);
     some_first_.reserve(most_edges + 1);
@@ -361,6 +363,11 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
 // Samples of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take
 // one across it unseen: the trial there finds the wall nearer than depth_max allows, and is refused.
 double CapsuleContact::move_limit(int wire) const { return move_limit_[wire]; }
+
+double CapsuleContact::stored_energy(int wire) const
+{
+    return storage_[wire].most(sums_, wire, rods_.node_begin(wire), rods_.view(wire));
+}
 
 void CapsuleContact::commit(std::span<const std::uint8_t> active)
 {

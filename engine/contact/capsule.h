@@ -2,6 +2,7 @@
 // `capsule`, `swept` and `nodes`: samples of the wire against the exact mesh. See contact_system.h for the order of calls.
 
 #include "contact/barrier_path.h"
+#include "contact/contact_storage.h"
 #include "contact/multipliers.h"
 #include "contact/near_wall.h"
 
@@ -24,6 +25,7 @@ public:
     [[nodiscard]] double move_limit(int wire) const override;
     [[nodiscard]] bool never_overlaps() const override { return barrier_.has_value(); }
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
+    [[nodiscard]] double stored_energy(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
@@ -48,6 +50,7 @@ private:
 
     bool swept_;
     SampleSet samples_;
+    std::vector<ContactStorage> storage_;             // [wires]
     std::vector<std::uint32_t> active_, edge_first_;  // samples that have cells, by edges
     std::vector<std::uint32_t> listed_;               // [samples] stamp of the last step in which the sample was evaluated
     std::vector<std::uint32_t> some_, some_first_;    // as active_, edge_first_, of the wires that are evaluated now

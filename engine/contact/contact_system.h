@@ -67,6 +67,12 @@ public:
         return context_.float32() ? sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire)) : 0;
     }
     [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
+    /// The most energy that the contacts of the last evaluation can give back [J].
+    [[nodiscard]] virtual double stored_energy(int wire) const
+    {
+        const ContactTotals t = totals(wire);
+        return (t.normal + t.friction) * t.depth;
+    }
     /// Adds contact forces on the nodes of a wire, [n].
     void add_nodal_forces(int wire, std::span<Vec3> forces) const
     {

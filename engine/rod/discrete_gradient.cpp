@@ -189,7 +189,7 @@ void add_edge(std::span<double> gradient, int j, const Vec3& force, double torqu
 }  // namespace
 
 void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& before, const RodFrames& after,
-                           std::span<const double> turned, std::span<double> gradient)
+                           std::span<const double> turned, std::span<double> gradient, double base_grown)
 {
     SEL_ASSERT(static_cast<int>(gradient.size()) >= 4 * rod.n && static_cast<int>(turned.size()) >= rod.n - 1);
     const double q = curvature_q(rod.curvature);
@@ -197,7 +197,8 @@ void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps,
     for (int j = 0; j < rod.n - 1; ++j) {
         const Side f = edge_side(before, after, turned, j);
         // (D1): Delta E/Delta|e|^2 = EA/(2 l) (1 - l/mean|e|)
-        const double tension = rod.stretch_stiffness[j] * (f.length.mean() / rod.rest_length[j] - 1);
+        const double length = f.length.mean() + feed_stretch(rod, before, j, base_grown);
+        const double tension = rod.stretch_stiffness[j] * (length / rod.rest_length[j] - 1);
         add_edge(gradient, j, tension * mean_direction(before, after, j), 0);
         if (j > 0) {
             const ClampedNode clamped = clamped_at(clamps, j);

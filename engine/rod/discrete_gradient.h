@@ -27,9 +27,18 @@ namespace seldinger {
 /// @param before   frames of the accepted state, after: of the trial; both with the clamps of the end of the step, so that a
 /// clamp that
 ///                 moved has done its work at the start of it
+/// @param base_grown  rest length that the base edge has gained over the step, of which `rod` has the end's [m]
 /// @param turned   [n-1] theta of the trial less that of the accepted state [rad]
 void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& before, const RodFrames& after,
-                           std::span<const double> turned, std::span<double> gradient);
+                           std::span<const double> turned, std::span<double> gradient, double base_grown = 0);
+
+/// What the mean length of an edge that is fed misses for its mean strain: the start's length l0 was strained against the start's
+/// rest length l - grown, so that the strain's mean is ((l0 + l1)/2 + this)/l - 1. [m]
+inline double feed_stretch(const RodView& rod, const RodFrames& before, int j, double base_grown)
+{
+    if (j != rod.n - 2 || base_grown == 0) return 0;
+    return 0.5 * before.edge_length[j] * base_grown / (rod.rest_length[j] - base_grown);
+}
 
 /// Mean direction of an edge over a step, (e0 + e1)/(l0 + l1): the line along which its tension acts.
 inline Vec3 mean_direction(const RodFrames& before, const RodFrames& after, int j)

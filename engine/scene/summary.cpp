@@ -66,6 +66,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("hand_torque_nm", r.hand_torque);
     out["base_force_n"] = {r.base_force.x(), r.base_force.y(), r.base_force.z()};  // the JSON writer makes null of NaN
     number.set("remesh_energy_j", r.remesh_energy);
+    number.set("energy_made_j", r.energy_made);
     number.set("overlap_max_m", tally.overlap_max);
     number.set("outside_max_m", tally.outside_max);
     out["newton_max"] = tally.newton_max;

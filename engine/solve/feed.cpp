@@ -77,6 +77,7 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     state.advance = key.advance;
     state.turn = key.turn;
     state.speed = fed / h;
+    state.grown = fed;
     if (!state.inside) {
         place_in_guide(state, wire, rods, index, fed / h, turned / h);
         state.inside = state.advance >= state.edge / 2;
@@ -103,7 +104,8 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     const double most = 1e-3 * std::abs(fed) + std::abs(state.debt) * std::min(1.0, std::abs(fed) / state.edge);
     const double drained = std::clamp(state.debt, -most, most);
     state.debt -= drained;
-    rod.material_s[hub] += fed - drained;
+    state.grown = fed - drained;
+    rod.material_s[hub] += state.grown;
     set_rest_shape(rod, wire, false);
 }
 
@@ -125,6 +127,7 @@ void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstr
     const int hub = rod.n - 1;
     for (int k = 0; k < 3; ++k) out.prescribed.emplace_back(4 * hub + k, state.point[k]);
     out.hub_flow = state.speed * state.direction;
+    out.base_grown = state.grown;
     RodClamp clamp;
     clamp.node = hub;
     clamp.direction = clamp.spin = true;

@@ -20,6 +20,7 @@ struct FeedState {
     double debt = 0;               // rest length inside beyond what was fed [m]
     double edge = 0;               // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
     double speed = 0;              // of the material at the inlet during the last step; not state [m/s]
+    double grown = 0;              // rest length of the base edge in the last step; not state [m]
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
     std::uint8_t on = 0;      // the wire is fed
     std::uint8_t inside = 0;  // it has left the rigid guide and is being solved

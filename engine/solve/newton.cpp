@@ -319,6 +319,21 @@ double Solver::base_tension_excess(int wire) const { return work_[wire]->newton.
 
 Vec3 Solver::load_force(int wire) const { return work_[wire]->newton.problem.load_force(); }
 
+double Solver::displacement(int wire, int unknown) const
+{
+    const WireProblem& problem = work_[wire]->newton.problem;
+    return problem.trial[unknown] - problem.start[unknown];
+}
+
+double Solver::residual_work(int wire) const
+{
+    const WireProblem& problem = work_[wire]->newton.problem;
+    double work = 0;
+    for (int i = 0; i < problem.size(); ++i)
+        if (!problem.prescribed[i]) work += problem.residual[i] * (problem.trial[i] - problem.start[i]);
+    return work;
+}
+
 double Solver::elastic_energy(int wire) const
 {
     const WireProblem& problem = work_[wire]->newton.problem;

@@ -76,6 +76,7 @@ struct WireConstraints {
     };
     std::vector<Spring> springs;
     Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
+    double base_grown = 0;         // rest length that the base edge of a fed wire has gained over the step [m]
 };
 
 struct SolveReport {
@@ -138,6 +139,10 @@ public:
     [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
     [[nodiscard]] Vec3 load_force(int wire) const;
+    /// How far unknown i went in the last step [m or rad].
+    [[nodiscard]] double displacement(int wire, int unknown) const;
+    /// Work that what is left on the free unknowns, within the tolerance, did on the wire in the last step [J].
+    [[nodiscard]] double residual_work(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;
     [[nodiscard]] double kinetic_energy(int wire) const;
     [[nodiscard]] double potential_energy(int wire) const;  // gravity; loads not included

@@ -356,7 +356,7 @@ void WireProblem::evaluate_host_residual()
         damping_.multiply(damped_velocity_, scratch_);
         for (int i = 0; i < size; ++i) r[i] += scratch_[i];
     }
-    if (conserving_) add_discrete_gradient(rod, clamps, start_frames_, frames, turned_, r);
+    if (conserving_) add_discrete_gradient(rod, clamps, start_frames_, frames, turned_, r, constraints_->base_grown);
     else add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
     add_loads();
 }
@@ -551,9 +551,16 @@ double WireProblem::stretched_length(int j) const
     return conserving_ ? 0.5 * (start_frames_.edge_length[j] + frames.edge_length[j]) : frames.edge_length[j];
 }
 
+/// The same over the rest length is the strain, also of an edge whose rest length has grown over the step.
+double WireProblem::strained_length(int j) const
+{
+    return conserving_ ? stretched_length(j) + feed_stretch(rod, start_frames_, j, constraints_->base_grown)
+                       : stretched_length(j);
+}
+
 double WireProblem::actual_tension(int j) const
 {
-    return rod.stretch_stiffness[j] * (stretched_length(j) / rod.rest_length[j] - 1);
+    return rod.stretch_stiffness[j] * (strained_length(j) / rod.rest_length[j] - 1);
 }
 
 Vec3 WireProblem::tension_direction(int j) const
@@ -567,7 +574,7 @@ void WireProblem::set_base()
         base_tension_[j] = tension_[j];
         base_tangent_[j] = frames.tangent[j];
         base_direction_[j] = tension_direction(j);
-        base_longer_[j] = stretched_length(j) - rod.rest_length[j];
+        base_longer_[j] = strained_length(j) - rod.rest_length[j];
     }
 }
 

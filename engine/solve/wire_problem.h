@@ -168,6 +168,7 @@ private:
     [[nodiscard]] double velocity_base(int i) const { return euler_ ? 0.0 : velocity_base_[i]; }
     [[nodiscard]] double acceleration_base(int i) const { return euler_ ? -start_velocity_[i] / h : acceleration_base_[i]; }
     [[nodiscard]] double stretched_length(int j) const;
+    [[nodiscard]] double strained_length(int j) const;
     [[nodiscard]] Vec3 tension_direction(int j) const;
 
     static constexpr int reference_count = 9;

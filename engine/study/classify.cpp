@@ -10,10 +10,11 @@ namespace seldinger {
 
 namespace {
 
-double stored(const WireReadings& r) { return r.elastic + r.gravitational; }
-
-// what contact springs may give back later; a law f ~ depth^n holds f depth/(n+1), friction springs less
-double contact_storage(const WireReadings& r) { return (r.normal + r.friction) * r.overlap; }
+// what contact springs may give back later: a law f ~ depth^n holds f depth/(n+1), friction springs less
+WireEnergy energy_of(const WireReadings& r)
+{
+    return {r.kinetic, r.elastic + r.gravitational, (r.normal + r.friction) * r.overlap};
+}
 
 bool all_finite(const WireReadings& r)
 {
@@ -40,9 +41,9 @@ const char* name(Outcome outcome)
 }
 
 FailureWatch::FailureWatch(const FailureLimits& limits, const WireReadings& start)
-    : limits_(limits), last_(start), jitter_(limits), turned_over_(start.kinetic), most_stored_(stored(start))
+    : limits_(limits), last_(start), jitter_(limits)
 {
-    least_ = start.kinetic + stored(start) + contact_storage(start);
+    balance_.begin(energy_of(start));
 }
 
 void FailureWatch::note(Outcome outcome)
@@ -58,7 +59,7 @@ void FailureWatch::observe(const StepReport& report, const WireReadings& now, do
     seen_.newton_iterations = std::max(seen_.newton_iterations, report.newton_iterations);
     iterations_ += report.newton_iterations;
     if (report.flags & (StepNotConverged | StepBestEffort)) note(Outcome::GaveUp);
-    if ((report.flags & StepNonFinite) || !all_finite(now))
+    if ((report.flags & (StepNonFinite | StepEnergy)) || !all_finite(now))
         return note(Outcome::BlowUp);  // nothing in `now` can be reckoned with
 
     seen_.overlap = std::max(seen_.overlap, now.overlap);
@@ -68,8 +69,7 @@ void FailureWatch::observe(const StepReport& report, const WireReadings& now, do
     seen_.touching += now.normal > 0;
     seen_.hand_force = std::max(seen_.hand_force, std::abs(now.hand_force));
     note_jitter(jitter_.add(now.hand_force));
-    jerks_ += jerk;
-    watch_energy(now, work, carried_in);
+    watch_energy(now, {work, carried_in, jerk});
     last_ = now;
 }
 
@@ -125,33 +125,14 @@ double jitter_of(std::span<const double> forces, const FailureLimits& limits)
     return std::max(worst, meter.rest());
 }
 
-void FailureWatch::watch_energy(const WireReadings& now, double work, double carried_in)
+void FailureWatch::watch_energy(const WireReadings& now, const EnergyInput& input)
 {
-    const double step_work = work + (now.hand_force + last_.hand_force) / 2 * (now.inserted - last_.inserted) +
-                             (now.hand_torque + last_.hand_torque) / 2 * (now.turned - last_.turned);
-    work_ += step_work;
-    carried_ += carried_in;
-    const double own = stored(now) - carried_;  // wherever the origin of heights is
-    const double balance = now.kinetic + own - work_;
-    if (not_known_yet(last_, seen_.steps)) {
-        least_ = balance + contact_storage(now);
-        most_stored_ = own;
-        turned_over_ += std::abs(step_work);
-        return;
-    }
-    const double made = balance - least_;
-    seen_.energy_made = std::max(seen_.energy_made, made);
-
-    const double rounding = 1e-9 * (std::abs(now.kinetic) + std::abs(stored(now)) + std::abs(work_));
-    // what this step itself released counts: a bent wire that is let go turns it over in its first step
-    const double released = std::max(most_released_, most_stored_ - own);
-    if (std::min(made, now.kinetic) > limits_.energy_made * (turned_over_ + released) + limits_.energy_floor + jerks_ + rounding)
-        note(Outcome::BlowUp);
-
-    turned_over_ += std::abs(step_work);
-    most_stored_ = std::max(most_stored_, own);
-    most_released_ = std::max(most_released_, most_stored_ - own);
-    least_ = std::min(least_, balance + contact_storage(now));
+    EnergyInput step = input;
+    step.work += (now.hand_force + last_.hand_force) / 2 * (now.inserted - last_.inserted) +
+                 (now.hand_torque + last_.hand_torque) / 2 * (now.turned - last_.turned);
+    if (not_known_yet(last_, seen_.steps)) return balance_.begin_after(energy_of(now), step);
+    if (!balance_.take_in(energy_of(now), step, limits_.energy)) note(Outcome::BlowUp);
+    seen_.energy_made = balance_.made();
 }
 
 Verdict FailureWatch::verdict() const

@@ -23,6 +23,7 @@
 // inelastic jerk): it is counted as not known (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
 
 #include "engine.h"
+#include "solve/energy_balance.h"
 
 #include <array>
 #include <limits>
@@ -41,10 +42,9 @@ struct FailureLimits {
     double static_indentation = std::numeric_limits<double>::infinity();  // of the law under the scene's largest static load [m];
                                                                           // infinity where impacts, not a static load, press
     double jitter = 0.10;  // of max(mean |hand force|, force_floor) [-]; more by what the force honestly does between such steps
-    double force_floor = 1e-3;   // [N]
-    int jitter_window = 50;      // steps
-    double energy_made = 0.10;   // of the energy turned over [-]
-    double energy_floor = 1e-6;  // [J]
+    double force_floor = 1e-3;  // [N]
+    int jitter_window = 50;     // steps
+    EnergyLimits energy;
 };
 
 /// What a watch has measured so far.
@@ -108,15 +108,14 @@ public:
 private:
     void note(Outcome outcome);
     void note_jitter(double ratio);
-    void watch_energy(const WireReadings& now, double work, double carried_in);
+    void watch_energy(const WireReadings& now, const EnergyInput& input);
 
     FailureLimits limits_;
     FailureReadings seen_;
     std::array<long, 6> first_step_{-1, -1, -1, -1, -1, -1};
     WireReadings last_;
     JitterMeter jitter_;
-    // energy
-    double work_ = 0, carried_ = 0, jerks_ = 0, turned_over_ = 0, least_ = 0, most_stored_ = 0, most_released_ = 0;
+    EnergyBalance balance_;
     long iterations_ = 0;
 };
 

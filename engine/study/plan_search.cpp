@@ -24,8 +24,9 @@ struct Place {
 class Search {
 public:
     /// @param scene  whose reader says which families can be run; null: none but the first is tried
-    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on, const Scene* scene = nullptr)
-        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on), scene_(scene)
+    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on, const Scene* scene = nullptr,
+           bool touches = true)
+        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on), scene_(scene), touches_(touches)
     {
     }
 
@@ -101,7 +102,10 @@ public:
 
 private:
     /// Each choice can be made in the scene as it stands, but not any two of them: float32 has no layer, impulses have neither.
-    [[nodiscard]] bool can_run(const Model& family) const { return scene_ && why_not(family, *scene_).empty(); }
+    [[nodiscard]] bool can_run(const Model& family) const
+    {
+        return scene_ && not_vouched_for(family, *scene_, touches_).empty() && why_not(family, *scene_).empty();
+    }
 
     const Pilot* end()
     {
@@ -186,6 +190,7 @@ private:
     PilotSource& pilots_;
     const std::function<bool()>& may_go_on_;
     const Scene* scene_;
+    bool touches_;
     const Pilot* best_ = nullptr;
     Place best_place_;
     bool ended_ = false;
@@ -223,6 +228,14 @@ SearchGrid search_grid(const PlanReference& reference, double interval, double l
     const double longest = interval / std::ceil(interval / longest_step - 1e-9);
     if (grid.steps.empty() || longest > grid.steps.back() * (1 + 1e-9)) grid.steps.push_back(longest);
     return grid;
+}
+
+std::string not_vouched_for(const Model& model, const Scene& scene, bool touches)
+{
+    const IntegratorSpec integrator = apply(model, scene).integrator;
+    if (integrator.scheme == Scheme::Linearised) return "one Newton step leaves what it likes of the equations";
+    if (integrator.scheme != Scheme::Static && integrator.newmark && touches) return "it makes energy in contact";
+    return {};
 }
 
 std::vector<Choice> choices_in(const Scene& scene)
@@ -271,7 +284,7 @@ std::vector<Choice> choices_in(const Scene& scene)
 SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
                            const std::function<bool()>& may_go_on)
 {
-    Search search(grid, pilots, may_go_on, &scene);
+    Search search(grid, pilots, may_go_on, &scene, touches);
     Place place = search.place_of(start);
     const Pilot* first = search.look(start, place);
     while (first && !first->meets && (place.step > 0 || place.node > 0)) {

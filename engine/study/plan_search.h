@@ -37,6 +37,12 @@ struct Choice {
 /// Choices that this build can make in the scene, the likeliest to pay first.
 [[nodiscard]] std::vector<Choice> choices_in(const Scene& scene);
 
+/// Why no plan may choose a model, although it can be run; empty: it may. A pilot shows that a model went through the scene once.
+/// What vouches for the run after it is that every step's equations are solved and that its energy adds up
+/// (solve/energy_balance.h): of one linearised step nothing bounds what is left of the equations, and in contact the trapezoid
+/// rule makes energy at any step, a little in every touch, until the balance ends the run.
+[[nodiscard]] std::string not_vouched_for(const Model& model, const Scene& scene, bool touches);
+
 struct SearchResult {
     std::optional<Model> best;  // the cheapest that meets the goals
     bool complete = true;       // false: ended by `may_go_on` or a stop

@@ -160,6 +160,7 @@ private:
         if (!result_.touches && scene_.scene.vessel.shape != VesselShape::None)
             result_.notes.push_back(
                 "the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
+        note_what_is_not_tried();
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
         Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
@@ -183,6 +184,18 @@ private:
         look_at_omissions(pilots, grid);
         result_.pilots = static_cast<int>(pilots.all().size());
         if (pilots.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
+    }
+
+    /// What could be run here and may not be chosen.
+    void note_what_is_not_tried()
+    {
+        for (const Choice& choice : choices_in(scene_.scene)) {
+            if (choice.needs_contact && !result_.touches) continue;
+            Model model = starting_model();
+            choice.make(model);
+            const std::string reason = not_vouched_for(model, scene_.scene, result_.touches);
+            if (!reason.empty()) result_.notes.push_back(fmt::format("{} is not chosen: {}", choice.simpler, reason));
+        }
     }
 
     /// The coarsest level of the reference that is not plainly hopeless: pilots go on from there.

@@ -40,7 +40,7 @@ FailureLimits completed(FailureLimits limits, const Scene& scene)
         limits.radius = scene.wire.shaft.radius;
         for (const WireSectionRange& range : scene.wire.sections) limits.radius = std::min(limits.radius, range.section.radius);
     }
-    if (!work_is_metered(scene)) limits.energy_floor = std::numeric_limits<double>::infinity();
+    if (!work_is_metered(scene)) limits.energy.floor = std::numeric_limits<double>::infinity();
     return limits;
 }
 

@@ -95,7 +95,8 @@ TEST_SUITE("failure/meshes")
             wire.wire.shaft.twist_stiffness = 7e-7;
             setup.wires = {wire};
             CHECK(watch_row("F5", setup, at_nodes, 2e-3, 500).verdict().had(Outcome::Escape));
-            CHECK(watch_row("F5", setup, published, 2e-3, 500).verdict().had(Outcome::Escape));
+            // out of the lumen, or ended before that for energy made (StepEnergy)
+            CHECK(watch_row("F5", setup, published, 2e-3, 500).outcome() >= Outcome::Escape);
             CHECK(watch_row("F5", setup, standard, 2e-3, 500).outcome() == Outcome::Hold);
         }
     }

@@ -223,18 +223,17 @@ TEST_SUITE("study/plan_search")
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
         law.share = [](const Model& m) {
-            return (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) *
+            return (m.detection == Detection::Capsule ? 0.5 : 1.0) * (m.detection == Detection::Nodes ? 0.1 : 1.0) *
                    (m.rolling == false ? 0.8 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0);
         };
         law.extra_error = [](const Model& m) {
-            return (m.scheme == Scheme::Linearised ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
+            return (m.detection == Detection::Capsule ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
         };
         MadeUpPilots pilots(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
         REQUIRE(found.best);
-        CHECK(found.best->scheme == Scheme::Linearised);
+        CHECK(found.best->detection == Detection::Capsule);
         CHECK(found.best->rolling == false);
-        CHECK(found.best->detection != Detection::Nodes);
     }
 
     TEST_CASE("property: choices that do not go together are never tried together, whichever was made first")
@@ -278,14 +277,50 @@ TEST_SUITE("study/plan_search")
         const Scene scene = small_scene();
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
-        law.share = [](const Model& m) { return (m.scheme == Scheme::Linearised ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
+        law.share = [](const Model& m) { return (m.detection == Detection::Capsule ? 0.2 : 1.0) * (m.nodes == 0 ? 100.0 : 1.0); };
         law.extra_error = [b = law.b](const Model& m) {
-            return m.scheme == Scheme::Linearised ? b * *m.dt : 0.0;
+            return m.detection == Detection::Capsule ? b * *m.dt : 0.0;
         };  // twice the error of steps
         MadeUpPilots pilots(law, 2e-4);
         const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
         REQUIRE(found.best);
-        CHECK(found.best->scheme == Scheme::Linearised);
+        CHECK(found.best->detection == Detection::Capsule);
+    }
+
+    TEST_CASE("property: what nothing vouches for is never tried, however cheap: a linearised step, the trapezoid in contact")
+    {
+        const Scene scene = small_scene();
+        const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        Law law;
+        law.share = [](const Model& m) {
+            return (m.scheme == Scheme::Linearised ? 0.1 : 1.0) * (m.trapezoid == true ? 0.2 : 1.0);
+        };
+        for (const bool touches : {true, false}) {
+            CAPTURE(touches);
+            MadeUpPilots pilots(law, 2e-4);
+            const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, touches, pilots, always);
+            REQUIRE(found.best);
+            CHECK(found.best->trapezoid.value_or(false) == !touches);  // it swings freely: nothing is wrong with it there
+            for (const Model& model : pilots.models()) {
+                CHECK(model.scheme != Scheme::Linearised);
+                if (touches) CHECK_FALSE(model.trapezoid.value_or(false));
+            }
+        }
+    }
+
+    TEST_CASE("property: a scene's own choice of a scheme is no voucher for it")
+    {
+        Scene scene = small_scene();
+        CHECK(not_vouched_for({}, scene, true) == "");
+        scene.integrator.newmark = true;
+        CHECK(not_vouched_for({}, scene, true) != "");
+        CHECK(not_vouched_for({}, scene, false) == "");
+        Model model;
+        model.trapezoid = false;
+        CHECK(not_vouched_for(model, scene, true) == "");
+        scene.integrator.newmark = false;
+        scene.integrator.scheme = Scheme::Linearised;
+        CHECK(not_vouched_for({}, scene, false) != "");
     }
 
     TEST_CASE("property: adaptive nodes are chosen where they are cheaper at the same error")

@@ -1,0 +1,301 @@
+#include "energy_audit.h"
+
+#include "core/bytes.h"
+#include "core/error.h"
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_limits
+
+/// Forces at the end of a step are those that its equations hold at; else means over the step are.
+bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
+
+double kinetic_energy(const RodView& rod)
+{
+    double twice = 0;
+    for (int i = 0; i < rod.n; ++i) twice += rod.mass[i] * rod.vel(i).squaredNorm();
+    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
+    return 0.5 * twice;
+}
+
+double mass_of(const RodView& rod)
+{
+    double mass = 0;
+    for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
+    return mass;
+}
+
+/// Of what was `last` at the start, where that is known.
+double mean(std::span<const double> last, std::size_t k, std::size_t count, double now)
+{
+    return last.size() == count ? 0.5 * (last[k] + now) : now;
+}
+
+double held_work(World::Impl& state, int wire)
+{
+    const EnergyAudit& audit = state.audits[wire];
+    const auto& prescribed = state.constraints[wire].prescribed;
+    double work = 0;
+    for (std::size_t k = 0; k < prescribed.size(); ++k) {
+        const int unknown = prescribed[k].first;
+        const double now = state.solver->reaction(wire, unknown);
+        const double force = state.setup.integrator.newmark ? mean(audit.held, k, prescribed.size(), now) : now;
+        work += force * state.solver->displacement(wire, unknown);
+    }
+    return work;
+}
+
+double turning_work(World::Impl& state, int wire)
+{
+    const EnergyAudit& audit = state.audits[wire];
+    const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
+    if (audit.turns.size() != clamps.size()) return 0;
+    double work = 0;
+    for (std::size_t c = 0; c < clamps.size(); ++c) {
+        if (clamps[c].turns == audit.turns[c]) continue;
+        const double now = clamp_torque(state.rods.view(wire), clamps, state.solver->frames(wire), static_cast<int>(c));
+        const double torque = end_forces(state.setup.integrator) ? now : mean(audit.torque, c, clamps.size(), now);
+        work += torque * (clamps[c].turns - audit.turns[c]);
+    }
+    return work;
+}
+
+double hand_work(World::Impl& state, int wire)
+{
+    if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
+    const EnergyAudit& audit = state.audits[wire];
+    const double now =
+        feed_force(state.rods.view(wire), state.constraints[wire].clamps, state.solver->frames(wire), state.setup.gravity);
+    const double force = end_forces(state.setup.integrator) || !audit.known ? now : 0.5 * (now + audit.hand_force);
+    return force * state.feeds[wire].grown;
+}
+
+Vec3 move_of(const Solver& solver, int wire, int node)
+{
+    return {solver.displacement(wire, 4 * node), solver.displacement(wire, 4 * node + 1),
+            solver.displacement(wire, 4 * node + 2)};
+}
+
+Vec3 move_of(const Solver& solver, int wire, int edge, double bary)
+{
+    return (1 - bary) * move_of(solver, wire, edge) + bary * move_of(solver, wire, edge + 1);
+}
+
+double load_work(World::Impl& state, int wire)
+{
+    const Solver& solver = *state.solver;
+    const RodView rod = state.rods.view(wire);
+    double work = 0;
+    for (const auto& load : state.constraints[wire].loads) {
+        work += load.force.dot(move_of(solver, wire, load.edge, load.bary));
+        if (load.moment.isZero()) continue;
+        const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
+        const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
+        work +=
+            load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, 4 * load.edge + 3);
+    }
+    for (const auto& spring : state.constraints[wire].springs) {
+        const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);
+        Vec3 at = (1 - spring.bary) * rod.pos(spring.edge) + spring.bary * rod.pos(spring.edge + 1);
+        if (!end_forces(state.setup.integrator)) at -= 0.5 * move;
+        work += spring.stiffness * (spring.anchor - at).dot(move);
+    }
+    return work;
+}
+
+/// Of holds that change their speed within the step, where reactions at its ends do not show it.
+double unseen_work(World::Impl& state, int wire, double h)
+{
+    const EnergyAudit& audit = state.audits[wire];
+    const auto& prescribed = state.constraints[wire].prescribed;
+    if (end_forces(state.setup.integrator) || audit.held_speed.size() != prescribed.size()) return 0;
+    double change = 0;
+    for (std::size_t k = 0; k < prescribed.size(); ++k) {
+        const double speed = state.solver->displacement(wire, prescribed[k].first) / h, before = audit.held_speed[k];
+        change += std::abs(speed * speed - before * before);
+    }
+    return change == 0 ? 0 : mass_of(state.rods.view(wire)) * change;
+}
+
+WireEnergy energy_now(World::Impl& state, int wire)
+{
+    const EnergyAudit& audit = state.audits[wire];
+    return {audit.kinetic, audit.elastic + audit.gravitational, state.contact ? state.contact->stored_energy(wire) : 0.0};
+}
+
+void read_energies(World::Impl& state, int wire)
+{
+    EnergyAudit& audit = state.audits[wire];
+    audit.kinetic = state.solver->kinetic_energy(wire);
+    audit.elastic = state.solver->elastic_energy(wire);
+    audit.gravitational = state.solver->potential_energy(wire);
+}
+
+}  // namespace
+
+EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
+{
+    constexpr int parts = 100;
+    double mass = 0, stiffest = 0;
+    for (int k = 0; k < parts; ++k) {
+        const WireSection& section = wire.at((k + 0.5) / parts * wire.length);
+        mass += section.density * std::numbers::pi * section.radius * section.radius * wire.length / parts;
+        stiffest = std::max(stiffest, section.bend_stiffness);
+    }
+    EnergyLimits limits;
+    limits.floor = floor_share * (mass * gravity.norm() * wire.length + stiffest / wire.length);
+    return limits;
+}
+
+void audit_remeshing(World::Impl& state, int wire)
+{
+    EnergyAudit& audit = state.audits[wire];
+    audit.fed = {};
+    if (!audit.known) return;
+    const double moving = kinetic_energy(state.rods.view(wire)) + state.solver->potential_energy(wire);
+    audit.fed.carried = (moving - audit.moving) + (state.remesh_energy[wire] - audit.remeshed);
+}
+
+FeedingAudit::FeedingAudit(World::Impl& state, int wire) : wire_(wire), inside_(state.feeds[wire].inside)
+{
+    const RodView rod = state.rods.view(wire);
+    for (int k = 0; k < 2; ++k) mass_[k] = rod.mass[rod.n - 1 - k];
+    inertia_ = rod.spin_inertia[rod.n - 2];
+}
+
+void FeedingAudit::after(World::Impl& state)
+{
+    EnergyAudit& audit = state.audits[wire_];
+    const FeedState& feed = state.feeds[wire_];
+    if (!inside_ || !feed.inside) {
+        audit.known = false;
+        return;
+    }
+    const RodView rod = state.rods.view(wire_);
+    const int hub = rod.n - 1;
+    EnergyInput& fed = audit.fed;
+    const double spin = rod.spin_rate[hub - 1];
+    fed.carried += 0.5 * (rod.spin_inertia[hub - 1] - inertia_) * spin * spin;
+    for (int k = 0; k < 2; ++k) {
+        const double more = rod.mass[hub - k] - mass_[k];
+        fed.carried += more * (0.5 * rod.vel(hub - k).squaredNorm() - state.setup.gravity.dot(feed.point));
+    }
+    // the hub's half cell takes the feed's speed within the step; what is before it shows that at the step's ends only
+    const double mass = end_forces(state.setup.integrator) ? 0.5 * rod.mass[hub] : mass_of(rod);
+    fed.unseen = feed.speed == audit.speed ? 0 : mass * std::abs(feed.speed * feed.speed - audit.speed * audit.speed);
+}
+
+void begin_audit(World::Impl& state, int wire, bool placed)
+{
+    EnergyAudit& audit = state.audits[wire];
+    if (placed) {
+        const RodView rod = state.rods.view(wire);
+        RodFrames frames(rod.n);
+        audit.kinetic = kinetic_energy(rod);
+        audit.elastic = seldinger::energy_now(rod, state.constraints[wire].clamps, frames);
+        audit.gravitational = state.solver->potential_energy(wire);
+    } else {
+        read_energies(state, wire);
+    }
+    audit.balance.begin(energy_now(state, wire));
+    audit.known = true;
+    audit.moving = audit.kinetic + audit.gravitational;
+    audit.remeshed = state.remesh_energy[wire];
+    if (!placed) accept_energy(state, wire, 0);
+}
+
+bool energy_adds_up(World::Impl& state, int wire, double h)
+{
+    EnergyAudit& audit = state.audits[wire];
+    read_energies(state, wire);
+    EnergyInput input = audit.fed;
+    input.work += held_work(state, wire) + turning_work(state, wire) + hand_work(state, wire) + load_work(state, wire);
+    input.unseen += unseen_work(state, wire, h);
+    if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
+        input.work += state.solver->residual_work(wire);
+    audit.next = audit.balance;
+    if (audit.known) return audit.next.take_in(energy_now(state, wire), input, audit.limits);
+    audit.next.begin_after(energy_now(state, wire), input);
+    return true;
+}
+
+void accept_energy(World::Impl& state, int wire, double h)
+{
+    EnergyAudit& audit = state.audits[wire];
+    if (h > 0) audit.balance = audit.next;
+    audit.known = true;
+    audit.moving = audit.kinetic + audit.gravitational;
+    audit.remeshed = state.remesh_energy[wire];
+    const auto& prescribed = state.constraints[wire].prescribed;
+    const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
+    audit.turns.resize(clamps.size());
+    for (std::size_t c = 0; c < clamps.size(); ++c) audit.turns[c] = clamps[c].turns;
+    audit.speed = state.feeds[wire].speed;
+    if (end_forces(state.setup.integrator)) return;
+    audit.held.resize(prescribed.size());
+    audit.held_speed.resize(prescribed.size());
+    for (std::size_t k = 0; k < prescribed.size(); ++k) {
+        audit.held[k] = state.solver->reaction(wire, prescribed[k].first);
+        audit.held_speed[k] = h > 0 ? state.solver->displacement(wire, prescribed[k].first) / h : 0;
+    }
+    const RodView rod = state.rods.view(wire);
+    audit.torque.resize(clamps.size());
+    for (std::size_t c = 0; c < clamps.size(); ++c)
+        audit.torque[c] = clamps[c].spin ? clamp_torque(rod, clamps, state.solver->frames(wire), static_cast<int>(c)) : 0;
+    if (state.feeds[wire].on) audit.hand_force = feed_force(rod, clamps, state.solver->frames(wire), state.setup.gravity);
+}
+
+namespace {
+
+void put_list(std::vector<std::uint8_t>& bytes, const std::vector<double>& list)
+{
+    const std::int32_t count = static_cast<std::int32_t>(list.size());
+    put_bytes(bytes, &count, 1);
+    put_bytes(bytes, list.data(), list.size());
+}
+
+void take_list(const std::uint8_t*& bytes, const std::uint8_t* end, std::vector<double>& list)
+{
+    std::int32_t count = 0;
+    take_bytes(bytes, end, &count, 1);
+    if (count < 0 || static_cast<std::size_t>(count) * sizeof(double) > static_cast<std::size_t>(end - bytes))
+        throw Error(ExitCode::BadFile, "a list of the saved state is longer than the file");
+    list.resize(static_cast<std::size_t>(count));
+    take_bytes(bytes, end, list.data(), list.size());
+}
+
+}  // namespace
+
+void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit)
+{
+    const std::uint8_t known = audit.known;
+    put_bytes(bytes, &known, 1);
+    put_bytes(bytes, &audit.balance, 1);
+    put_bytes(bytes, &audit.moving, 1);
+    put_bytes(bytes, &audit.remeshed, 1);
+    put_bytes(bytes, &audit.hand_force, 1);
+    put_bytes(bytes, &audit.speed, 1);
+    for (const auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) put_list(bytes, *list);
+}
+
+void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit)
+{
+    std::uint8_t known = 0;
+    take_bytes(bytes, end, &known, 1);
+    audit.known = known != 0;
+    take_bytes(bytes, end, &audit.balance, 1);
+    take_bytes(bytes, end, &audit.moving, 1);
+    take_bytes(bytes, end, &audit.remeshed, 1);
+    take_bytes(bytes, end, &audit.hand_force, 1);
+    take_bytes(bytes, end, &audit.speed, 1);
+    for (auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) take_list(bytes, end, *list);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,76 @@
+#pragma once
+// The engine's own watch over what energy_balance.h is about: one audit per wire, asked at the end of every sub-step, before it
+// is accepted. Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
+//
+// Work of one sub-step, by the forces that its equations hold at:
+//   holds        reaction . move                     backward Euler: the end's; Newmark: mean of both ends; energy-momentum: the
+//   clamps       torque . turn                       step's own reaction, and means of what is read at the ends; explicit: the
+//   hand         dE/d(rest length) . length fed      start's reaction, likewise
+//   loads        force . move, moment . turn         the end's
+//   links        pull . move                         backward Euler: the end's; else at the mean position
+//   residual     what Newton left on the free unknowns . move: within the tolerance it is the solver's to leave. A linearised or
+//                explicit step and a best effort are not excused.
+// In backward Euler each of these is the end value of a convex function's slope (a strain energy in length and rest length
+// together, a contact spring in its depth), so that energy plus work can only be lost, but where the potential is concave.
+// Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
+//
+// What splits and merges make between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged apart: not made
+// here.
+
+#include "engine.h"
+#include "solve/energy_balance.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace seldinger {
+
+struct EnergyAudit {
+    EnergyBalance balance;
+    bool known = false;  // the balance has begun
+    EnergyLimits limits;
+
+    // at the end of the last accepted sub-step, for means over the next one
+    double moving = 0, remeshed = 0;       // kinetic + gravitational, logged by remeshing [J]
+    double hand_force = 0, speed = 0;      // [N], of the feed [m/s]
+    std::vector<double> held, held_speed;  // per prescribed unknown: reaction and velocity
+    std::vector<double> torque, turns;     // per clamp [N m], [rad]
+
+    // of the present sub-step
+    EnergyBalance next;
+    EnergyInput fed;                                     // by feeding
+    double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
+};
+
+/// Fraction of the energy turned over as in EnergyLimits; floor: a thousandth of what lifts the whole wire by its own length
+/// and bends it to a radius of that.
+[[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
+
+/// Before a sub-step: what has become of the wire since the last one, by splits and merges.
+void audit_remeshing(World::Impl& state, int wire);
+
+/// Before and after the feed has moved on by a sub-step.
+class FeedingAudit {
+public:
+    FeedingAudit(World::Impl& state, int wire);
+    void after(World::Impl& state);
+
+private:
+    int wire_;
+    bool inside_;
+    double mass_[2] = {}, inertia_ = 0;
+};
+
+/// The wire as it has been placed, touching nothing, or at rest in an equilibrium that was just found: its energies are counted
+/// from there.
+void begin_audit(World::Impl& state, int wire, bool placed);
+/// At the end of a sub-step of h [s] that the solver has taken. @return false: the wire has more energy than was put in
+[[nodiscard]] bool energy_adds_up(World::Impl& state, int wire, double h);
+/// The same has been accepted.
+void accept_energy(World::Impl& state, int wire, double h);
+
+/// What a run goes on from. Of the saved state, but not of the state that is hashed: it changes nothing that moves.
+void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
+void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
+
+}  // namespace seldinger
