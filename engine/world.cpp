@@ -70,21 +70,23 @@ void close_ring(WireSetup& wire)
     }
 }
 
-// what of a FeedState changes; the rest follows from the scene
-void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed)
+// What of a FeedState changes; the rest follows from the scene. A debt there is only where nodes come and go.
+void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed, bool nodes_change)
 {
     put_bytes(bytes, &feed.advance, 1);
     put_bytes(bytes, &feed.turn, 1);
     put_bytes(bytes, &feed.debt, 1);
     put_bytes(bytes, &feed.inside, 1);
+    if (nodes_change) put_bytes(bytes, &feed.debt_rate, 1);
 }
 
-void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed)
+void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed, bool nodes_change)
 {
     take_bytes(bytes, end, &feed.advance, 1);
     take_bytes(bytes, end, &feed.turn, 1);
     take_bytes(bytes, end, &feed.debt, 1);
     take_bytes(bytes, end, &feed.inside, 1);
+    if (nodes_change) take_bytes(bytes, end, &feed.debt_rate, 1);
 }
 
 }  // namespace
@@ -300,7 +302,7 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     put_bytes(bytes, &n, 1);
     put_bytes(bytes, &wire_time[wire], 1);
     put_bytes(bytes, &remesh_energy[wire], 1);
-    put_feed(bytes, feeds[wire]);
+    put_feed(bytes, feeds[wire], feeds[wire].on || adapters[wire].on);
     const Solver::SpinRecord& spins = solver->spin_record(wire);
     const std::int32_t waits[2] = {spins.wait, spins.last_wait};
     put_bytes(bytes, waits, 2);
@@ -337,7 +339,7 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         s.rods.set_node_count(w, n);
         take_bytes(at, end, &s.wire_time[w], 1);
         take_bytes(at, end, &s.remesh_energy[w], 1);
-        take_feed(at, end, s.feeds[w]);
+        take_feed(at, end, s.feeds[w], s.feeds[w].on || s.adapters[w].on);
         std::int32_t waits[2] = {};
         take_bytes(at, end, waits, 2);
         s.solver->spin_record(w).wait = waits[0];

@@ -1,7 +1,6 @@
 #include "solve/feed.h"
 
 #include "core/check.h"
-#include "rod/split.h"
 
 #include <Eigen/Geometry>
 
@@ -11,6 +10,12 @@
 namespace seldinger {
 
 namespace {
+
+// Debts of rest length fade over this time [s]: slow against axial waves, fast against a hand.
+constexpr double debt_time = 0.025;
+// Length of a base edge when its node is born, of an edge. Shorter, and rounding of positions (1e-17 m) times EA/l would show in
+// the force; longer, and so would the polygon's error.
+constexpr double base_born = 0.005;
 
 Vec3 turned_director(const FeedState& state) { return Eigen::AngleAxisd(state.turn, state.direction) * state.director; }
 
@@ -95,16 +100,31 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     const int hub = rod.n - 1;
     if (hub == 1 && state.advance < state.edge / 2) {  // pulled back into the guide
         state.inside = 0;
-        state.debt = 0;
+        state.debt = state.debt_rate = 0;
         place_in_guide(state, wire, rods, index, fed / h, turned / h);
         return;
     }
-    // the debt is drained in proportion to what is fed, at most a thousandth of it per length fed either way
-    const double most = 1e-3 * std::abs(fed) + std::abs(state.debt) * std::min(1.0, std::abs(fed) / state.edge);
-    const double drained = std::clamp(state.debt, -most, most);
-    state.debt -= drained;
-    rod.material_s[hub] += fed - drained;
+    rod.material_s[hub] += fed + fade_debt(state, h);
     set_rest_shape(rod, wire, false);
+}
+
+double fade_debt(FeedState& state, double h)
+{
+    const double before = state.debt, w = 1 / debt_time;
+    if (before == 0 && state.debt_rate == 0) return 0;
+    if (std::isfinite(h)) {
+        const double slope = state.debt_rate + w * before, left = std::exp(-w * h);
+        state.debt = (before + slope * h) * left;
+        state.debt_rate = (state.debt_rate - w * slope * h) * left;
+    } else {
+        state.debt = state.debt_rate = 0;
+    }
+    return state.debt - before;
+}
+
+BaseEdge base_edge_limits(double whole, double pushed, double pulled)
+{
+    return {pushed > 0 ? whole : 0, std::max(base_born * whole, pushed), std::max(0.5 * base_born * whole, 2 * pulled)};
 }
 
 double feed_travel(const FeedSpec& spec, double from, double until, int sign)
@@ -146,8 +166,8 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     RodView rod = rods.view(index);
     const int base = rod.n - 2;  // the base edge
     const double length = rod.rest_length[base];
-    const bool split = length > limits.longest && limits.inner > 0 && rod.n < rods.capacity(index);
-    const bool merge = length < limits.shortest && rod.n > 2;
+    const bool split = limits.whole > 0 && length >= limits.whole + limits.born && rod.n < rods.capacity(index);
+    const bool merge = length < limits.least && rod.n > 2;
     if (!split && !merge) return {};
     WireConstraints& inlet = scratch.inlet;
     RodFrames& frames = scratch.frames;
@@ -156,9 +176,10 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);
     const double before = energy_now(rod, inlet.clamps, frames);
-    const SplitResult result = split ? split_base_edge(rods, index, limits.inner / length, wire, inlet.clamps)
+    const SplitResult result = split ? split_base_edge(rods, index, limits.whole / length, wire, inlet.clamps, scratch.split)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
     state.debt += result.rest_length_added;
+    state.debt_rate = result.base_rate - state.speed;
     rod = rods.view(index);
     inlet.prescribed.clear();
     inlet.clamps.clear();
