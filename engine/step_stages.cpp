@@ -288,9 +288,9 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
     bool changed = fed && where_clear(state, w, [&] {
-        const double whole = adapter.planner.base_edge(state.rods.view(w), spec, demands.hub_tangent);
-        return adapt_base(state, w, base_limits(state, w, whole, dt));
-    });
+                       const double whole = adapter.planner.base_edge(state.rods.view(w), spec, demands.hub_tangent);
+                       return adapt_base(state, w, base_limits(state, w, whole, dt));
+                   });
     if (changed) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return changed;
@@ -489,7 +489,8 @@ int feed_parts(World::Impl& state, int w, double h)
     const double pushed = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, +1);
     const double pulled = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, -1);
     const RodView rod = state.rods.view(w);
-    const double base = feed.inside ? rod.rest_length[rod.n - 2] : feed.edge / 2;
+    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
     const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }

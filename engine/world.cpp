@@ -153,6 +153,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     count_backup.assign(count, 0);
     for (int w = 0; w < count; ++w)
         backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
+    for (int w = 0; w < count; ++w)
+        if (feeds[w].on) hub_scratch.split.provide(rods.capacity(w));
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
 }
 

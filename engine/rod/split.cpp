@@ -215,9 +215,9 @@ void split_spin(const RodView& rod, int a, const OldEdge& old)
     rod.spin_rate[a + 1] += shift;
 }
 
-/// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as the
-/// old one was. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial forces answer
-/// the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
+/// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
+/// the old one was. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial forces
+/// answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
 Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate)
 {
     const Vec3 va = rod.vel(a), vb = rod.vel(a + 2), linear = (1 - fraction) * va + fraction * vb;
@@ -232,12 +232,11 @@ Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_ra
     return linear + change;
 }
 
-/// Velocities, spins and their rates, with the old momentum and spin momentum. What a polygon's momentum changes by, of the order of
-/// (kappa h)^2 of one node's, goes to the whole wire as one: no edge is stretched by that.
+/// Velocities, spins and their rates, with the old momentum and spin momentum. What a polygon's momentum changes by, of the order
+/// of (kappa h)^2 of one node's, goes to the whole wire as one: no edge is stretched by that.
 void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
 {
-    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az})
-        acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
     rod.set_vel(a + 1, split_velocity(rod, a, fraction, old.strain_rate));
     set_momentum(rod, 0, rod.n - 1, old.momentum);
     split_spin(rod, a, old);
@@ -277,15 +276,14 @@ void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, 
     constexpr int most_rounds = 12;
     constexpr double balanced = 1e-12;  // of the base edge's length
     const int m = rod.n - 2, a = m - 1;
-    if (scratch.frames.capacity < rod.n) scratch.frames = RodFrames(2 * rod.n);
-    scratch.gradient.resize(4 * static_cast<std::size_t>(rod.n));
     for (int round = 0; round < most_rounds; ++round) {
         (void)split_rest(rod, a, fraction, old, spec, false);
         const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
         if (!update_frames(rod, now, scratch.clamps, scratch.frames)) return;
-        std::fill(scratch.gradient.begin(), scratch.gradient.end(), 0.0);
-        add_elastic(rod, scratch.clamps, scratch.frames, scratch.gradient, nullptr, HessianMode::None);
-        Vec3 pull(scratch.gradient[4 * m], scratch.gradient[4 * m + 1], scratch.gradient[4 * m + 2]);
+        const std::span<double> gradient = std::span(scratch.gradient).first(4 * static_cast<std::size_t>(rod.n));
+        std::fill(gradient.begin(), gradient.end(), 0.0);
+        add_elastic(rod, scratch.clamps, scratch.frames, gradient, nullptr, HessianMode::None);
+        Vec3 pull(gradient[4 * m], gradient[4 * m + 1], gradient[4 * m + 2]);
         const Vec3 t = scratch.frames.tangent[m];
         pull -= pull.dot(t) * t;
         const double inner = rod.rest_length[a], base = rod.rest_length[m], both = 1 / inner + 1 / base;
@@ -314,6 +312,7 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
     const Vec3 position = point_on_cubic(before, a, fraction, clamps);
+    scratch.provide(rods.capacity(wire));
     scratch.clamps.assign(clamps.begin(), clamps.end());
     for (RodClamp& clamp : scratch.clamps) clamp.node += clamp.node == a + 1;
 
@@ -325,13 +324,13 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     const double added = split_rest(rod, a, fraction, old, spec, false);
     split_frames(rod, a, old, at_a, at_b);
     split_spin(rod, a, old);
-    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az})
-        acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
 
     // the new node leaves the sleeve along the arc that its base edge is a chord of, as fast as the inner edge's length demands
     const Vec3 out = (2 * forwards(rod, a + 1) + sleeve->tangent).normalized(), inner = forwards(rod, a);
     const double speed = inner.dot(rod.vel(a)) / inner.dot(out);
     rod.set_vel(a + 1, speed * out);
+    set_momentum(rod, 0, a + 1, old.momentum - rod.mass[a + 2] * rod.vel(a + 2));
     return {added, forwards(rod, a + 1).dot(rod.vel(a + 1))};
 }
 
@@ -402,8 +401,11 @@ SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spe
 
 SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps)
 {
-    SplitResult result = merge_shape(rods, wire, rods.node_count(wire) - 2, spec, clamps, false);
+    const int hub = rods.node_count(wire) - 1;
+    const Vec3 carried_momentum = momentum(rods.view(wire), 0, hub);
+    SplitResult result = merge_shape(rods, wire, hub - 1, spec, clamps, false);
     const RodView rod = rods.view(wire);
+    set_momentum(rod, 0, rod.n - 2, carried_momentum - rod.mass[rod.n - 1] * rod.vel(rod.n - 1));
     result.base_rate = forwards(rod, rod.n - 2).dot(rod.vel(rod.n - 2));
     return result;
 }

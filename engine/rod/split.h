@@ -36,11 +36,18 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
 SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
                         bool rest_is_placed = false);
 
-/// What split_base_edge works with; kept, so that it allocates nothing once it has seen the wire.
+/// What split_base_edge works with; kept, so that it allocates nothing once it has been provided for the wire.
 struct SplitScratch {
     RodFrames frames;
     std::vector<double> gradient;
     std::vector<RodClamp> clamps;
+    void provide(int capacity)
+    {
+        if (frames.capacity >= capacity) return;
+        frames = RodFrames(capacity);
+        gradient.resize(4 * static_cast<std::size_t>(capacity));
+        clamps.reserve(4);
+    }
 };
 
 /// Feeding: splits the base edge (between nodes n-2 and n-1) of a wire whose hub stands still in a sleeve along the clamp there.

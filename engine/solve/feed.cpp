@@ -11,7 +11,7 @@ namespace seldinger {
 
 namespace {
 
-// Debts of rest length fade over this time [s]: slow against axial waves, fast against a hand.
+// Debts of rest length fade over this time [s], or while an edge is fed: slow against axial waves, fast against a hand.
 constexpr double debt_time = 0.025;
 // Length of a base edge when its node is born, of an edge. Shorter, and rounding of positions (1e-17 m) times EA/l would show in
 // the force; longer, and so would the polygon's error.
@@ -110,7 +110,7 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
 
 double fade_debt(FeedState& state, double h)
 {
-    const double before = state.debt, w = 1 / debt_time;
+    const double before = state.debt, w = 1 / debt_time + (state.on ? std::abs(state.speed) / state.edge : 0.0);
     if (before == 0 && state.debt_rate == 0) return 0;
     if (std::isfinite(h)) {
         const double slope = state.debt_rate + w * before, left = std::exp(-w * h);
@@ -124,7 +124,9 @@ double fade_debt(FeedState& state, double h)
 
 BaseEdge base_edge_limits(double whole, double pushed, double pulled)
 {
-    return {pushed > 0 ? whole : 0, std::max(base_born * whole, pushed), std::max(0.5 * base_born * whole, 2 * pulled)};
+    const double half = 0.5 * whole;
+    return {whole, pushed > 0 ? std::clamp(pushed, base_born * whole, half) : half,
+            std::clamp(2 * pulled, 0.5 * base_born * whole, half)};
 }
 
 double feed_travel(const FeedSpec& spec, double from, double until, int sign)
@@ -170,8 +172,8 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     const bool merge = length < limits.least && rod.n > 2;
     if (!split && !merge) return {};
     WireConstraints& inlet = scratch.inlet;
-    RodFrames& frames = scratch.frames;
-    if (frames.capacity < rods.capacity(index)) frames = RodFrames(rods.capacity(index));
+    scratch.split.provide(rods.capacity(index));
+    RodFrames& frames = scratch.split.frames;
     inlet.prescribed.clear();
     inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);

@@ -237,7 +237,8 @@ double NewtonWire::smallest_radius() const
 double NewtonWire::stiffest_edge() const
 {
     double most = 0;
-    for (int j = 0; j < problem.rod.n - 1; ++j) most = std::max(most, problem.rod.stretch_stiffness[j] / problem.rod.rest_length[j]);
+    for (int j = 0; j < problem.rod.n - 1; ++j)
+        most = std::max(most, problem.rod.stretch_stiffness[j] / problem.rod.rest_length[j]);
     return 2 * most;
 }
 
