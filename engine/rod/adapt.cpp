@@ -18,8 +18,8 @@ namespace {
 constexpr double longest_lever = 0.03;  // [m]
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
 // The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
-// thirds leave 1 mN where whole ones left 4 mN of 240 mN, and cost three to five nodes.
-constexpr double base_share = 1.0 / 3;
+// base edges of up to half the longest leave 1 mN where up to one and a half left 4 mN of 240 mN, and cost three to five nodes.
+constexpr double base_share = 0.5;
 constexpr int most_seeds = 3;  // edges split in one call, not counting neighbours that have to follow
 
 /// Nodes of a wire that must stay, as flags.
