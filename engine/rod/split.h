@@ -24,7 +24,8 @@ struct SplitResult {
 ///   Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
-/// - velocity, acceleration, spin rates: linear along the wire; linear and spin momentum are kept exactly.
+/// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are
+///   kept exactly.
 /// - stiffness, mass, rest curvature from the spec at material_s; with `rest_is_placed` rest curvature and twist are shared
 ///   out by length instead.
 /// @param clamps  those of the accepted state, with node indices before the split
