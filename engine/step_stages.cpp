@@ -226,20 +226,14 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
 
 namespace {
 
-// A wire that is not fed pays its debt of rest length over this time [s]: slow against axial waves, fast against a hand.
-constexpr double debt_time = 0.05;
-
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
 constexpr int merge_period = 16;  // steps
 
 void drain_debt(World::Impl& state, int w, double dt)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
-    double& debt = state.feeds[w].debt;
-    if (debt == 0) return;
-    const double paid = std::abs(debt) < 1e-15 * spec.length ? debt : debt * std::min(1.0, dt / debt_time);
-    shorten_evenly(state.rods.view(w), spec, paid, spec.place.rest_is_placed);
-    debt -= paid;
+    const double added = fade_debt(state.feeds[w], dt);
+    if (added != 0) shorten_evenly(state.rods.view(w), spec, -added, spec.place.rest_is_placed);
 }
 
 // What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
@@ -267,17 +261,14 @@ bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
     return true;
 }
 
-// A fed wire's base edge is kept within [h/2, 3h/2], h following the shape there. What feeding has grown is split at once; what
-// pulling back has shortened is merged where the longer edge will stay, or at the last where it is too short for any edge.
-BaseEdge base_limits(World::Impl& state, int w, const NodeDemands& demands)
+// When a fed wire's base edge changes: a node is born when `whole` is inside, and goes when it is pulled back to the inlet.
+BaseEdge base_limits(const World::Impl& state, int w, double whole, double dt)
 {
-    const WireSpec& spec = state.setup.wires[w].wire;
-    const RodView rod = state.rods.view(w);
-    NodePlanner& planner = state.adapters[w].planner;
-    BaseEdge limits = BaseEdge::uniform(planner.base_edge(rod, spec, demands.hub_tangent));
-    limits.inner = planner.base_split(rod, spec);
-    if (!demands.may_merge || !planner.base_may_merge(rod, spec)) limits.shortest = spec.min_edge;
-    return limits;
+    const FeedSpec& feed = state.setup.wires[w].feed;
+    const double t = state.wire_time[w], next = std::isfinite(dt) ? t + dt : t;
+    // symplectic Euler follows no axial wave along an edge that is much shorter than the others
+    if (state.setup.integrator.scheme == Scheme::Explicit) return {whole, 0.5 * whole, 0.5 * whole};
+    return base_edge_limits(whole, feed_travel(feed, t, next, +1), feed_travel(feed, t, next, -1));
 }
 
 void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes)
@@ -325,7 +316,10 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
     for (const RodClamp& clamp : state.constraints[w].clamps)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
-    bool changed = fed && where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, demands)); });
+    bool changed = fed && where_clear(state, w, [&] {
+                       const double whole = adapter.planner.base_edge(state.rods.view(w), spec, demands.hub_tangent);
+                       return adapt_base(state, w, base_limits(state, w, whole, dt));
+                   });
     if (changed) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return changed;
@@ -340,7 +334,7 @@ void adapt_one(World::Impl& state, int w, double dt)
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
     if (state.adapters[w].on) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
-    else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, BaseEdge::uniform(feed.edge)); });
+    else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, feed.edge, dt)); });
 }
 
 }  // namespace
@@ -514,17 +508,19 @@ void find_equilibrium(World::Impl& state, StepReport& report)
 
 namespace {
 
-// In how many parts a step of h feeds the wire: one split can follow a push by an edge, and pulling back must leave some of the
-// base edge, of which there is at least half an edge, or the shortest one when nodes are adaptive.
-int feed_parts(const World::Impl& state, int w, double h)
+// In how many parts a step of h feeds the wire: one birth can follow a push by an edge, and pulling back must leave some of the
+// base edge, which is merged in time where the pull is known beforehand.
+int feed_parts(World::Impl& state, int w, double h)
 {
     const FeedState& feed = state.feeds[w];
     if (!feed.on) return 1;
     const FeedSpec& spec = state.setup.wires[w].feed;
     const double pushed = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, +1);
     const double pulled = feed_travel(spec, state.wire_time[w], state.wire_time[w] + h, -1);
+    const RodView rod = state.rods.view(w);
     const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
-    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (shortest / 2)) - 1e-9);
+    const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
+    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }
 

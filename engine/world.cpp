@@ -70,21 +70,23 @@ void close_ring(WireSetup& wire)
     }
 }
 
-// what of a FeedState changes; the rest follows from the scene
-void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed)
+// What of a FeedState changes; the rest follows from the scene. A debt there is only where nodes come and go.
+void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed, bool nodes_change)
 {
     put_bytes(bytes, &feed.advance, 1);
     put_bytes(bytes, &feed.turn, 1);
     put_bytes(bytes, &feed.debt, 1);
     put_bytes(bytes, &feed.inside, 1);
+    if (nodes_change) put_bytes(bytes, &feed.debt_rate, 1);
 }
 
-void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed)
+void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed, bool nodes_change)
 {
     take_bytes(bytes, end, &feed.advance, 1);
     take_bytes(bytes, end, &feed.turn, 1);
     take_bytes(bytes, end, &feed.debt, 1);
     take_bytes(bytes, end, &feed.inside, 1);
+    if (nodes_change) take_bytes(bytes, end, &feed.debt_rate, 1);
 }
 
 }  // namespace
@@ -151,6 +153,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     count_backup.assign(count, 0);
     for (int w = 0; w < count; ++w)
         backup[w].reserve(static_cast<std::size_t>(RodArrays::array_count) * rods.capacity(w));  // grows with the wire else
+    for (int w = 0; w < count; ++w)
+        if (feeds[w].on) hub_scratch.split.provide(rods.capacity(w));
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
     audits.resize(count);
     for (int w = 0; w < count; ++w) audits[w].limits = energy_limits(setup.wires[w].wire, setup.gravity);
@@ -322,7 +326,7 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     put_bytes(bytes, &n, 1);
     put_bytes(bytes, &wire_time[wire], 1);
     put_bytes(bytes, &remesh_energy[wire], 1);
-    put_feed(bytes, feeds[wire]);
+    put_feed(bytes, feeds[wire], feeds[wire].on || adapters[wire].on);
     const Solver::SpinRecord& spins = solver->spin_record(wire);
     const std::int32_t waits[2] = {spins.wait, spins.last_wait};
     put_bytes(bytes, waits, 2);
@@ -365,7 +369,7 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         s.rods.set_node_count(w, n);
         take_bytes(at, end, &s.wire_time[w], 1);
         take_bytes(at, end, &s.remesh_energy[w], 1);
-        take_feed(at, end, s.feeds[w]);
+        take_feed(at, end, s.feeds[w], s.feeds[w].on || s.adapters[w].on);
         std::int32_t waits[2] = {};
         take_bytes(at, end, waits, 2);
         s.solver->spin_record(w).wait = waits[0];

@@ -18,8 +18,8 @@ namespace {
 constexpr double longest_lever = 0.03;  // [m]
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
 // The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
-// thirds leave 1 mN where whole ones left 4 mN of 240 mN, and cost three to five nodes.
-constexpr double base_share = 1.0 / 3;
+// base edges of up to half the longest leave 1 mN where up to one and a half left 4 mN of 240 mN, and cost three to five nodes.
+constexpr double base_share = 0.5;
 constexpr int most_seeds = 3;  // edges split in one call, not counting neighbours that have to follow
 
 /// Nodes of a wire that must stay, as flags.
@@ -103,12 +103,6 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     return std::max(longest, spec.min_edge);
 }
 
-double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
-{
-    measure(rod, hub_tangent);
-    return std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 2, rod.n - 1)), 2 * spec.min_edge);
-}
-
 std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
 {
     measure(rod, hub_tangent);
@@ -124,22 +118,18 @@ double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double
     return 0;
 }
 
-double NodePlanner::base_split(const RodView& rod, const WireSpec& spec) const
+double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
 {
-    const double begin = rod.material_s[rod.n - 2], length = rod.rest_length[rod.n - 2];
-    double inner = 0.64 * length;  // h of 3h/2, less what keeps the two within the ratio of neighbours
-    if (rod.n > 2) inner = std::min(inner, edge_ratio_limit * rod.rest_length[rod.n - 3]);  // h may have grown since
-    for (const double s : boundaries_)
-        if (s - begin >= spec.min_edge && s - begin < length) inner = std::min(inner, s - begin - 1.2 * spec.min_edge);
-    return inner >= spec.min_edge ? inner : 0;
-}
-
-bool NodePlanner::base_may_merge(const RodView& rod, const WireSpec& spec) const
-{
-    if (rod.n < 3) return false;
-    const double length = rod.rest_length[rod.n - 3] + rod.rest_length[rod.n - 2];
-    if (boundary_fraction(spec, rod.material_s[rod.n - 3], rod.material_s[rod.n - 1]) > 0) return false;
-    return length < 0.9 * 1.5 * base_share * std::min(spec.max_edge, longest_edge(rod, spec, rod.n - 3, rod.n - 1));
+    measure(rod, hub_tangent);
+    const int base = rod.n - 2;
+    double whole = std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, base, base + 1)), 2 * spec.min_edge);
+    if (base > 0) whole = std::min(whole, edge_ratio_limit * rod.rest_length[base - 1]);
+    for (const double s : boundaries_) {
+        const double left = s - rod.material_s[base];
+        if (left < spec.min_edge || left >= whole + spec.min_edge) continue;
+        whole = left <= whole ? left : 0.5 * left;  // no rest of an edge before the boundary that is shorter than any may be
+    }
+    return whole;
 }
 
 /// Marks neighbours that would be more than edge_ratio_limit times as long as a half of edge `from`, and so on.

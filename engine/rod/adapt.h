@@ -38,7 +38,7 @@ struct NodeDemands {
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
     bool may_refine = true;  // else only what the ratio of neighbours asks for
-    bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which keeps it within [h/2, 3h/2]
+    bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which makes it from 0 to h long
 };
 
 /// Scratch of one wire; allocated once.
@@ -50,13 +50,9 @@ public:
     /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
     /// @return [n-1]; valid until the next call
     std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
-    /// h of a fed wire's base edge [m], which is kept within [h/2, 3h/2].
+    /// How long a fed wire's base edge is to become before a node is born behind it [m]: as the shape there asks for, or up to
+    /// a section's boundary in it, which gets that node.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
-    /// How much of a fed wire's base edge a split should leave tipwards [m], so that a section's boundary in it can get its own
-    /// node later; 0: not yet.
-    [[nodiscard]] double base_split(const RodView& rod, const WireSpec& spec) const;
-    /// Whether the base edge and its neighbour may be one. After base_edge().
-    [[nodiscard]] bool base_may_merge(const RodView& rod, const WireSpec& spec) const;
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);

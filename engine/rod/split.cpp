@@ -129,7 +129,9 @@ double refresh_joint(const RodView& rod, const Joint& joint, double last)
 /// What an edge says before it is split.
 struct OldEdge {
     double length, force;  // [m], [N]
-    Vec3 tangent, d1, momentum;
+    double strain_rate;    // [1/s]
+    Vec3 tangent, d1;
+    Vec3 momentum;  // of the whole wire
     double theta, spin, spin_acc, spin_momentum;
     double twist_rate[2];                // at the tip-side and the hub-side joint [rad/m]
     double spin_slope[2], acc_slope[2];  // change of spin and its rate along the wire, at the same
@@ -138,9 +140,10 @@ struct OldEdge {
     OldEdge(const RodView& rod, int j, const Joint& at_a, const Joint& at_b)
         : length(rod.rest_length[j]),
           force(axial_force(rod, j)),
+          strain_rate(rod.tangent(j).dot(rod.vel(j + 1) - rod.vel(j)) / (rod.pos(j + 1) - rod.pos(j)).norm()),
           tangent(rod.tangent(j)),
           d1(rod.ref_d1(j)),
-          momentum(seldinger::momentum(rod, j, j + 1)),
+          momentum(seldinger::momentum(rod, 0, rod.n - 1)),
           theta(rod.theta[j]),
           spin(rod.spin_rate[j]),
           spin_acc(rod.spin_acc[j]),
@@ -170,9 +173,9 @@ double split_rest(const RodView& rod, int a, double fraction, const OldEdge& old
     };
     const double first = rest(a, s, mid), second = rest(a + 1, mid, s + old.length);
     SEL_ASSERT(first > 0 && second > 0);
-    const double added = first + second - old.length;
+    const double added = first + second - old.length, moved = s + first + second - rod.material_s[a + 2];
     rod.material_s[a + 1] = s + first;
-    for (int i = a + 2; i < rod.n; ++i) rod.material_s[i] += added;
+    for (int i = a + 2; i < rod.n; ++i) rod.material_s[i] += moved;
     refresh_rest(rod, spec, a, keep_shape);
     if (!keep_shape) return added;
 
@@ -197,14 +200,10 @@ void split_frames(const RodView& rod, int a, const OldEdge& old, const Joint& at
     rod.theta[a + 1] = old.theta + 0.5 * old.twist_rate[1] * rod.rest_length[a] + refresh_joint(rod, at_b, at_b.ref(rod));
 }
 
-/// Velocities, spins and their rates, linear along the wire, with the old momentum and spin momentum.
-void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
+/// Spins and their rates, linear along the wire, with the old spin momentum.
+void split_spin(const RodView& rod, int a, const OldEdge& old)
 {
-    const double u = fraction, v = 1 - fraction, first = rod.rest_length[a], second = rod.rest_length[a + 1];
-    rod.set_vel(a + 1, v * rod.vel(a) + u * rod.vel(a + 2));
-    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = v * acc[a] + u * acc[a + 2];
-    set_momentum(rod, a, a + 2, old.momentum);
-
+    const double first = rod.rest_length[a], second = rod.rest_length[a + 1];
     rod.spin_rate[a] = old.spin - 0.5 * old.spin_slope[0] * second;
     rod.spin_rate[a + 1] = old.spin + 0.5 * old.spin_slope[1] * first;
     rod.spin_acc[a] = old.spin_acc - 0.5 * old.acc_slope[0] * second;
@@ -214,6 +213,33 @@ void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old
     const double shift = (old.spin_momentum - now) / (inertia_a + inertia_b);
     rod.spin_rate[a] += shift;
     rod.spin_rate[a + 1] += shift;
+}
+
+/// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
+/// the old one was. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial forces
+/// answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
+Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate)
+{
+    const Vec3 va = rod.vel(a), vb = rod.vel(a + 2), linear = (1 - fraction) * va + fraction * vb;
+    const Vec3 first = rod.pos(a + 1) - rod.pos(a), second = rod.pos(a + 2) - rod.pos(a + 1);
+    const Vec3 e = first.normalized(), f = second.normalized();
+    const double from_a = strain_rate * first.norm() - e.dot(linear - va);
+    const double from_b = f.dot(vb - linear) - strain_rate * second.norm();
+    const Vec3 across = e - f;  // normal to the bisector of both edges
+    const Vec3 along = e + f;
+    Vec3 change = (from_a + from_b) / along.squaredNorm() * along;
+    if (across.squaredNorm() > 1e-12) change += (from_a - from_b) / across.squaredNorm() * across;
+    return linear + change;
+}
+
+/// Velocities, spins and their rates, with the old momentum and spin momentum. What a polygon's momentum changes by, of the order
+/// of (kappa h)^2 of one node's, goes to the whole wire as one: no edge is stretched by that.
+void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
+{
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
+    rod.set_vel(a + 1, split_velocity(rod, a, fraction, old.strain_rate));
+    set_momentum(rod, 0, rod.n - 1, old.momentum);
+    split_spin(rod, a, old);
 }
 
 }  // namespace
@@ -239,7 +265,79 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
     return {added};
 }
 
-SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
+namespace {
+
+/// Moves node m next to the hub sideways to where the elastic forces on it balance, all other nodes held, the edges' axial force
+/// kept. What else acts on it, its share of weight and contact, is carried by a base edge of length l with an error of l times
+/// that force in the clamp's moment. A chord's rotation changes the moments at both of its ends, which are linear in it but for
+/// the cube of the angle: Newton with the stiffness of small angles.
+void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, const WireSpec& spec, SplitScratch& scratch)
+{
+    constexpr int most_rounds = 12;
+    constexpr double balanced = 1e-12;  // of the base edge's length
+    const int m = rod.n - 2, a = m - 1;
+    for (int round = 0; round < most_rounds; ++round) {
+        (void)split_rest(rod, a, fraction, old, spec, false);
+        const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
+        if (!update_frames(rod, now, scratch.clamps, scratch.frames)) return;
+        const std::span<double> gradient = std::span(scratch.gradient).first(4 * static_cast<std::size_t>(rod.n));
+        std::fill(gradient.begin(), gradient.end(), 0.0);
+        add_elastic(rod, scratch.clamps, scratch.frames, gradient, nullptr, HessianMode::None);
+        Vec3 pull(gradient[4 * m], gradient[4 * m + 1], gradient[4 * m + 2]);
+        const Vec3 t = scratch.frames.tangent[m];
+        pull -= pull.dot(t) * t;
+        const double inner = rod.rest_length[a], base = rod.rest_length[m], both = 1 / inner + 1 / base;
+        const double stiffness = 2 * rod.bend_stiffness[m + 1] / (base * base * base) +
+                                 rod.bend_stiffness[m] / rod.voronoi_length(m) * both * both +
+                                 (a > 0 ? rod.bend_stiffness[a] / (rod.voronoi_length(a) * inner * inner) : 0.0);
+        const Vec3 shift = pull / stiffness;
+        rod.set_pos(m, rod.pos(m) - shift);
+        if (shift.norm() < balanced * base) break;
+    }
+}
+
+/// Towards the tip along edge j.
+Vec3 forwards(const RodView& rod, int j) { return (rod.pos(j) - rod.pos(j + 1)).normalized(); }
+
+}  // namespace
+
+SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec, std::span<const RodClamp> clamps,
+                            SplitScratch& scratch)
+{
+    const RodView before = rods.view(wire);
+    const int a = before.n - 2;
+    const RodClamp* sleeve = find_clamp(clamps, a + 1, &RodClamp::direction);
+    SEL_ASSERT(sleeve && fraction > 0 && fraction < 1);
+    const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
+    Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
+    const OldEdge old(before, a, at_a, at_b);
+    const Vec3 position = point_on_cubic(before, a, fraction, clamps);
+    scratch.provide(rods.capacity(wire));
+    scratch.clamps.assign(clamps.begin(), clamps.end());
+    for (RodClamp& clamp : scratch.clamps) clamp.node += clamp.node == a + 1;
+
+    rods.insert_node(wire, a + 1);
+    at_b.node = a + 2;
+    const RodView rod = rods.view(wire);
+    rod.set_pos(a + 1, position);
+    balance_born_node(rod, fraction, old, spec, scratch);
+    const double added = split_rest(rod, a, fraction, old, spec, false);
+    split_frames(rod, a, old, at_a, at_b);
+    split_spin(rod, a, old);
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
+
+    // the new node leaves the sleeve along the arc that its base edge is a chord of, as fast as the inner edge's length demands
+    const Vec3 out = (2 * forwards(rod, a + 1) + sleeve->tangent).normalized(), inner = forwards(rod, a);
+    const double speed = inner.dot(rod.vel(a)) / inner.dot(out);
+    rod.set_vel(a + 1, speed * out);
+    set_momentum(rod, 0, a + 1, old.momentum - rod.mass[a + 2] * rod.vel(a + 2));
+    return {added, forwards(rod, a + 1).dot(rod.vel(a + 1))};
+}
+
+namespace {
+
+/// merge_edges but for the velocities.
+SplitResult merge_shape(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
                         bool rest_is_placed)
 {
     const RodView old = rods.view(wire);
@@ -250,7 +348,7 @@ SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spe
     const double first = old.rest_length[a], second = old.rest_length[node], length = first + second;
     const double share_a = second / length;  // of the vanishing cell that falls to node a; the rest falls to the other one
     const double force = (first * axial_force(old, a) + second * axial_force(old, node)) / length;
-    const Vec3 tangent = old.tangent(a), d1 = old.ref_d1(a), carried_momentum = momentum(old, a, a + 2);
+    const Vec3 tangent = old.tangent(a), d1 = old.ref_d1(a);
     const double spin_momentum = old.spin_inertia[a] * old.spin_rate[a] + old.spin_inertia[node] * old.spin_rate[node];
     const double spin_acc = (first * old.spin_acc[a] + second * old.spin_acc[node]) / length;
     const double ref = old.ref_twist[node], twist = old.theta[node] - old.theta[a] + ref;
@@ -284,10 +382,32 @@ SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spe
     const double halves = at_a.holds(rod) && at_b.holds(rod) ? 0.5 : 1;
     rod.theta[a] += share_a * twist + halves * (change_b - change_a);
 
-    set_momentum(rod, a, a + 1, carried_momentum);
     rod.spin_rate[a] = spin_momentum / rod.spin_inertia[a];
     rod.spin_acc[a] = spin_acc;
     return {added};
+}
+
+}  // namespace
+
+SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
+                        bool rest_is_placed)
+{
+    const Vec3 carried_momentum = momentum(rods.view(wire), 0, rods.node_count(wire) - 1);
+    const SplitResult result = merge_shape(rods, wire, node, spec, clamps, rest_is_placed);
+    const RodView rod = rods.view(wire);
+    set_momentum(rod, 0, rod.n - 1, carried_momentum);
+    return result;
+}
+
+SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps)
+{
+    const int hub = rods.node_count(wire) - 1;
+    const Vec3 carried_momentum = momentum(rods.view(wire), 0, hub);
+    SplitResult result = merge_shape(rods, wire, hub - 1, spec, clamps, false);
+    const RodView rod = rods.view(wire);
+    set_momentum(rod, 0, rod.n - 2, carried_momentum - rod.mass[rod.n - 1] * rod.vel(rod.n - 1));
+    result.base_rate = forwards(rod, rod.n - 2).dot(rod.vel(rod.n - 2));
+    return result;
 }
 
 }  // namespace seldinger

@@ -13,6 +13,7 @@ namespace seldinger {
 /// What a split or a merge changed besides the node set.
 struct SplitResult {
     double rest_length_added = 0;  // [m], of the whole wire; < 0 for a merge. material_s of all nodes hubwards moved by it
+    double base_rate = 0;  // base edge of a fed wire: how fast its rest length has to grow for it not to be stretched [m/s]
 };
 
 /// Splits edge `edge` (between nodes edge and edge + 1) at `fraction` in (0, 1) of its rest length from its tip side. The new
@@ -23,7 +24,8 @@ struct SplitResult {
 ///   Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
-/// - velocity, acceleration, spin rates: linear along the wire; linear and spin momentum are kept exactly.
+/// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are
+///   kept exactly.
 /// - stiffness, mass, rest curvature from the spec at material_s; with `rest_is_placed` rest curvature and twist are shared
 ///   out by length instead.
 /// @param clamps  those of the accepted state, with node indices before the split
@@ -35,15 +37,26 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
 SplitResult merge_edges(RodArrays& rods, int wire, int node, const WireSpec& spec, std::span<const RodClamp> clamps,
                         bool rest_is_placed = false);
 
-/// Feeding: the base edge (between nodes n-2 and n-1).
-inline SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec,
-                                   std::span<const RodClamp> clamps)
-{
-    return split_edge(rods, wire, rods.node_count(wire) - 2, fraction, spec, clamps);
-}
-inline SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps)
-{
-    return merge_edges(rods, wire, rods.node_count(wire) - 2, spec, clamps);
-}
+/// What split_base_edge works with; kept, so that it allocates nothing once it has been provided for the wire.
+struct SplitScratch {
+    RodFrames frames;
+    std::vector<double> gradient;
+    std::vector<RodClamp> clamps;
+    void provide(int capacity)
+    {
+        if (frames.capacity >= capacity) return;
+        frames = RodFrames(capacity);
+        gradient.resize(4 * static_cast<std::size_t>(capacity));
+        clamps.reserve(4);
+    }
+};
+
+/// Feeding: splits the base edge (between nodes n-2 and n-1) of a wire whose hub stands still in a sleeve along the clamp there.
+/// The new node is put where its bending forces balance, between neighbours that stay, and moves so that no edge is stretched:
+/// the wire tipwards goes on with the speed that it had.
+SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec, std::span<const RodClamp> clamps,
+                            SplitScratch& scratch);
+/// Takes out the node next to the hub; the nodes that stay keep their velocities.
+SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps);
 
 }  // namespace seldinger

@@ -1,7 +1,6 @@
 #include "solve/feed.h"
 
 #include "core/check.h"
-#include "rod/split.h"
 
 #include <Eigen/Geometry>
 
@@ -11,6 +10,12 @@
 namespace seldinger {
 
 namespace {
+
+// Debts of rest length fade over this time [s], or while an edge is fed: slow against axial waves, fast against a hand.
+constexpr double debt_time = 0.025;
+// Length of a base edge when its node is born, of an edge. Shorter, and rounding of positions (1e-17 m) times EA/l would show in
+// the force; longer, and so would the polygon's error.
+constexpr double base_born = 0.005;
 
 Vec3 turned_director(const FeedState& state) { return Eigen::AngleAxisd(state.turn, state.direction) * state.director; }
 
@@ -96,17 +101,34 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     const int hub = rod.n - 1;
     if (hub == 1 && state.advance < state.edge / 2) {  // pulled back into the guide
         state.inside = 0;
-        state.debt = 0;
+        state.debt = state.debt_rate = 0;
         place_in_guide(state, wire, rods, index, fed / h, turned / h);
         return;
     }
-    // the debt is drained in proportion to what is fed, at most a thousandth of it per length fed either way
-    const double most = 1e-3 * std::abs(fed) + std::abs(state.debt) * std::min(1.0, std::abs(fed) / state.edge);
-    const double drained = std::clamp(state.debt, -most, most);
-    state.debt -= drained;
-    state.grown = fed - drained;
+    state.grown = fed + fade_debt(state, h);
     rod.material_s[hub] += state.grown;
     set_rest_shape(rod, wire, false);
+}
+
+double fade_debt(FeedState& state, double h)
+{
+    const double before = state.debt, w = 1 / debt_time + (state.on ? std::abs(state.speed) / state.edge : 0.0);
+    if (before == 0 && state.debt_rate == 0) return 0;
+    if (std::isfinite(h)) {
+        const double slope = state.debt_rate + w * before, left = std::exp(-w * h);
+        state.debt = (before + slope * h) * left;
+        state.debt_rate = (state.debt_rate - w * slope * h) * left;
+    } else {
+        state.debt = state.debt_rate = 0;
+    }
+    return state.debt - before;
+}
+
+BaseEdge base_edge_limits(double whole, double pushed, double pulled)
+{
+    const double half = 0.5 * whole;
+    return {whole, pushed > 0 ? std::clamp(pushed, base_born * whole, half) : half,
+            std::clamp(2 * pulled, 0.5 * base_born * whole, half)};
 }
 
 double feed_travel(const FeedSpec& spec, double from, double until, int sign)
@@ -149,19 +171,20 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     RodView rod = rods.view(index);
     const int base = rod.n - 2;  // the base edge
     const double length = rod.rest_length[base];
-    const bool split = length > limits.longest && limits.inner > 0 && rod.n < rods.capacity(index);
-    const bool merge = length < limits.shortest && rod.n > 2;
+    const bool split = limits.whole > 0 && length >= limits.whole + limits.born && rod.n < rods.capacity(index);
+    const bool merge = length < limits.least && rod.n > 2;
     if (!split && !merge) return {};
     WireConstraints& inlet = scratch.inlet;
-    RodFrames& frames = scratch.frames;
-    if (frames.capacity < rods.capacity(index)) frames = RodFrames(rods.capacity(index));
+    scratch.split.provide(rods.capacity(index));
+    RodFrames& frames = scratch.split.frames;
     inlet.prescribed.clear();
     inlet.clamps.clear();
     add_feed_constraints(state, rod, inlet);
     const double before = energy_now(rod, inlet.clamps, frames);
-    const SplitResult result = split ? split_base_edge(rods, index, limits.inner / length, wire, inlet.clamps)
+    const SplitResult result = split ? split_base_edge(rods, index, limits.whole / length, wire, inlet.clamps, scratch.split)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
     state.debt += result.rest_length_added;
+    state.debt_rate = result.base_rate - state.speed;
     rod = rods.view(index);
     inlet.prescribed.clear();
     inlet.clamps.clear();

@@ -100,7 +100,7 @@ double WireProblem::tension_before(int j) const
     Vec3 move;
     for (int c = 0; c < 3; ++c) move[c] = known_move(4 * (j + 1) + c) - known_move(4 * j + c);
     const double length = now.dot((now - move).normalized());
-    const double fed_in = j == rod.n - 2 ? -h * constraints_->hub_flow.dot(now.normalized()) : 0.0;
+    const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;
     return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
 }
 

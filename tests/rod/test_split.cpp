@@ -144,11 +144,9 @@ TEST_SUITE("rod/split")
             ArcWire wire(10, true);
             const ArcWire start(10, true);
             const int edge = base ? 9 : 3;
-            const SplitResult split = base ? split_base_edge(wire.arrays, 0, 0.4, wire.spec, wire.clamps)
-                                           : split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
+            const SplitResult split = split_edge(wire.arrays, 0, edge, 0.4, wire.spec, wire.clamps);
             wire.node_moved(1);
-            const SplitResult merge = base ? merge_base_edges(wire.arrays, 0, wire.spec, wire.clamps)
-                                           : merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
+            const SplitResult merge = merge_edges(wire.arrays, 0, edge + 1, wire.spec, wire.clamps);
             wire.node_moved(-1);
             REQUIRE(wire.rod.n == 11);
             CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-14);
@@ -185,6 +183,45 @@ TEST_SUITE("rod/split")
         CHECK(curvature[2] < 0.1 * curvature[0]);
         CHECK(twist[0] < 1.0 / 64);
         CHECK(twist[2] < 0.1 * twist[0]);
+    }
+
+    // The base edge of a wire that slides out of a sleeve along its own arc: a node born at the sleeve changes forces by the
+    // length of the new base edge against the old (the polygon's own error times that), and no edge is stretched by what it does
+    // to speeds.
+    TEST_CASE(
+        "property: a node born at the sleeve leaves moments, speeds and lengths as they are, the more the nearer it is born")
+    {
+        double curvature[2];
+        for (int k = 0; k < 2; ++k) {
+            ArcWire wire(10);
+            const double born = k == 0 ? 0.1 : 0.01, speed = 0.3, force = axial(wire.rod, 9);
+            for (int i = 0; i <= 10; ++i) {  // along the arc, towards the tip
+                const Vec3 t = i == 0    ? wire.rod.tangent(0)
+                               : i == 10 ? wire.clamps[0].tangent
+                                         : (wire.rod.tangent(i - 1) + wire.rod.tangent(i)).normalized();
+                wire.rod.set_vel(i, -speed * t);
+            }
+            const auto [before, twist] = wire.worst_curvature_and_twist();
+            SplitScratch scratch;
+            const Vec3 momentum = wire.momentum();
+            const SplitResult result = split_base_edge(wire.arrays, 0, 1 - born, wire.spec, wire.clamps, scratch);
+            wire.node_moved(1);
+            const RodView& rod = wire.rod;
+            CHECK(axial(rod, 9) == about(force).epsilon(1e-10));
+            CHECK(axial(rod, 10) == about(force).epsilon(1e-10));
+            curvature[k] = std::abs(wire.worst_curvature_and_twist().first - before);
+            CHECK((wire.momentum() - momentum).norm() < 1e-14 * momentum.norm());
+            // between the last nodes no length changes; the base edge grows as fast as the new node leaves it
+            CHECK(std::abs(rod.tangent(9).dot(rod.vel(10) - rod.vel(9))) < 1e-14);
+            CHECK(result.base_rate == about(-rod.tangent(10).dot(rod.vel(10))).epsilon(1e-12));
+            // what stays goes on as it did, but for the polygon's momentum of one node in ten
+            CHECK(std::abs(rod.vel(9).norm() / speed - 1) < 0.1 * 0.05 * 0.05);
+            // chord against arc: an angle kappa h/2 of 0.05, phi^2/2 of the speed
+            CHECK(std::abs(result.base_rate / speed - 1) < 0.05 * 0.05 / 2 * 1.2);
+        }
+        CAPTURE(curvature[0]);
+        CHECK(curvature[0] < 0.01);
+        CHECK(curvature[1] < 0.15 * curvature[0]);
     }
 
     TEST_CASE("property: many turns stored between tip and clamp survive a split")

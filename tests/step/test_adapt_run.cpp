@@ -64,7 +64,7 @@ void check_edges(const RodView& rod, const WireSpec& spec, bool fed)
         CAPTURE(j);
         const double h = rod.rest_length[j];
         CHECK(h <= spec.max_edge * (1 + 1e-3));
-        CHECK(h >= spec.min_edge * (1 - 1e-3));
+        if (!(fed && j == rod.n - 2)) CHECK(h >= spec.min_edge * (1 - 1e-3));  // the base edge begins at nothing
         if (j == 0) continue;
         const double ratio = std::max(h / rod.rest_length[j - 1], rod.rest_length[j - 1] / h);
         // the base edge varies threefold with feeding, and a neighbour it has outgrown follows one step later

@@ -60,12 +60,12 @@ TEST_SUITE("step/feed")
             for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
             CHECK(rod.material_s[rod.n - 1] == about(length_inside(rod)).epsilon(1e-12));
             const double base = rod.rest_length[rod.n - 2];
-            CHECK(base <= 1.5 * edge + 1e-12);
-            if (rod.n > 2) CHECK(base >= 0.5 * edge - 1.1e-4);
+            CHECK(base < edge + 2.1e-4);  // of 0.1 mm a step
+            CHECK(base > 0);
         }
         CHECK(worst <= 1e-12);  // sums of 700 additions of 1e-4
-        // h (kappa h)^2 / 32 a split; curvature where the wire enters stays below 1 / (bend radius)
-        CHECK(debt <= 3 * edge * std::pow(edge / 0.03, 2) / 32);
+        // a birth slows the feed by phi^2/2, phi = kappa h/2, for some 25 ms; curvature stays below 1 / (bend radius)
+        CHECK(debt <= 0.1 * 0.025 * std::pow(edge / 0.03, 2) / 8);
         REQUIRE(world.rod(0).n > 12);
     }
 
@@ -96,6 +96,47 @@ TEST_SUITE("step/feed")
         }
         REQUIRE(splits >= 10);
         MESSAGE(splits << " splits, hand force up to " << largest << " N");
+    }
+
+    // Experiment 1: 2.0 cm/s, first touch at 3 cm. Away from births the force changes by less than a tenth of a millinewton in a
+    // step, and hands feel a tenth; splits of a base edge of 3h/2 jolted it by 1.4 mN at 1 ms, 4.6 mN at 0.25 ms.
+    TEST_CASE("property: a hand does not feel where a node is born, whatever the step, and no energy is lost there")
+    {
+        for (const double dt : {1e-3, 2.5e-4}) {
+            CAPTURE(dt);
+            WorldSetup setup;
+            add_tube(setup, tube(0.018, 0.1));
+            WireSpec spec = steel_wire(0.1, 21);
+            spec.shaft.radius = 0.001;
+            spec.shaft.bend_stiffness = 1e-5;
+            spec.shaft.stretch_stiffness = 5e4;
+            spec.shaft.density = 7900;
+            setup.wires = {fed_wire(spec, {0.0005, 0, -0.014548}, 0.02)};
+            setup.dt = dt;
+            World world(std::move(setup));
+            double last = 0, step_before = 0, worst = 0, work = 0, inserted = 0;
+            int births = 0, since = 1000;
+            for (int k = 0; k < std::lround((dt < 5e-4 ? 1.6 : 3.6) / dt); ++k) {
+                const int nodes = world.rod(0).n;
+                REQUIRE_FALSE(step(world, dt).failed());
+                const WireReadings now = world.readings(0);
+                const double change = now.hand_force - last;
+                // the step after a birth against the one before: what it jumps by
+                if (since < 4) worst = std::max(worst, std::abs(change - step_before));
+                if (since >= 4) step_before = change;
+                work += std::abs(now.hand_force * (now.inserted - inserted));
+                inserted = now.inserted;
+                last = now.hand_force;
+                ++since;
+                if (world.rod(0).n == nodes || world.rod(0).n < 4) continue;
+                ++births;
+                since = 0;
+            }
+            REQUIRE(births >= (dt < 5e-4 ? 4 : 12));
+            CHECK(worst <= 1e-4);
+            CHECK(std::abs(world.readings(0).remesh_energy) <= 0.002 * work);
+            MESSAGE(births << " births, " << worst << " N, remesh " << world.readings(0).remesh_energy << " of " << work << " J");
+        }
     }
 
     TEST_CASE("property: pulled back below half an edge the wire is in its guide again, and comes out again")
@@ -143,7 +184,8 @@ TEST_SUITE("step/feed")
                 const RodView rod = world.rod(0);
                 if (!world.impl().feeds[0].inside) continue;
                 for (int j = 0; j + 1 < rod.n; ++j) REQUIRE(rod.rest_length[j] > 0);
-                if (rod.n > 2) CHECK(rod.rest_length[rod.n - 2] == about(edge).epsilon(0.5 + 1e-6));
+                // where a part of a step feeds an edge, one is split when half a one more is inside
+                CHECK(rod.rest_length[rod.n - 2] < (1.5 + 1e-6) * edge);
                 CHECK(length_inside(rod) == about(world.readings(0).inserted).epsilon(1e-4));
             }
             CHECK(world.readings(0).outside == 0);

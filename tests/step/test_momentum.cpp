@@ -49,6 +49,7 @@ Closed run_closed(WorldSetup setup, int steps)
     Closed closed;
     for (int k = 0; k < steps; ++k) {
         const Vec3 before = momentum_of(world);
+        const double allowed_before = allowed_error(world);  // a base edge that was short has gone by the end of the step
         const bool was_inside = !world.impl().feeds[0].on || world.impl().feeds[0].inside;
         const StepReport report = step(world, dt);
         REQUIRE_FALSE(report.failed());
@@ -57,7 +58,7 @@ Closed run_closed(WorldSetup setup, int steps)
         Vec3 listed = Vec3::Zero();
         for (const ContactRow& row : world.contacts()) listed += row.normal_force * row.normal + row.friction;
         closed.listed = std::max(closed.listed, (listed - b.contact).norm());
-        closed.worst = std::max(closed.worst, b.error().norm() / allowed_error(world));
+        closed.worst = std::max(closed.worst, b.error().norm() / std::max(allowed_before, allowed_error(world)));
         for (const Vec3& term : {b.held, b.weight, b.contact, b.loads, b.fed, b.rate})
             closed.largest = std::max(closed.largest, term.norm());
         closed.touching += now.contacts > 0;
