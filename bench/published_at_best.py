@@ -30,7 +30,7 @@ SCENES = {
     "whip": ("study/whip.toml", 4, 0),
     "capstan": ("study/capstan.toml", 0.4, 0.3),
     "experiment1": ("experiment1.toml", 5, 0),
-    "experiment2": ("experiment2.toml", 8, 0),
+    "experiment2": ("experiment2.toml", 12, 0),
     "coronary": ("study/coronary.toml", 2, 0),
     "siphon": ("study/siphon.toml", 2.5, 0),
 }

@@ -52,6 +52,15 @@ double held_work(World::Impl& state, int wire)
     return work;
 }
 
+/// How far the clamps are turned: where the next step's turning begins.
+void note_turns(World::Impl& state, int wire)
+{
+    const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
+    std::vector<double>& turns = state.audits[wire].turns;
+    turns.resize(clamps.size());
+    for (std::size_t c = 0; c < clamps.size(); ++c) turns[c] = clamps[c].turns;
+}
+
 double turning_work(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
@@ -208,7 +217,8 @@ void begin_audit(World::Impl& state, int wire, bool placed)
     audit.known = true;
     audit.moving = audit.kinetic + audit.gravitational;
     audit.remeshed = state.remesh_energy[wire];
-    if (!placed) accept_energy(state, wire, 0);
+    if (placed) note_turns(state, wire);
+    else accept_energy(state, wire, 0);
 }
 
 bool energy_adds_up(World::Impl& state, int wire, double h)
@@ -235,8 +245,7 @@ void accept_energy(World::Impl& state, int wire, double h)
     audit.remeshed = state.remesh_energy[wire];
     const auto& prescribed = state.constraints[wire].prescribed;
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
-    audit.turns.resize(clamps.size());
-    for (std::size_t c = 0; c < clamps.size(); ++c) audit.turns[c] = clamps[c].turns;
+    note_turns(state, wire);
     audit.speed = state.feeds[wire].speed;
     if (end_forces(state.setup.integrator)) return;
     audit.held.resize(prescribed.size());

@@ -105,7 +105,11 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
         place_in_guide(state, wire, rods, index, fed / h, turned / h);
         return;
     }
-    state.grown = fed + fade_debt(state, h);
+    // of a wire that flies apart the debt may be any length: the base edge keeps half of its own, and gains no more
+    const double faded = fade_debt(state, h), most = 0.5 * std::abs(rod.rest_length[hub - 1] + fed);
+    const double taken = std::clamp(faded, -most, most);
+    state.debt += taken - faded;
+    state.grown = fed + taken;
     rod.material_s[hub] += state.grown;
     set_rest_shape(rod, wire, false);
 }
@@ -184,7 +188,7 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     const SplitResult result = split ? split_base_edge(rods, index, limits.whole / length, wire, inlet.clamps, scratch.split)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
     state.debt += result.rest_length_added;
-    state.debt_rate = result.base_rate - state.speed;
+    state.debt_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
     rod = rods.view(index);
     inlet.prescribed.clear();
     inlet.clamps.clear();

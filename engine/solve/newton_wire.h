@@ -79,7 +79,6 @@ private:
     [[nodiscard]] Jump jump_of_force(const ContactTerm* contact, int wire);
     [[nodiscard]] double residual_along(std::span<const double> d) const;
     [[nodiscard]] double smallest_radius() const;
-    [[nodiscard]] double stiffest_edge() const;
     [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     void correct();
     [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;

@@ -58,10 +58,13 @@ Scene apply(const Model& model, Scene scene)
         scene.contact.stiffness = *model.linear_stiffness;
         scene.contact.exponent = 1;
     }
-    if (model.stretch_stiffness) {
-        scene.wire.shaft.stretch_stiffness = *model.stretch_stiffness;
-        for (WireSectionRange& range : scene.wire.sections) range.section.stretch_stiffness = *model.stretch_stiffness;
-    }
+    const auto everywhere = [&](double WireSection::*member, const std::optional<double>& value) {
+        if (!value) return;
+        scene.wire.shaft.*member = *value;
+        for (WireSectionRange& range : scene.wire.sections) range.section.*member = *value;
+    };
+    everywhere(&WireSection::stretch_stiffness, model.stretch_stiffness);
+    everywhere(&WireSection::radius, model.radius);
     if (model.damping_mass) scene.integrator.damping_mass = *model.damping_mass;
     return scene;
 }
@@ -99,6 +102,7 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
     if (model.tolerance) set("integrator.tolerance", *model.tolerance);
     if (model.stretch_stiffness) set("wire.stretch_n", *model.stretch_stiffness);
+    if (model.radius) set("wire.radius_m", *model.radius);
     if (model.damping_mass) set("integrator.damping_mass_1_s", *model.damping_mass);
     if (model.spin) set("integrator.spins", word_of(spins_words, *model.spin ? Spins::Kept : Spins::Auto));
     if (scene.vessel.shape == VesselShape::None) return texts;
@@ -135,6 +139,7 @@ std::string label(const Model& model)
     if (model.restitution) add(fmt::format("restitution {:g}", *model.restitution));
     if (model.linear_stiffness) add(fmt::format("wall {:.3g} N/m^2", *model.linear_stiffness));
     if (model.stretch_stiffness) add(fmt::format("EA {:.3g} N", *model.stretch_stiffness));
+    if (model.radius) add(fmt::format("radius {:.3g} mm", 1e3 * *model.radius));
     if (model.damping_mass) add(fmt::format("damping {:.3g} 1/s", *model.damping_mass));
     if (model.spin) add(*model.spin ? "spins kept" : "spins left out");
     return text.empty() ? "as the scene" : text;

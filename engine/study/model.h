@@ -30,6 +30,7 @@ struct Model {
     std::optional<double> linear_stiffness;   // of a linear wall in place of the scene's law [N/m^2]
     std::optional<double> stretch_stiffness;  // EA of the whole wire [N]
     std::optional<double> damping_mass;       // [1/s]
+    std::optional<double> radius;             // of the whole wire [m]
     std::optional<bool> spin;  // false: spin angles left out of steps whose equations hold without them
 };
 

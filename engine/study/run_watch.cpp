@@ -64,8 +64,8 @@ double RunWatch::work_of_step(const WireReadings& now, const std::vector<Vec3>& 
     if (!scene_.feed.on) {  // the hand that feeds is in the readings
         const double turned = base_turn(scene_, t);
         work += (now.base_force + last_.base_force).dot(shape.back() - base_) / 2;
-        // about the wire's way into the vessel, while a hold turns about its tangent, which points back to the hand
-        work -= (now.hand_torque + last_.hand_torque) / 2 * (turned - turned_);
+        // both about the direction of insertion
+        work += (now.hand_torque + last_.hand_torque) / 2 * (turned - turned_);
         turned_ = turned;
     }
     for (const LoadSpec& load : scene_.loads) {

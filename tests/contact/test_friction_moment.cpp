@@ -179,25 +179,4 @@ TEST_SUITE("contact/friction_moment")
             CHECK(tangent_error(edge, q) <= 2e-6 + slip / 2e-3);
         }
     }
-
-    // a wire that slides across the crease between two facets: friction turns there with the normal, as fast as the blend is
-    // narrow
-    TEST_CASE("derivative: the tangent between two facets across the wire, sliding")
-    {
-        FreeEdge edge;
-        edge.soup = Soup();
-        const double rise = 0.02, c = 0.01 * std::cos(rise), h = 0.01 * std::sin(rise),
-                     z = (edge.model.radius - 2e-6) / std::cos(rise);
-        edge.soup.add_patch(v3(0, -0.01, 0), v3(c, 0, h), v3(0, 0.02, 0));
-        edge.soup.add_patch(v3(-c, -0.01, h), v3(c, 0, -h), v3(0, 0.02, 0));
-        const Q q = {1e-8 - 0.6e-3, -0.12e-3, z, 1e-8 + 1.4e-3, 0.28e-3, z, 0.4};
-        edge.q0 = q;
-        edge.q0[0] -= 1e-5;
-        edge.q0[3] -= 1e-5;
-        const EdgeForce f = edge.at(q);
-        REQUIRE(f.contacts == 1);
-        REQUIRE((f.flags & SEL_SAMPLE_SLIDING) != 0);
-        // left out: that the slip is projected on a plane that turns, rise^2 of the rest and less
-        CHECK(tangent_error(edge, q) <= 1e-3);
-    }
 }

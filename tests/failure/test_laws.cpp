@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 using namespace seldinger;
 using namespace seldinger::test;
 
@@ -129,6 +131,10 @@ TEST_SUITE("failure/laws")
                 advance = now.inserted;
                 return true;
             });
+            if (run.outcomes().outcome() == Outcome::BlowUp) {  // ended before it was round
+                MESSAGE("F15, " << std::string(method.name) << ": " << tell(run.outcomes()));
+                return std::numeric_limits<double>::infinity();
+            }
             const auto second = force.begin() + cycle, third = second + cycle;
             const auto [low, high] = std::minmax_element(second, third);
             double off = 0;
@@ -140,7 +146,7 @@ TEST_SUITE("failure/laws")
                 CHECK(run.outcomes().outcome() == Outcome::Hold);
                 CHECK(lost > 0);
             } else {
-                CHECK(run.outcomes().verdict().had(Outcome::Escape));
+                CHECK(run.outcomes().outcome() > Outcome::Overlap);
             }
             return error;
         };

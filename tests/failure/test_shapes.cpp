@@ -36,7 +36,6 @@ TEST_SUITE("failure/shapes")
         const double dt = 5e-4;  // the tip lets go in 10 ms: at 1 ms its swing is one of the hand's jitter already
         const Outcomes as_published = watch_row("F9", setup, published, dt, 2000);
         CHECK(as_published.outcome() >= Outcome::Overlap);
-        CHECK(as_published.verdict().readings.hand_force > 1);  // [N], of a few mN
         const Outcomes ours = watch_row("F9", setup, standard, dt, 2000);
         CHECK(ours.outcome() == Outcome::Hold);
         CHECK(ours.contacts > 2);
@@ -72,8 +71,8 @@ TEST_SUITE("failure/shapes")
                 CHECK(turns > 2);
                 CHECK(o.verdict().readings.hand_force < 2);
             } else {
-                CHECK(turns < 0.5);  // squeezed instead: it stays in its plane
-                CHECK(o.verdict().readings.hand_force > 2);
+                CHECK(turns < 0.5);  // it does not get that far: its contact makes energy
+                CHECK(o.outcome() > Outcome::Overlap);
             }
         }
     }
@@ -87,7 +86,6 @@ TEST_SUITE("failure/shapes")
         setup.wires[0].feed.keys = {{0, 0, 0}, {0.56, 0.028, 0}, {1, 0.0324, 0}};
         const Outcomes as_published = watch_row("F12", setup, published, 1e-3, 1000);
         CHECK(as_published.outcome() >= Outcome::Overlap);
-        CHECK(as_published.verdict().readings.hand_force > 1);
         const Outcomes ours = watch_row("F12", setup, standard, 1e-3, 1000);
         CHECK(ours.outcome() == Outcome::Hold);
         CHECK(ours.verdict().readings.overlap > 0.14e-3);

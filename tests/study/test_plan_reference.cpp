@@ -42,8 +42,8 @@ TEST_SUITE("study/plan_reference")
         CHECK(error_left({1e-4, 0}) == 0);
     }
 
-    // at 16.7 ms the trapezoid rule makes energy in this swing, at 4 ms it does not
-    TEST_CASE("property: a coarse level that breaks off does not cost the reference its order in time")
+    // at 16.7 ms the trapezoid rule makes energy in this swing, and steps are halved for it; at 4 ms it does not
+    TEST_CASE("property: a coarse level whose steps are halved does not cost the reference its order in time")
     {
         const TemporaryFolder folder;
         const StudyScene scene =
@@ -57,7 +57,6 @@ TEST_SUITE("study/plan_reference")
         goals.affordable = [](double) { return true; };
         RunStore store(folder.path());
         const PlanReference reference = refine_scene(scene, plan, goals, store, "reference", {});
-        CHECK_FALSE(reference.failures.empty());
         CHECK(reference.converges);
         CHECK(reference.model.trapezoid == true);
         CHECK(at(reference.uncertainty, Observable::Shape) <= 1e-3);
