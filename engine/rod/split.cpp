@@ -168,9 +168,9 @@ double split_rest(const RodView& rod, int a, double fraction, const OldEdge& old
 {
     const double s = rod.material_s[a], mid = s + fraction * old.length;
     const auto rest = [&](int j, double begin, double end) {
-        // a wire that flies apart may have an edge squeezed to nothing: its halves keep half of their length, not its force
-        const double chord = std::max((rod.pos(j + 1) - rod.pos(j)).norm(), 1e-3 * (end - begin));
-        return chord / (1 + std::max(old.force / edge_stretch_stiffness(spec, begin, end), -0.5));
+        const double chord = (rod.pos(j + 1) - rod.pos(j)).norm(), was = end - begin;
+        // of a wire that flies apart, edges may be squeezed to nothing or miles long: then lengths are kept, not forces
+        return std::clamp(chord / (1 + old.force / edge_stretch_stiffness(spec, begin, end)), 0.5 * was, 2 * was);
     };
     const double first = rest(a, s, mid), second = rest(a + 1, mid, s + old.length);
     SEL_ASSERT(first > 0 && second > 0);

