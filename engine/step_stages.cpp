@@ -266,8 +266,9 @@ BaseEdge base_limits(const World::Impl& state, int w, double whole, double dt)
 {
     const FeedSpec& feed = state.setup.wires[w].feed;
     const double t = state.wire_time[w], next = std::isfinite(dt) ? t + dt : t;
-    // symplectic Euler follows no axial wave along an edge that is much shorter than the others
-    if (state.setup.integrator.scheme == Scheme::Explicit) return {whole, 0.5 * whole, 0.5 * whole};
+    // symplectic Euler follows no axial wave along an edge that is much shorter than the others, and one linearised step no turn of it
+    const Scheme scheme = state.setup.integrator.scheme;
+    if (scheme == Scheme::Explicit || scheme == Scheme::Linearised) return {whole, 0.5 * whole, 0.5 * whole};
     return base_edge_limits(whole, feed_travel(feed, t, next, +1), feed_travel(feed, t, next, -1));
 }
 
