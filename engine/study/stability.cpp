@@ -43,7 +43,7 @@ std::vector<Model> all_methods()
     using N = NormalLaw;
     using F = FrictionLaw;
     std::vector<Model> methods = {
-        method("published", S::Linearised, D::Layer, N::LankaraniNikravesh, F::Sign),
+        published_method(),
         at_its_best(),
         method("published, nodes", S::Linearised, D::Nodes, N::LankaraniNikravesh, F::Sign),
         method("published, newton", S::Newton, D::Layer, N::LankaraniNikravesh, F::Sign),
@@ -103,8 +103,8 @@ const std::vector<Model>& stability_methods()
 
 bool is_shown(const Model& method, bool quick)
 {
-    constexpr std::string_view shown[] = {"published", "published, at its best", "published, nodes", "linearised, capsule",
-                                          "default",   "constraint",             "barrier"};
+    constexpr std::string_view shown[] = {
+        "published", "published, at its best", "published, nodes", "linearised, capsule", "default", "constraint", "barrier"};
     constexpr std::ptrdiff_t quick_count = 5;
     const auto end = quick ? std::begin(shown) + quick_count : std::end(shown);
     return std::find(std::begin(shown), end, method.name) != end;

@@ -73,8 +73,8 @@ double tip_angle(const World& world)
     return std::atan2(-tip.y(), tip.z());
 }
 
-/// A quarter of a circle about (0, 0, R), stress-free as placed, both ends pinned, pressed in its middle.
-World pinned_arch(int edges, const Vec3& force)
+/// A quarter of a circle about (0, 0, R), stress-free as placed, at rest under a load.
+World loaded_arc(int edges, const std::vector<HoldSpec>& holds, const LoadSpec& pressed)
 {
     WorldSetup setup;
     setup.gravity = Vec3::Zero();
@@ -84,12 +84,19 @@ World pinned_arch(int edges, const Vec3& force)
     wire.wire.place.shape = PlaceShape::Arc;
     wire.wire.place.bend_radius = length / (pi / 2);
     wire.wire.place.rest_is_placed = true;
-    wire.holds = {hold(WirePoint::Kind::Base, true, false, false), hold(WirePoint::Kind::Tip, true, false, false)};
-    wire.loads = {load({WirePoint::Kind::Distance, length / 2}, force)};
+    wire.holds = holds;
+    wire.loads = {pressed};
     setup.wires = {wire};
     World world(std::move(setup));
     REQUIRE_FALSE(settle(world).failed());
     return world;
+}
+
+/// Both ends pinned, pressed in its middle.
+World pinned_arch(int edges, const Vec3& force)
+{
+    return loaded_arc(edges, {hold(WirePoint::Kind::Base, true, false, false), hold(WirePoint::Kind::Tip, true, false, false)},
+                      load({WirePoint::Kind::Distance, length / 2}, force));
 }
 
 }  // namespace
@@ -203,20 +210,8 @@ TEST_SUITE("step/hand_readings")
     {
         for (const int edges : {5, 20}) {
             CAPTURE(edges);
-            WorldSetup setup;
-            setup.gravity = Vec3::Zero();
-            setup.integrator.scheme = Scheme::Static;
-            setup.integrator.tolerance = 1e-9;
-            WireSetup wire = placed_wire(steel_wire(length, edges + 1), Vec3::Zero());
-            wire.wire.place.shape = PlaceShape::Arc;
-            wire.wire.place.bend_radius = length / (pi / 2);
-            wire.wire.place.rest_is_placed = true;
-            wire.holds = {hold(WirePoint::Kind::Base, true, true, true)};
             const Vec3 force(0, 2e-4, 0);
-            wire.loads = {load({WirePoint::Kind::Tip, 0}, force)};
-            setup.wires = {wire};
-            World world(std::move(setup));
-            REQUIRE_FALSE(settle(world).failed());
+            World world = loaded_arc(edges, {hold(WirePoint::Kind::Base, true, true, true)}, load({WirePoint::Kind::Tip, 0}, force));
             const WireReadings now = world.readings(0);
             const Vec3 tip = world.rod(0).pos(0);
             REQUIRE(tip.z() > 0.5 * length);
