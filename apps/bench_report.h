@@ -1,8 +1,8 @@
 #pragma once
 // What `seldinger bench` measured, as tables: CSV files, one JSON object, text.
 
-#include "contact/kernel_bench.h"
-#include "device/peaks.h"
+#include "roofline/kernel_bench.h"
+#include "roofline/peaks.h"
 #include "study/scene_bench.h"
 
 #include <filesystem>

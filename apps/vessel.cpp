@@ -3,7 +3,7 @@
 
 #include "commands.h"
 #include "core/file_io.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"

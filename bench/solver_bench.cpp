@@ -10,7 +10,7 @@
 
 #include "rod/elastic.h"
 #include "rod/rest_shape.h"
-#include "solve/band_matrix.h"
+#include "math/band_matrix.h"
 
 #include <fmt/format.h>
 #include <Eigen/SparseCholesky>

@@ -1,5 +1,5 @@
-# Run by EmbedKernels.cmake at build time: INPUTS (list of files), ROOT (folder their names are relative to), OUTPUT.
-set(text "#include \"device/kernel_sources.h\"\nnamespace seldinger::device {\nconst std::vector<KernelSource>& embedded_kernels()\n{\n    static const std::vector<KernelSource> sources = {\n")
+# Run by EmbedKernels.cmake at build time: FUNCTION (its name), INPUTS (list of files), ROOT (folder their names are relative to), OUTPUT.
+set(text "#include \"device/kernel_sources.h\"\nnamespace seldinger::device {\nconst std::vector<KernelSource>& ${FUNCTION}()\n{\n    static const std::vector<KernelSource> sources = {\n")
 foreach(input IN LISTS INPUTS)
   file(RELATIVE_PATH name ${ROOT} ${input})
   file(READ ${input} content)

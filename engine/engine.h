@@ -1,7 +1,10 @@
 #pragma once
 // The public face of the engine: a World of wires in a vessel, and step(). Everything else builds one, runs it or reads it.
 
+#include "contact/contact_row.h"
 #include "contact/contact_spec.h"
+#include "core/stage_times.h"
+#include "device/device_info.h"
 #include "rod/rod_arrays.h"
 #include "solve/momentum.h"
 #include "solve/solve_spec.h"
@@ -41,19 +44,6 @@ struct WorldSetup {
     int device_index = -1;  // -1: the default device
 };
 
-/// One contact of the accepted state, sorted by (wire, edge, triangle).
-struct ContactRow {
-    int wire = 0, edge = 0, triangle = 0;  // triangle: index in WorldSetup::mesh
-    Vec3 point = Vec3::Zero();             // on the wall [m]
-    Vec3 normal = Vec3::Zero();            // unit, into the lumen
-    double gap = 0;                        // [m], < 0 when overlapping
-    double normal_force = 0;               // [N] >= 0
-    Vec3 friction = Vec3::Zero();          // on the wire [N]
-    double rolling_moment = 0;             // about the wire's tangent [N m]
-    bool stuck = false;
-    double length = 0;  // metres of wire this contact stands for (0 for a pair of `layer`)
-};
-
 /// Flags of a step; each says which setting to change.
 enum StepFlag : unsigned {
     StepOk = 0,
@@ -67,23 +57,6 @@ enum StepFlag : unsigned {
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
 };
 
-/// Mean times are over steps; a StepReport holds one step, all wires together unless said otherwise.
-struct StageTimes {  // [s]
-    double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0;
-    StageTimes& operator+=(const StageTimes& other)
-    {
-        detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;
-        solve += other.solve, wall += other.wall, adapt += other.adapt;
-        return *this;
-    }
-    StageTimes& operator-=(const StageTimes& other)
-    {
-        detect -= other.detect, evaluate -= other.evaluate, reduce -= other.reduce;
-        solve -= other.solve, wall -= other.wall, adapt -= other.adapt;
-        return *this;
-    }
-};
-
 /// How one wire fared in a step.
 struct WireReport {
     unsigned flags = StepOk;
@@ -93,7 +66,7 @@ struct WireReport {
 };
 
 /// The worst of all wires, all flags together.
-struct StepReport {
+struct StepReport {  // of one step
     unsigned flags = StepOk;
     int newton_iterations = 0;
     int sub_steps = 1;
@@ -176,14 +149,6 @@ private:
 /// Static equilibrium of every wire (scheme = "static", and start = "settled").
 [[nodiscard]] StepReport settle(World& world);
 
-/// One OpenCL device, as `seldinger devices` lists it.
-struct DeviceInfo {
-    int index = 0;
-    std::string name, platform, type, version, driver;
-    bool fp64 = false;
-    int compute_units = 0;
-    std::uint64_t memory_bytes = 0;
-};
 [[nodiscard]] std::vector<DeviceInfo> list_devices();
 
 [[nodiscard]] const char* version();

@@ -115,6 +115,18 @@ std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrato
 
 }  // namespace
 
+ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
+{
+    ContactSetup made{{}, {}, wall, false};
+    for (const WireSetup& wire : setup.wires) {
+        made.wires.push_back(wire.wire);
+        made.contacts.push_back(wire.contact);
+    }
+    const Scheme scheme = setup.integrator.scheme;
+    made.known_velocities = scheme == Scheme::Linearised || scheme == Scheme::Explicit;
+    return made;
+}
+
 World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(setup))
 {
     const int count = static_cast<int>(setup.wires.size());
@@ -126,7 +138,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
             feeds[w].edge = uniform_edge(wire.wire);
             start_feed(feeds[w], wire.feed, wire.wire, rods, w);
         } else {
-            place_wire(rods, w, wire.wire, setup.centreline);
+            place_wire(rods, w, wire.wire, setup.centreline.main_points());
         }
         holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
         adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
@@ -135,7 +147,8 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
-        contact = make_contact(*context, setup, rods);
+        wall.emplace(setup.vessel, setup.mesh, setup.centreline);
+        contact = make_contact(*context, contact_setup(setup, *wall), rods);
     }
     constraints.resize(count);
     reports.resize(count);

@@ -34,6 +34,9 @@ struct NodeAdapter {
     RodFrames frames;          // scratch
 };
 
+/// What contact is made from.
+[[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
+
 struct World::Impl {
     explicit Impl(WorldSetup from);
 
@@ -48,6 +51,7 @@ struct World::Impl {
     std::vector<double> remesh_energy;       // per wire, accumulated [J]
     std::vector<EnergyAudit> audits;         // per wire
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
+    std::optional<WallModel> wall;           // none without a vessel
     std::unique_ptr<ContactMethod> contact;  // none without a vessel
     std::unique_ptr<Solver> solver;
     // scratch of a step

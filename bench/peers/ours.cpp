@@ -2,7 +2,8 @@
 #include "peers.h"
 
 #include "device/device.h"
-#include "vessel/wide_tree.h"
+#include "wide/bench_kernels.h"
+#include "wide/wide_tree.h"
 
 #include <cmath>
 
@@ -15,12 +16,19 @@ namespace device = seldinger::device;
 /// Grows as needed, as a program's buffers would over its first steps.
 constexpr std::uint32_t first_slots = 16;
 
+/// The default device, where the bench's kernels are known.
+int device_with_bench_kernels()
+{
+    seldinger::add_bench_kernels();
+    return -1;
+}
+
 class Ours final : public Peer {
 public:
     explicit Ours(bool float32)
-        : context_(-1, float32),
-          capsule_(context_, "bench/queries.cl", "query_capsule", device::Items::Short),
-          nearest_(context_, "bench/queries.cl", "query_nearest", device::Items::Short)
+        : context_(device_with_bench_kernels(), float32),
+          capsule_(context_, "wide/queries.cl", "query_capsule", device::Items::Short),
+          nearest_(context_, "wide/queries.cl", "query_nearest", device::Items::Short)
     {
         name = float32 ? "seldinger, float32" : "seldinger";
     }

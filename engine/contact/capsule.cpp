@@ -31,14 +31,6 @@ std::size_t bytes_of(const std::vector<T>& v)
     return v.size() * sizeof(T);
 }
 
-template <class T>
-std::vector<T> per_wire(const WorldSetup& setup, T WireSetup::*member)
-{
-    std::vector<T> list;
-    for (const WireSetup& wire : setup.wires) list.push_back(wire.*member);
-    return list;
-}
-
 NearWall::Lengths near_lengths(const SampleSet& samples, const WallTree& tree, uint law)
 {
     double least = std::numeric_limits<double>::infinity();
@@ -55,20 +47,18 @@ NearWall::Lengths near_lengths(const SampleSet& samples, const WallTree& tree, u
 
 }  // namespace
 
-CapsuleContact::CapsuleContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
-                               double lumen_radius)
+CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : ContactMethod(context, setup, rods, tree),
-      swept_(setup.wires[0].contact.detection == Detection::Swept),
-      samples_(make_samples(per_wire(setup, &WireSetup::wire), per_wire(setup, &WireSetup::contact), setup.vessel, setup.mesh,
-                            lumen_radius)),
+      swept_(setup.method().detection == Detection::Swept),
+      samples_(make_samples(setup.wires, setup.contacts, setup.wall)),
       near_(context, samples_, wall_, nodes_, models_, places_,
-            near_lengths(samples_, tree, kernel_law(setup.wires[0].contact.normal))),
+            near_lengths(samples_, tree, kernel_law(setup.method().normal))),
       evaluate_(context, "contact/capsule.cl", "contact_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
     const std::size_t n = samples_.models.size();
-    params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
-    params_.normal_law = kernel_law(setup.wires[0].contact.normal);
+    params_.friction = static_cast<uint>(setup.method().friction);
+    params_.normal_law = kernel_law(setup.method().normal);
     params_.blend = 0.002;        // 1 um for a 0.035 inch wire: bias of the depth at most a quarter of it times the facets' angle
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
     for (const WireSamples& wire : samples_.wires) {

@@ -13,7 +13,7 @@ namespace seldinger {
 
 class CapsuleContact final : public ContactMethod {
 public:
-    CapsuleContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius);
+    CapsuleContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
 
     void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;

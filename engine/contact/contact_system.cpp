@@ -4,15 +4,14 @@
 
 namespace seldinger {
 
-ContactMethod::ContactMethod(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree)
+ContactMethod::ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : context_(context),
       rods_(rods),
-      wall_(context, tree, setup.mesh),
+      wall_(context, tree, setup.wall.mesh),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity())
 {
-    const Scheme scheme = setup.integrator.scheme;
-    if (scheme == Scheme::Linearised || scheme == Scheme::Explicit) nodes_known_.emplace(context, rods.total_capacity());
+    if (setup.known_velocities) nodes_known_.emplace(context, rods.total_capacity());
 }
 
 void ContactMethod::set_nodes(DeviceNodes& nodes, const TrialState& state) const

@@ -6,10 +6,12 @@
 // sample has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the
 // edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
+#include "contact/contact_row.h"
+#include "contact/contact_setup.h"
 #include "contact/edge_sums.h"
 #include "contact/samples.h"
 #include "device/device.h"
-#include "engine.h"
+#include "core/stage_times.h"
 #include "solve/newton.h"
 #include "vessel/tree.h"
 
@@ -90,7 +92,7 @@ public:
     StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]
 
 protected:
-    ContactMethod(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree);
+    ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
     /// Where a trial's moves begin: the start of the step, or what stands before it.
     [[nodiscard]] const DeviceNodes& nodes_before() const { return params_.known ? *nodes_known_ : nodes_t0_; }
     void set_nodes(DeviceNodes& nodes, const TrialState& state) const;
@@ -106,7 +108,7 @@ protected:
     EdgeSums sums_;
 };
 
-/// @param specs, contacts  per wire; must outlive the result
-[[nodiscard]] std::unique_ptr<ContactMethod> make_contact(device::Context& context, const WorldSetup& setup, RodArrays& rods);
+/// @param setup  what it refers to must outlive the result
+[[nodiscard]] std::unique_ptr<ContactMethod> make_contact(device::Context& context, const ContactSetup& setup, RodArrays& rods);
 
 }  // namespace seldinger

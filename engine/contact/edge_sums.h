@@ -3,9 +3,8 @@
 // solver's banded system takes them. The same for every detection method.
 
 #include "rod/rod_arrays.h"
-#include "rod/wire_spec.h"
 #include "shared/contact_types.h"
-#include "solve/band_matrix.h"
+#include "math/band_matrix.h"
 
 #include <cstdint>
 #include <span>

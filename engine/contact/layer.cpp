@@ -35,17 +35,16 @@ double layer_height(const ContactSpec& contact, double radius)
 
 double layer_width(double radius, double lumen_radius) { return radius * (0.25 + 1.75 * std::min(1.0, radius / lumen_radius)); }
 
-LayerContact::LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree,
-                           double lumen_radius)
+LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : ContactMethod(context, setup, rods, tree),
       setup_(setup),
-      typical_radius_(lumen_radius),
+      typical_radius_(setup.wall.typical_lumen_radius),
       find_(context, "contact/layer.cl", "layer_find"),
       evaluate_(context, "contact/layer.cl", "layer_evaluate"),
       reduce_(context, "contact/capsule.cl", "contact_reduce")
 {
     params_.slots = 64;
-    params_.friction = static_cast<uint>(setup.wires[0].contact.friction);
+    params_.friction = static_cast<uint>(setup.method().friction);
     params_.smooth_speed = 1e-3;
     const std::size_t n = rods.total_capacity();
     edges_.reserve(n);
@@ -71,9 +70,9 @@ void LayerContact::begin_step(RodArrays& rods)
 
 double LayerContact::lumen_radius_at(const Vec3& p)
 {
-    if (setup_.centreline.empty()) return typical_radius_;
-    centreline_hint_ = setup_.centreline.nearest(p, centreline_hint_);
-    return setup_.centreline.radius[centreline_hint_];
+    if (setup_.wall.centreline.empty()) return typical_radius_;
+    centreline_hint_ = setup_.wall.centreline.nearest(p, centreline_hint_);
+    return setup_.wall.centreline.radius[centreline_hint_];
 }
 
 void LayerContact::list_edges(std::span<const std::uint8_t> live)
@@ -84,16 +83,17 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!live[w]) continue;
         const RodView rod = rods_.view(w);
-        const WireSetup& wire = setup_.wires[w];
+        const WireSpec& wire = setup_.wires[w];
+        const ContactSpec& contact = setup_.contacts[w];
         for (int j = 0; j + 1 < rod.n; ++j) {
-            const WireSection& section = wire.wire.at((rod.material_s[j] + rod.material_s[j + 1]) / 2);
+            const WireSection& section = wire.at((rod.material_s[j] + rod.material_s[j + 1]) / 2);
             LayerEdge edge{};
             edge.node = static_cast<uint>(rods_.node_begin(w) + j);
             edge.stamp = stamps_[w];
-            edge.reach = pair_distance(wire.contact, section.radius);
-            edge.height = layer_height(wire.contact, section.radius);
+            edge.reach = pair_distance(contact, section.radius);
+            edge.height = layer_height(contact, section.radius);
             edge.width = layer_width(section.radius, lumen_radius_at((rod.pos(j) + rod.pos(j + 1)) / 2));
-            edge.model = line_sample(section, wire.contact, setup_.vessel, typical_radius_, pair_length);
+            edge.model = line_sample(section, contact, setup_.wall.spec, typical_radius_, pair_length);
             edge.model.length = 0;
             edge.model.depth_limit = 0;  // as published: no hardening
             edges_.push_back(edge);
@@ -271,9 +271,9 @@ std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
 
 std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
 {
-    const WireSection& section = setup_.wires[0].wire.shaft;
-    const ContactSpec& contact = setup_.wires[0].contact;
-    const SampleModel m = line_sample(section, contact, setup_.vessel, typical_radius_, pair_length);
+    const WireSection& section = setup_.wires[0].shaft;
+    const ContactSpec& contact = setup_.method();
+    const SampleModel m = line_sample(section, contact, setup_.wall.spec, typical_radius_, pair_length);
     return {{"layer", fmt::format("L' by {} halvings, w = r (1/4 + 7/4 r/R), h {:.3g} mm, H {:.3g} mm", SEL_LAYER_HALVINGS,
                                   1e3 * layer_height(contact, section.radius), 1e3 * pair_distance(contact, section.radius))},
             {"pair stiffness", fmt::format("{:.4g} N/m^{:.3g} (line stiffness x 1 mm), exponent {}", m.stiffness * m.weight,

@@ -12,7 +12,7 @@ namespace seldinger {
 
 class LayerContact final : public ContactMethod {
 public:
-    LayerContact(device::Context& context, const WorldSetup& setup, RodArrays& rods, const WallTree& tree, double lumen_radius);
+    LayerContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
 
     void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
@@ -37,7 +37,7 @@ private:
     void merge_records(std::span<const std::uint8_t> active);
     [[nodiscard]] double lumen_radius_at(const Vec3& p);
 
-    const WorldSetup& setup_;
+    const ContactSetup setup_;
     double typical_radius_;
     std::vector<std::uint32_t> stamps_;  // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;

@@ -4,30 +4,12 @@
 #include "contact/layer.h"
 #include "core/error.h"
 
-#include <algorithm>
-#include <limits>
-
 namespace seldinger {
 
-namespace {
-
-// Half of the lumen is wider than this. The effective radius of (D6b) needs one number for the law to be a function of depth
-// alone; a quarter more or less of R changes the stiffness of a 0.035 inch wire in a 10 mm lumen by half a percent.
-double typical_lumen_radius(const WorldSetup& setup)
+std::unique_ptr<ContactMethod> make_contact(device::Context& context, const ContactSetup& setup, RodArrays& rods)
 {
-    std::vector<double> radius = setup.centreline.radius;
-    if (radius.empty()) return std::numeric_limits<double>::infinity();
-    std::nth_element(radius.begin(), radius.begin() + radius.size() / 2, radius.end());
-    return radius[radius.size() / 2];
-}
-
-}  // namespace
-
-std::unique_ptr<ContactMethod> make_contact(device::Context& context, const WorldSetup& setup, RodArrays& rods)
-{
-    const WallTree tree = build_wall_tree(setup.mesh);
-    const double lumen_radius = typical_lumen_radius(setup);
-    const ContactSpec& contact = setup.wires[0].contact;
+    const WallTree tree = build_wall_tree(setup.wall.mesh);
+    const ContactSpec& contact = setup.method();
     if (is_hard(contact.normal) && contact.detection == Detection::Layer)
         throw Error(ExitCode::BadScene,
                     "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
@@ -39,9 +21,9 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Worl
         case Detection::Swept:
         case Detection::Capsule:
         case Detection::Nodes:
-            return std::make_unique<CapsuleContact>(context, setup, rods, tree, lumen_radius);
+            return std::make_unique<CapsuleContact>(context, setup, rods, tree);
         case Detection::Layer:
-            return std::make_unique<LayerContact>(context, setup, rods, tree, lumen_radius);
+            return std::make_unique<LayerContact>(context, setup, rods, tree);
     }
     throw Error(ExitCode::BadScene, "contact.detection: unknown method");
 }

@@ -59,11 +59,10 @@ double sample_spacing(const WireSpec& spec, const ContactSpec& contact, Ridges& 
 
 }  // namespace
 
-SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const VesselSpec& wall,
-                       const WallMesh& mesh, double lumen_radius)
+SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const WallModel& wall)
 {
     SampleSet set;
-    Ridges ridges(mesh);
+    Ridges ridges(wall.mesh);
     for (std::size_t w = 0; w < specs.size(); ++w) {
         const WireSpec& spec = specs[w];
         WireSamples samples;
@@ -79,7 +78,7 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
         };
         // `nodes`: one sample at each control node, with its Voronoi length (the tip's is half an edge)
         const bool at_nodes = contacts[w].detection == Detection::Nodes;
-        add_model(tip_sample(spec.at(0), contact, wall, lumen_radius));
+        add_model(tip_sample(spec.at(0), contact, wall.spec, wall.typical_lumen_radius));
         WireSection last;
         SampleModel line{};
         for (int k = 0; k < stretches; ++k) {
@@ -87,7 +86,7 @@ SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactS
             const double weight = at_nodes && k == 0 ? samples.spacing / 2 : samples.spacing;
             samples.s.push_back(s);
             const WireSection section = spec.at(s);
-            if (k < 2 || section != last) line = line_sample(last = section, contact, wall, lumen_radius, weight);
+            if (k < 2 || section != last) line = line_sample(last = section, contact, wall.spec, wall.typical_lumen_radius, weight);
             add_model(line);
         }
         set.wires.push_back(std::move(samples));

@@ -15,8 +15,7 @@
 #include "contact/contact_spec.h"
 #include "rod/rod_arrays.h"
 #include "shared/contact_types.h"
-#include "vessel/vessel_spec.h"
-#include "vessel/wall_mesh.h"
+#include "wall/wall_model.h"
 
 #include <cstdint>
 #include <vector>
@@ -42,9 +41,8 @@ struct SampleSet {
 };
 
 /// @param specs  per wire; contact coefficients per section come from the wire's sections
-/// @param lumen_radius  typical lumen radius of the vessel, for the effective radius of (D6b) [m]
 [[nodiscard]] SampleSet make_samples(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts,
-                                     const VesselSpec& wall, const WallMesh& mesh, double lumen_radius);
+                                     const WallModel& wall);
 
 /// Puts the samples of a wire on its edges by material coordinate and sets `live`. @param begin  index of the wire's first node
 /// in the concatenated arrays. Places at the start of the step are kept in edge_t0, bary_t0 when `start` is set, and those of

@@ -1,7 +1,7 @@
 #include "device/enumerate.h"
 
 #include "core/error.h"
-#include "engine.h"
+#include "device/device_info.h"
 
 #include <fmt/format.h>
 

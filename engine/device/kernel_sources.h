@@ -1,5 +1,5 @@
 #pragma once
-// Text of every kernel file, embedded at build time by cmake/EmbedKernels.cmake. Names are relative to kernels/.
+// Text of every kernel file, embedded at build time by cmake/EmbedKernels.cmake.
 
 #include <string>
 #include <vector>
@@ -10,6 +10,12 @@ struct KernelSource {
     std::string name, text;
 };
 
+/// The engine's own. Names are relative to kernels/.
 [[nodiscard]] const std::vector<KernelSource>& embedded_kernels();
+
+/// Kernel files of a program that uses the engine's device layer for kernels of its own, found after the engine's. They may
+/// include the engine's. Call before the first of them is built; calling again with the same list does nothing.
+/// @param sources  must outlive every Context
+void add_kernel_sources(const std::vector<KernelSource>& sources);
 
 }  // namespace seldinger::device

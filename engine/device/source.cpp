@@ -9,6 +9,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
 #include <set>
 #include <sstream>
 
@@ -16,17 +17,35 @@ namespace seldinger::device {
 
 namespace {
 
+std::mutex added_guard;
+std::set<const std::vector<KernelSource>*> added;
+
+const std::string* find_in(const std::vector<KernelSource>& sources, const std::string& name)
+{
+    for (const KernelSource& source : sources)
+        if (source.name == name) return &source.text;
+    return nullptr;
+}
+
+const std::string* find_added(const std::string& name)
+{
+    const std::lock_guard lock(added_guard);
+    for (const auto* sources : added)
+        if (const std::string* text = find_in(*sources, name)) return text;
+    return nullptr;
+}
+
 std::string text_of_file(const std::string& name)
 {
     if (const char* folder = std::getenv("SEL_KERNEL_DIR")) {
         std::ifstream in(std::string(folder) + "/" + name);
-        if (!in) throw Error(ExitCode::NoDevice, fmt::format("SEL_KERNEL_DIR: no kernel file {}/{}", folder, name));
         std::stringstream text;
-        text << in.rdbuf();
-        return text.str();
+        if (in) return text << in.rdbuf(), text.str();
+        if (const std::string* own = find_added(name)) return *own;
+        throw Error(ExitCode::NoDevice, fmt::format("SEL_KERNEL_DIR: no kernel file {}/{}", folder, name));
     }
-    for (const KernelSource& source : embedded_kernels())
-        if (source.name == name) return source.text;
+    if (const std::string* own = find_in(embedded_kernels(), name)) return *own;
+    if (const std::string* own = find_added(name)) return *own;
     throw Error(ExitCode::NoDevice, fmt::format("no kernel file \"{}\" in this build", name));
 }
 
@@ -50,6 +69,12 @@ void append(const std::string& name, std::set<std::string>& seen, std::string& o
 }
 
 }  // namespace
+
+void add_kernel_sources(const std::vector<KernelSource>& sources)
+{
+    const std::lock_guard lock(added_guard);
+    added.insert(&sources);
+}
 
 std::string assemble_source(const std::string& file)
 {

@@ -8,7 +8,7 @@
 #include "rod/elastic.h"
 
 #include "core/check.h"
-#include "core/lanes.h"
+#include "math/lanes.h"
 #include "rod/clamp.h"
 
 namespace seldinger {

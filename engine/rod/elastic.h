@@ -7,7 +7,7 @@
 // reference twist by continuity from the accepted value.
 
 #include "rod/rod_arrays.h"
-#include "solve/band_matrix.h"
+#include "math/band_matrix.h"
 
 namespace seldinger {
 
@@ -32,7 +32,7 @@ struct RodClamp {
     double turns = 0;
 };
 
-/// Arrays that are read and written in whole vectors have this many entries beyond their last: the most that core/lanes.h has.
+/// Arrays that are read and written in whole vectors have this many entries beyond their last: the most that math/lanes.h has.
 inline constexpr int lane_padding = 8;
 
 /// A vector per node or edge, kept as three arrays; read as one.
@@ -55,7 +55,7 @@ private:
 };
 
 /// Scratch of one wire at a trial configuration; allocated once for the capacity. Arrays are longer than that: whole vectors of
-/// numbers are read and written at their ends (core/lanes.h).
+/// numbers are read and written at their ends (math/lanes.h).
 struct RodFrames {
     explicit RodFrames(int nodes = 0, int clamp_capacity = 16);
     int capacity = 0;  // nodes

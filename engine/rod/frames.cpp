@@ -1,7 +1,7 @@
 // Frames of a wire: parallel transport in time of each edge's reference frame, reference twist, curvature, twist.
 
 #include "core/check.h"
-#include "core/lanes.h"
+#include "math/lanes.h"
 #include "rod/clamp.h"
 #include "rod/curvature.h"
 #include "rod/elastic.h"

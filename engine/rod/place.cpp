@@ -37,12 +37,10 @@ struct Polyline {
     }
 };
 
-Polyline centreline_path(const Centreline& centreline, double from)
+Polyline centreline_path(std::span<const Vec3> path, double from)
 {
-    if (centreline.empty()) throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
-    std::vector<Vec3> points;
-    for (int i : centreline.main_path()) points.push_back(centreline.points[i]);
-    Polyline whole(std::move(points));
+    if (path.empty()) throw Error(ExitCode::BadScene, "wire.place: shape \"centreline\" needs a vessel with a centreline");
+    Polyline whole({path.begin(), path.end()});
     if (from >= whole.length())
         throw Error(ExitCode::BadScene,
                     fmt::format("wire.place.from_m: {} m is beyond the vessel's centreline of {:.4g} m", from, whole.length()));
@@ -71,7 +69,7 @@ struct Curve {
     double length;                   // infinity where it goes on
 };
 
-Curve curve_of(const WirePlacement& place, double wire_length, const Centreline& centreline)
+Curve curve_of(const WirePlacement& place, double wire_length, std::span<const Vec3> path)
 {
     const Vec3 d = place.direction.normalized();
     Vec3 n = (place.normal - place.normal.dot(d) * d);
@@ -99,7 +97,7 @@ Curve curve_of(const WirePlacement& place, double wire_length, const Centreline&
             return {line, line.length()};
         }
         case PlaceShape::Centreline: {
-            const Polyline line = centreline_path(centreline, place.from);
+            const Polyline line = centreline_path(path, place.from);
             return {line, line.length()};
         }
         default:
@@ -142,14 +140,14 @@ int uniform_node_count(const WireSpec& spec)
     return std::max(2, static_cast<int>(std::ceil(spec.length / edge - 1e-9)) + 1);
 }
 
-void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centreline& centreline)
+void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const Vec3> path)
 {
     const int n = uniform_node_count(spec);
     rods.set_node_count(wire, n);
     rods.set_curvature(wire, spec.curvature);
     const RodView rod = rods.view(wire);
     const WirePlacement& place = spec.place;
-    const Curve curve = curve_of(place, spec.length, centreline);
+    const Curve curve = curve_of(place, spec.length, path);
     const double h = spec.length / (n - 1);
     // a closed polygon on the ring's circle; everywhere else chords are rest lengths
     const bool ring = place.shape == PlaceShape::Ring;

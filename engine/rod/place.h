@@ -2,7 +2,8 @@
 // Where a wire that is not fed starts: its nodes along a given shape.
 
 #include "rod/rod_arrays.h"
-#include "vessel/centreline.h"
+
+#include <span>
 
 namespace seldinger {
 
@@ -14,7 +15,7 @@ namespace seldinger {
 /// Puts n = uniform_node_count nodes along the shape, from base to tip, so that every edge's chord is its rest length (no stretch
 /// in the start: at EA = 1e4 N the chord of a 5 mm edge on a 40 mm arc would start with 6 N); sets material_s, velocities, frames
 /// with the director `place.normal` at the hub, rest shape and masses.
-/// @param centreline  of the vessel; needed by the shape "centreline" only. @throws Error BadScene where the shape is too short
-void place_wire(RodArrays& rods, int wire, const WireSpec& spec, const Centreline& centreline);
+/// @param path  points of the vessel's axis, from the entry on [m]; needed by the shape "centreline" only. @throws Error BadScene where the shape is too short
+void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const Vec3> path);
 
 }  // namespace seldinger

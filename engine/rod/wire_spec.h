@@ -1,15 +1,13 @@
 #pragma once
 // What a wire is, as its user describes it: every property a function of the material coordinate s [m] from the tip.
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>  // cross
+#include "math/vec3.h"
+
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace seldinger {
-
-using Vec3 = Eigen::Vector3d;
 
 /// Properties of a stretch of wire. Units SI.
 struct WireSection {

@@ -2,7 +2,7 @@
 // One moment of a run as VTK files: the wire, its contacts, and the wall.
 
 #include "engine.h"
-#include "scene/vtp_write.h"
+#include "io/vtp_write.h"
 
 #include <string>
 

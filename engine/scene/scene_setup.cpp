@@ -2,7 +2,7 @@
 #include "scene/scene.h"
 
 #include "core/error.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "scene/scene_names.h"
 #include "scene/start_inside.h"
 #include "scene/vessel_load.h"

@@ -92,7 +92,7 @@ private:
 
     void place()
     {
-        place_wire(rods_, 0, wire_, centreline_);
+        place_wire(rods_, 0, wire_, centreline_.main_points());
         rod_ = rods_.view(0);
     }
 

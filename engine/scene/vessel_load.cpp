@@ -2,7 +2,7 @@
 #include "scene/vessel_load.h"
 
 #include "core/error.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/repair.h"

@@ -1,6 +1,6 @@
 #include "study/batch_table.h"
 
-#include "scene/npz_write.h"
+#include "io/npz_write.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 // How far apart two curves are.
 
-#include "rod/wire_spec.h"
+#include "math/vec3.h"
 
 #include <span>
 

@@ -1,6 +1,6 @@
 #include "study/stability_meshes.h"
 
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "vessel/shapes.h"
 #include "vessel/swept_lumen.h"
 

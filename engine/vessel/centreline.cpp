@@ -37,6 +37,13 @@ std::vector<int> Centreline::main_path() const
     return path;
 }
 
+std::vector<Vec3> Centreline::main_points() const
+{
+    std::vector<Vec3> path;
+    for (int i : main_path()) path.push_back(points[i]);
+    return path;
+}
+
 double Centreline::total_length() const
 {
     double sum = 0;

@@ -15,6 +15,8 @@ struct Centreline {
 
     /// Longest root-to-leaf polyline, root first (indices into points).
     [[nodiscard]] std::vector<int> main_path() const;
+    /// The same as points [m].
+    [[nodiscard]] std::vector<Vec3> main_points() const;
     [[nodiscard]] double total_length() const;
     /// Index of the point nearest to p; O(P) unless `hint` is near.
     [[nodiscard]] int nearest(const Vec3& p, int hint = -1) const;

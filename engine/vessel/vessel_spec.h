@@ -1,7 +1,7 @@
 #pragma once
 // Which vessel: a mesh file or a generated shape, and what its wall is made of. SI (a mesh file has its own unit).
 
-#include "rod/wire_spec.h"
+#include "math/vec3.h"
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 // The vessel's wall as a triangle soup with shared vertices, and what was done to it on import.
 
-#include "rod/wire_spec.h"
+#include "math/vec3.h"
 #include "vessel/vessel_spec.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 // The pinhole camera and how it is aimed at a vessel without being told.
 
-#include "rod/wire_spec.h"
+#include "math/vec3.h"
 #include "vessel/wall_mesh.h"
 
 #include <Eigen/Geometry>

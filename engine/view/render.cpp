@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "view/legend.h"
-#include "view/png_write.h"
+#include "io/png_write.h"
 #include "view/run_folder.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "view/run_folder.h"
 
 #include "core/error.h"
-#include "core/vtp_read.h"
+#include "io/vtp_read.h"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>

@@ -2,7 +2,7 @@
 // Triangles for what is drawn solid: the wire as a tube, contacts as balls and force pins. Built on the host for each view,
 // because the least width on paper depends on the camera.
 
-#include "rod/wire_spec.h"
+#include "math/vec3.h"
 #include "view/colour.h"
 
 #include <cstdint>

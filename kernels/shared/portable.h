@@ -16,7 +16,7 @@
 namespace seldinger {
 using uint = std::uint32_t;
     #if defined(SEL_REAL)
-using real = SEL_REAL;  // a number that counts what is done with it: engine/contact/kernel_bench_work.cpp
+using real = SEL_REAL;  // a number that counts what is done with it: bench/roofline/kernel_bench_work.cpp
     #elif defined(SEL_FLOAT32)
 using real = float;
     #else

@@ -1,7 +1,7 @@
 // What `seldinger run` writes and prints.
 
 #include "apps/app_fixture.h"
-#include "core/vtp_read.h"
+#include "io/vtp_read.h"
 
 #include <cmath>
 

@@ -4,6 +4,7 @@
 #include "contact/contact_system.h"
 #include "rod/place.h"
 #include "support/world_fixture.h"
+#include "world.h"
 
 namespace seldinger::test {
 
@@ -22,8 +23,9 @@ inline std::vector<Push> pushes_of(device::Context& context, const WorldSetup& s
 {
     const int count = static_cast<int>(setup.wires.size()), nodes = setup.wires[0].wire.nodes;
     RodArrays rods(std::vector<int>(setup.wires.size(), nodes));
-    for (int w = 0; w < count; ++w) place_wire(rods, w, setup.wires[w].wire, setup.centreline);
-    const auto contact = make_contact(context, setup, rods);
+    for (int w = 0; w < count; ++w) place_wire(rods, w, setup.wires[w].wire, setup.centreline.main_points());
+    const WallModel wall(setup.vessel, setup.mesh, setup.centreline);
+    const auto contact = make_contact(context, contact_setup(setup, wall), rods);
     TrialState here;
     for (int w = 0; w < count; ++w) {
         const RodView rod = rods.view(w);

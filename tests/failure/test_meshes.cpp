@@ -4,7 +4,7 @@
 #include "contact/held_wire.h"
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "vessel/repair.h"
 
 #include <doctest/doctest.h>

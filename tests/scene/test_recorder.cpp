@@ -1,10 +1,10 @@
 // The parts of a recording on their own: VTK files, checkpoints, tables with numbers that are none.
 
 #include "core/error.h"
-#include "core/vtp_read.h"
+#include "io/vtp_read.h"
 #include "scene/checkpoint.h"
 #include "scene/recorder.h"
-#include "scene/vtp_write.h"
+#include "io/vtp_write.h"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

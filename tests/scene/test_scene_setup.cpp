@@ -1,7 +1,7 @@
 // make_setup: does the wire fit the vessel, and where does it enter?
 
 #include "core/error.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "vessel/inside.h"
 #include "vessel/shapes.h"

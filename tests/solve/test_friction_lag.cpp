@@ -3,6 +3,7 @@
 #include "contact/contact_system.h"
 #include "solve/wire_fixture.h"
 #include "vessel/shapes.h"
+#include "world.h"
 
 #include <algorithm>
 
@@ -49,7 +50,8 @@ std::vector<Turned> turn_on_plane(int forth, int back)
     rig.integrate_with({}, {0, 0, -pressure / mass});
     setup.gravity = {0, 0, -pressure / mass};
     device::Context context(-1);
-    const auto contact = make_contact(context, setup, rig.rods);
+    const WallModel wall(setup.vessel, setup.mesh, setup.centreline);
+    const auto contact = make_contact(context, contact_setup(setup, wall), rig.rods);
 
     std::vector<Turned> trace;
     for (int k = 1; k <= forth + back; ++k) {

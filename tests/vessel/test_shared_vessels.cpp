@@ -1,7 +1,7 @@
 // The eight public patient vessels of the shared reference data: they load, are mended where they are broken, and their
 // centrelines agree with the table beside them. Skipped where the data are not there.
 #include "mesh_fixtures.h"
-#include "scene/mesh_file.h"
+#include "io/mesh_file.h"
 #include "scene/vessel_load.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"

@@ -1,0 +1,165 @@
+// Operations and loads of every kernel, counted by running its host twin with a number that counts.
+#include "roofline/kernel_bench.h"
+
+#include <array>
+#include <cstdint>
+
+namespace sel_count {
+
+struct Tally {
+    double flops = 0, floats = 0;
+};
+Tally tally;
+
+/// A double that counts what is done with it. A float is converted where it is loaded from one of the float32 arrays, and next to
+/// nowhere else.
+struct Counted {
+    double value;
+    Counted() = default;
+    Counted(double v) : value(v) {}
+    Counted(int v) : value(v) {}
+    Counted(unsigned v) : value(v) {}
+    Counted(float v) : value(static_cast<double>(v)) { tally.floats += 1; }
+    explicit operator double() const { return value; }
+    Counted operator-() const { return -value; }
+    Counted& operator+=(Counted b) { return *this = *this + b; }
+    Counted& operator-=(Counted b) { return *this = *this - b; }
+    Counted& operator*=(Counted b) { return *this = *this * b; }
+    Counted& operator/=(Counted b) { return *this = *this / b; }
+    static Counted done(double v) { return tally.flops += 1, v; }
+    friend Counted operator+(Counted a, Counted b) { return done(a.value + b.value); }
+    friend Counted operator-(Counted a, Counted b) { return done(a.value - b.value); }
+    friend Counted operator*(Counted a, Counted b) { return done(a.value * b.value); }
+    friend Counted operator/(Counted a, Counted b) { return done(a.value / b.value); }
+    friend bool operator<(Counted a, Counted b) { return a.value < b.value; }
+    friend bool operator>(Counted a, Counted b) { return a.value > b.value; }
+    friend bool operator<=(Counted a, Counted b) { return a.value <= b.value; }
+    friend bool operator>=(Counted a, Counted b) { return a.value >= b.value; }
+    friend bool operator==(Counted a, Counted b) { return a.value == b.value; }
+    friend bool operator!=(Counted a, Counted b) { return a.value != b.value; }
+};
+
+}  // namespace sel_count
+
+#include <cmath>
+
+namespace sel_count {
+inline Counted sqrt(Counted a) { return Counted::done(std::sqrt(a.value)); }
+inline Counted fabs(Counted a) { return std::fabs(a.value); }
+inline Counted pow(Counted a, Counted b) { return Counted::done(std::pow(a.value, b.value)); }
+}  // namespace sel_count
+
+#define SEL_REAL ::sel_count::Counted
+#define seldinger seldinger_counted
+#include "roofline/kernel_bench_load.h"
+
+namespace {
+
+/// Adds one kernel: body() does all items and returns how many pairs they make.
+template <class Body>
+void count(std::vector<KernelWork>& out, const char* kernel, std::size_t items, const Body& body)
+{
+    sel_count::tally = {};
+    const double pairs = body(), n = static_cast<double>(items);
+    out.push_back({kernel, sel_count::tally.flops / n, sel_count::tally.floats / n, pairs / n});
+}
+
+}  // namespace
+
+std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t samples)
+{
+    const Load s(wall, samples);
+    const std::size_t n = s.models.size(), edges = s.layer_edges.size();
+    std::vector<KernelWork> work;
+    std::vector<uint> cells(n * slots), counts(n);
+    double cell_pairs = 0;
+    count(work, "contact_find", n, [&] {
+        for (const uint k : s.list) {
+            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
+            counts[k] = std::min(slots, find_cells(at.offset, at.origin, s.models[k].radius + s.models[k].reach + real(slack),
+                                                   SEL_CELL_SIZE * s.models[k].radius, s.nodes.data(), wall.vertices.data(),
+                                                   slots, &cells[k * slots]));
+            cell_pairs += counts[k];
+        }
+        return cell_pairs;
+    });
+
+    count(work, "contact_distance", n, [&] {
+        for (const uint k : s.list) {
+            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
+            (void)wall_distance(at.origin + at.offset, real(1), s.nodes.data(), wall.vertices.data());
+        }
+        return static_cast<double>(n);
+    });
+
+    std::vector<SampleForce> forces(n);
+    std::vector<TouchState> touches = s.touches_t0;
+    count(work, "contact_evaluate", n, [&] {
+        for (const uint k : s.list)
+            forces[k] =
+                evaluate_sample(k, s.par, s.models[k], s.places[k], &cells[k * slots], counts[k], s.nodes.data(),
+                                wall.vertices.data(), wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
+                                s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), touches.data(), s.hard.data());
+        return cell_pairs;
+    });
+    std::vector<real> barys(n);
+    for (std::size_t k = 0; k < n; ++k) barys[k] = s.places[k].bary;
+    count(work, "contact_reduce", edges, [&] {
+        for (std::size_t e = 0; e < edges; ++e) (void)reduce_edge(forces.data(), barys.data(), s.first[e], s.first[e + 1]);
+        return static_cast<double>(n);
+    });
+    ContactParams par = s.par;
+    par.normal_law = SEL_NORMAL_AUGMENTED;
+    std::vector<HardState> hard = s.hard;
+    count(work, "contact_start", n, [&] {
+        for (std::size_t k = 0; k < 2 * n; ++k) hard[k] = hard_start(s.touches_t0[k], 9, s.models[k / 2], par);
+        return static_cast<double>(n);
+    });
+    count(work, "contact_multipliers", n, [&] {
+        for (std::size_t k = 0; k < 2 * n; ++k) {
+            real ratio = 0;
+            (void)hard_next(hard[k], touches[k], s.touches_t0[k], 9, s.models[k / 2], par, &ratio);
+        }
+        return static_cast<double>(n);
+    });
+    par.normal_law = SEL_NORMAL_BARRIER;
+    count(work, "contact_clearance", n, [&] {
+        for (const uint k : s.list)
+            (void)sample_gap(axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data()), s.models[k], par,
+                             s.touches_t0[2 * k], s.touches_t0[2 * k + 1], 9, &cells[k * slots], counts[k], s.nodes.data(),
+                             wall.vertices.data(), wall.rims.data());
+        return cell_pairs;
+    });
+    count(work, "contact_sweep", n, [&] {
+        for (const uint k : s.list) {
+            const SamplePlace& p = s.places[k];
+            (void)sweep_sample(axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data()),
+                               axis_point(p.edge, p.bary, s.hi.data(), s.lo.data()), s.models[k].radius, &cells[k * slots],
+                               counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
+        }
+        return cell_pairs;
+    });
+    std::vector<uint> found(edges * slots), pair_counts(edges);
+    double layer_pairs = 0;
+    count(work, "layer_find", edges, [&] {
+        for (std::size_t e = 0; e < edges; ++e) {
+            real touching;
+            pair_counts[e] = find_pairs(s.layer_edges[e], s.hi.data(), s.lo.data(), s.nodes.data(), wall.vertices.data(), slots,
+                                        &found[e * slots], &touching);
+            layer_pairs += pair_counts[e] = std::min(pair_counts[e], slots);
+        }
+        return layer_pairs;
+    });
+    count(work, "layer_evaluate", static_cast<std::size_t>(std::max(layer_pairs, 1.0)), [&] {
+        for (std::size_t e = 0; e < edges; ++e)
+            for (uint k = 0; k < pair_counts[e]; ++k) {
+                real bary;
+                const LayerPair pair{static_cast<uint>(e), found[e * slots + k], 0, 0};
+                (void)evaluate_pair(0, s.par, pair, s.layer_edges[e], wall.vertices.data(), s.hi.data(), s.lo.data(),
+                                    s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
+                                    touches.data(), &bary);
+            }
+        return layer_pairs;
+    });
+    return work;
+}

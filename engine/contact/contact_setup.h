@@ -1,0 +1,22 @@
+#pragma once
+// What contact is made from: the wires of a world and the wall beside them.
+
+#include "contact/contact_spec.h"
+#include "rod/wire_spec.h"
+#include "wall/wall_model.h"
+
+#include <vector>
+
+namespace seldinger {
+
+struct ContactSetup {
+    std::vector<WireSpec> wires;        // [wires]
+    std::vector<ContactSpec> contacts;  // [wires]; detection, laws and precision are those of the first
+    const WallModel& wall;              // outlives what is made from it
+    bool known_velocities = false;      // steps may take contact at their start (ForceTerm::evaluate_start)
+
+    /// Detection, laws and precision of all.
+    [[nodiscard]] const ContactSpec& method() const { return contacts.front(); }
+};
+
+}  // namespace seldinger

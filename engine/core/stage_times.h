@@ -1,0 +1,23 @@
+#pragma once
+// Where the time of a step goes.
+
+namespace seldinger {
+
+/// Of one step, all systems together [s].
+struct StageTimes {
+    double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0;
+    StageTimes& operator+=(const StageTimes& other)
+    {
+        detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;
+        solve += other.solve, wall += other.wall, adapt += other.adapt;
+        return *this;
+    }
+    StageTimes& operator-=(const StageTimes& other)
+    {
+        detect -= other.detect, evaluate -= other.evaluate, reduce -= other.reduce;
+        solve -= other.solve, wall -= other.wall, adapt -= other.adapt;
+        return *this;
+    }
+};
+
+}  // namespace seldinger

@@ -1,0 +1,124 @@
+#include "io/npz_write.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+
+namespace seldinger {
+namespace {
+
+void put_number(std::string& bytes, std::uint64_t value, int size)
+{
+    for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 0xff);  // little-endian
+}
+
+/// Code points of a UTF-8 text; a byte that is not UTF-8 stands for itself.
+std::vector<std::uint32_t> code_points(const std::string& text)
+{
+    std::vector<std::uint32_t> points;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[i]);
+        const int more = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : lead >= 0xc0 ? 1 : 0;
+        std::uint32_t point = more == 0 ? lead : lead & (0x3f >> more);
+        bool whole = i + more < text.size();
+        for (int k = 1; k <= more && whole; ++k) {
+            const auto next = static_cast<unsigned char>(text[i + k]);
+            whole = (next & 0xc0) == 0x80;
+            point = point << 6 | (next & 0x3f);
+        }
+        points.push_back(whole ? point : lead);
+        i += whole ? more + 1 : 1;
+    }
+    return points;
+}
+
+/// What the local header and the central directory say alike. Time stamp: 1980-01-01, so that the same table has the same bytes.
+std::string common_header(const std::string& name, const std::string& content)
+{
+    std::string header;
+    put_number(header, 20, 2);     // version needed
+    put_number(header, 0x800, 2);  // names are UTF-8
+    put_number(header, 0, 2);      // stored
+    put_number(header, 0, 2);      // time
+    put_number(header, 0x21, 2);   // date
+    put_number(header, crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size())), 4);
+    put_number(header, content.size(), 4);
+    put_number(header, content.size(), 4);
+    put_number(header, name.size(), 2);
+    put_number(header, 0, 2);  // no extra field
+    return header;
+}
+
+}  // namespace
+
+void NpzWriter::add_array(const std::string& name, const std::string& dtype, std::size_t count, std::string_view data)
+{
+    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({},), }}", dtype, count);
+    header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
+    header += '\n';
+    std::string npy("\x93NUMPY\x01\x00", 8);
+    put_number(npy, header.size(), 2);
+    npy += header;
+    npy += data;
+    entries_.push_back({name + ".npy", std::move(npy)});
+}
+
+void NpzWriter::add(const std::string& name, std::span<const double> values)
+{
+    add_array(name, "<f8", values.size(), {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+}
+
+void NpzWriter::add(const std::string& name, std::span<const std::int64_t> values)
+{
+    add_array(name, "<i8", values.size(), {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+}
+
+void NpzWriter::add(const std::string& name, std::span<const std::string> values)
+{
+    std::size_t width = 1;
+    std::vector<std::vector<std::uint32_t>> rows;
+    for (const std::string& text : values) {
+        rows.push_back(code_points(text));
+        width = std::max(width, rows.back().size());
+    }
+    std::string data;
+    for (const auto& row : rows) {
+        for (const std::uint32_t point : row) put_number(data, point, 4);
+        data.append(4 * (width - row.size()), '\0');
+    }
+    add_array(name, fmt::format("<U{}", width), values.size(), data);
+}
+
+std::string NpzWriter::finish() const
+{
+    std::string file, directory;
+    for (const Entry& entry : entries_) {
+        const std::string header = common_header(entry.name, entry.content);
+        directory += std::string("PK\x01\x02", 4);
+        put_number(directory, 20, 2);  // made by
+        directory += header;
+        put_number(directory, 0, 2);  // no comment
+        put_number(directory, 0, 2);  // disk
+        put_number(directory, 0, 2);  // binary
+        put_number(directory, 0, 4);
+        put_number(directory, file.size(), 4);
+        directory += entry.name;
+        file += std::string("PK\x03\x04", 4) + header + entry.name + entry.content;
+    }
+    if (file.size() + directory.size() > 0xffffffffull || entries_.size() > 0xffff)
+        throw Error(ExitCode::BadFile, "results.npz would be larger than 4 GiB; split the sweep");
+    const std::size_t at = file.size();
+    file += directory + std::string("PK\x05\x06", 4);
+    put_number(file, 0, 4);  // one disk
+    put_number(file, entries_.size(), 2);
+    put_number(file, entries_.size(), 2);
+    put_number(file, directory.size(), 4);
+    put_number(file, at, 4);
+    put_number(file, 0, 2);
+    return file;
+}
+
+}  // namespace seldinger

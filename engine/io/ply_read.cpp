@@ -1,0 +1,273 @@
+#include "io/ply_read.h"
+
+#include "core/error.h"
+#include "io/text_words.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+namespace seldinger {
+namespace {
+
+enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
+
+constexpr std::size_t bytes_of[] = {1, 1, 2, 2, 4, 4, 4, 8};
+std::size_t size_of(Scalar type) { return bytes_of[static_cast<int>(type)]; }
+
+std::optional<Scalar> scalar_named(std::string_view word)
+{
+    constexpr std::pair<std::string_view, Scalar> names[] = {
+        {"char", Scalar::Int8},     {"int8", Scalar::Int8},       {"uchar", Scalar::Uint8},    {"uint8", Scalar::Uint8},
+        {"short", Scalar::Int16},   {"int16", Scalar::Int16},     {"ushort", Scalar::Uint16},  {"uint16", Scalar::Uint16},
+        {"int", Scalar::Int32},     {"int32", Scalar::Int32},     {"uint", Scalar::Uint32},    {"uint32", Scalar::Uint32},
+        {"float", Scalar::Float32}, {"float32", Scalar::Float32}, {"double", Scalar::Float64}, {"float64", Scalar::Float64}};
+    for (const auto& [name, type] : names)
+        if (word == name) return type;
+    return std::nullopt;
+}
+
+struct Property {
+    std::string name;
+    Scalar type = Scalar::Float32;
+    std::optional<Scalar> count;  // a list's
+};
+
+struct Element {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<Property> properties;
+};
+
+enum class Encoding { Ascii, Little, Big };
+
+class PlyReader {
+public:
+    PlyReader(const std::string& bytes, const std::string& name) : name_(name), words_(bytes) { read_header(); }
+
+    PolyData read()
+    {
+        PolyData data;
+        for (const Element& element : elements_) {
+            check_room(element);
+            if (element.name == "vertex") read_vertices(element, data);
+            else if (element.name == "face") read_faces(element, data);
+            else skip(element);
+        }
+        for (const std::int64_t index : data.polys.connectivity)
+            if (index < 0 || index >= static_cast<std::int64_t>(data.points.size()))
+                fail(fmt::format("a face names vertex {}, only {} exist: truncated or damaged", index, data.points.size()));
+        return data;
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& message) const
+    {
+        throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
+    }
+
+    Scalar scalar_in(TextWords& words, std::string_view line) const
+    {
+        if (const auto type = scalar_named(words.word())) return *type;
+        fail(fmt::format("PLY header: \"{}\" has no known type", excerpt(line)));
+    }
+
+    void read_header()
+    {
+        if (words_.line() != "ply") fail("does not begin with \"ply\"");
+        bool format = false, end = false;
+        while (!end && !words_.at_end()) {
+            const std::string_view line = words_.line();
+            TextWords words(line);
+            const std::string_view key = words.word();
+            if (key == "format") {
+                read_format(words.word());
+                format = true;
+            } else if (key == "element") {
+                read_element(words, line);
+            } else if (key == "property") {
+                read_property(words, line);
+            } else if (key == "end_header") {
+                end = true;
+            } else if (!key.empty() && key != "comment" && key != "obj_info") {
+                fail(fmt::format("PLY header: \"{}\" is not known", excerpt(line)));
+            }
+        }
+        if (!end) fail("the PLY header has no end_header: truncated");
+        if (!format) fail("the PLY header has no format");
+        body_ = words_.rest();
+        const auto faces = std::find_if(elements_.begin(), elements_.end(), [](const Element& e) { return e.name == "face"; });
+        if (faces == elements_.end() || faces->count == 0) fail("holds no faces");
+    }
+
+    void read_format(std::string_view word)
+    {
+        if (word == "ascii") encoding_ = Encoding::Ascii;
+        else if (word == "binary_little_endian") encoding_ = Encoding::Little;
+        else if (word == "binary_big_endian") encoding_ = Encoding::Big;
+        else fail(fmt::format("PLY header: format \"{}\" is not known", excerpt(word)));
+    }
+
+    void read_element(TextWords& words, std::string_view line)
+    {
+        Element element;
+        element.name = words.word();
+        const std::string_view count = words.word();
+        const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
+        if (error != std::errc{} || end != count.data() + count.size())
+            fail(fmt::format("PLY header: \"{}\" has no count", excerpt(line)));
+        elements_.push_back(std::move(element));
+    }
+
+    void read_property(TextWords& words, std::string_view line)
+    {
+        if (elements_.empty()) fail("PLY header: a property before any element");
+        Property property;
+        TextWords look = words;
+        if (look.word() == "list") {
+            words.word();
+            property.count = scalar_in(words, line);
+        }
+        property.type = scalar_in(words, line);
+        property.name = words.word();
+        elements_.back().properties.push_back(std::move(property));
+    }
+
+    /// The fewest bytes that a value can take.
+    std::size_t least(Scalar type) const { return encoding_ == Encoding::Ascii ? 2 : size_of(type); }  // a digit and a space
+    std::size_t room() const
+    {
+        return encoding_ == Encoding::Ascii ? words_.rest().size() + 1 : body_.size();  // the last digit needs no space
+    }
+
+    void check_room(const Element& element) const
+    {
+        std::size_t each = 0;
+        for (const Property& p : element.properties) each += least(p.count ? *p.count : p.type);
+        if (each > 0 && element.count > room() / each)
+            fail(fmt::format("the header announces {} x {}, more than the file has bytes for: truncated or damaged",
+                             element.count, excerpt(element.name)));
+    }
+
+    double value(Scalar type)
+    {
+        if (encoding_ == Encoding::Ascii) {
+            const std::string_view word = words_.word();
+            if (const auto read = number(word)) return *read;
+            fail(fmt::format("\"{}\" where a number is expected; truncated or damaged", excerpt(word)));
+        }
+        char bytes[8];
+        const std::size_t size = size_of(type);
+        if (body_.size() < size) fail("cut off in its data: truncated");
+        std::memcpy(bytes, body_.data(), size);
+        body_.remove_prefix(size);
+        if ((encoding_ == Encoding::Little) != (std::endian::native == std::endian::little)) std::reverse(bytes, bytes + size);
+        switch (type) {
+            case Scalar::Int8:
+                return as<std::int8_t>(bytes);
+            case Scalar::Uint8:
+                return as<std::uint8_t>(bytes);
+            case Scalar::Int16:
+                return as<std::int16_t>(bytes);
+            case Scalar::Uint16:
+                return as<std::uint16_t>(bytes);
+            case Scalar::Int32:
+                return as<std::int32_t>(bytes);
+            case Scalar::Uint32:
+                return as<std::uint32_t>(bytes);
+            case Scalar::Float32:
+                return as<float>(bytes);
+            case Scalar::Float64:
+                return as<double>(bytes);
+        }
+        return 0;
+    }
+    template <class T>
+    static double as(const char* bytes)
+    {
+        T value;
+        std::memcpy(&value, bytes, sizeof(T));
+        return static_cast<double>(value);
+    }
+
+    std::size_t list_length(const Property& list)
+    {
+        const double n = value(*list.count);
+        if (!(n >= 0) || n != std::floor(n) || n > static_cast<double>(room() / least(list.type)))
+            fail(fmt::format("a list of {} items, more than the file has bytes for: truncated or damaged", n));
+        return static_cast<std::size_t>(n);
+    }
+
+    void skip(const Property& property)
+    {
+        const std::size_t n = property.count ? list_length(property) : 1;
+        for (std::size_t k = 0; k < n; ++k) (void)value(property.type);
+    }
+    void skip(const Element& element)
+    {
+        if (element.properties.empty()) return;
+        for (std::uint64_t i = 0; i < element.count; ++i)
+            for (const Property& property : element.properties) skip(property);
+    }
+
+    void read_vertices(const Element& element, PolyData& data)
+    {
+        int axis_of[3] = {-1, -1, -1};
+        for (std::size_t p = 0; p < element.properties.size(); ++p)
+            for (int d = 0; d < 3; ++d)
+                if (!element.properties[p].count && element.properties[p].name == std::string(1, static_cast<char>('x' + d)))
+                    axis_of[d] = static_cast<int>(p);
+        if (std::min({axis_of[0], axis_of[1], axis_of[2]}) < 0) fail("the vertices have no x, y and z");
+        data.points.reserve(data.points.size() + element.count);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            std::array<double, 3> point{};
+            for (std::size_t p = 0; p < element.properties.size(); ++p) {
+                const auto axis = std::find(axis_of, axis_of + 3, static_cast<int>(p));
+                if (axis == axis_of + 3) skip(element.properties[p]);
+                else point[static_cast<std::size_t>(axis - axis_of)] = value(element.properties[p].type);
+            }
+            data.points.push_back(point);
+        }
+    }
+
+    static bool is_corners(const Property& p) { return p.count && (p.name == "vertex_indices" || p.name == "vertex_index"); }
+
+    void read_faces(const Element& element, PolyData& data)
+    {
+        if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1)
+            fail("the faces have no list vertex_indices");
+        for (std::uint64_t i = 0; i < element.count; ++i)
+            for (const Property& property : element.properties) {
+                if (!is_corners(property)) {
+                    skip(property);
+                    continue;
+                }
+                const std::size_t n = list_length(property);
+                for (std::size_t k = 0; k < n; ++k) data.polys.connectivity.push_back(corner(property.type));
+                data.polys.offsets.push_back(static_cast<std::int64_t>(data.polys.connectivity.size()));
+            }
+    }
+
+    std::int64_t corner(Scalar type)
+    {
+        const double index = value(type);
+        if (!(std::abs(index) <= 4294967295.0) || index != std::floor(index))
+            fail(fmt::format("{} where a face's vertex is expected: truncated or damaged", index));
+        return static_cast<std::int64_t>(index);
+    }
+
+    const std::string& name_;
+    TextWords words_;
+    std::string_view body_;  // of a binary file: what is not read yet
+    std::vector<Element> elements_;
+    Encoding encoding_ = Encoding::Ascii;
+};
+
+}  // namespace
+
+PolyData parse_ply(const std::string& bytes, const std::string& name) { return PlyReader(bytes, name).read(); }
+
+}  // namespace seldinger

@@ -1,0 +1,144 @@
+#include "io/stl_obj_read.h"
+
+#include "core/error.h"
+#include "io/text_words.h"
+
+#include <fmt/format.h>
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace seldinger {
+namespace {
+
+[[noreturn]] void fail(const std::string& name, const std::string& message)
+{
+    throw Error(ExitCode::BadFile, fmt::format("{}: {}", name, message));
+}
+
+double number_in(TextWords& words, const std::string& name, const std::string& where)
+{
+    const std::string_view word = words.word();
+    if (const auto value = number(word)) return *value;
+    fail(name, fmt::format("{}: \"{}\" where a number is expected; truncated or damaged", where, excerpt(word)));
+}
+
+std::array<double, 3> point_in(TextWords& words, const std::string& name, const std::string& where)
+{
+    std::array<double, 3> point;
+    for (double& c : point) c = number_in(words, name, where);
+    return point;
+}
+
+constexpr std::size_t stl_header = 84, stl_record = 50;  // [bytes]
+
+std::uint32_t announced_triangles(const std::string& bytes)
+{
+    std::uint32_t count;
+    std::memcpy(&count, bytes.data() + stl_header - 4, 4);
+    return count;
+}
+
+bool is_binary_stl(const std::string& bytes, const std::string& name)
+{
+    if (bytes.size() >= stl_header &&
+        bytes.size() == stl_header + stl_record * static_cast<std::uint64_t>(announced_triangles(bytes)))
+        return true;
+    const bool text = bytes.compare(0, 5, "solid") == 0 && bytes.find("facet") != std::string::npos;
+    if (text) return false;
+    if (bytes.size() < stl_header) fail(name, fmt::format("{} bytes are too few for an STL file", bytes.size()));
+    fail(name, fmt::format("the header announces {} triangles, the file has room for {}: truncated or damaged",
+                           announced_triangles(bytes), (bytes.size() - stl_header) / stl_record));
+}
+
+void close_polygon(PolyData& data)
+{
+    const auto before = data.polys.offsets.empty() ? 0 : data.polys.offsets.back();
+    const auto end = static_cast<std::int64_t>(data.points.size());
+    for (std::int64_t k = before; k < end; ++k) data.polys.connectivity.push_back(k);
+    data.polys.offsets.push_back(end);
+}
+
+PolyData parse_binary_stl(const std::string& bytes, const std::string& name)
+{
+    static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
+    const std::uint32_t count = announced_triangles(bytes);
+    if (count == 0) fail(name, "holds no triangle");
+    PolyData data;
+    data.points.reserve(3 * static_cast<std::size_t>(count));
+    for (std::uint32_t t = 0; t < count; ++t) {
+        float corners[9];  // behind the normal, which is not needed
+        std::memcpy(corners, bytes.data() + stl_header + stl_record * t + 12, sizeof corners);
+        for (int c = 0; c < 9; c += 3) data.points.push_back({corners[c], corners[c + 1], corners[c + 2]});
+        close_polygon(data);
+    }
+    return data;
+}
+
+PolyData parse_ascii_stl(const std::string& bytes, const std::string& name)
+{
+    if (bytes.find("endsolid") == std::string::npos) fail(name, "ASCII STL without \"endsolid\": truncated");
+    PolyData data;
+    TextWords words(bytes);
+    for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
+        if (same_word(word, "solid") || same_word(word, "endsolid")) words.line();  // a name, of any words
+        else if (same_word(word, "vertex"))
+            data.points.push_back(point_in(words, name, fmt::format("facet {}", data.polys.offsets.size() + 1)));
+        else if (same_word(word, "endloop")) close_polygon(data);
+    }
+    return data;
+}
+
+std::int64_t corner_of_face(std::string_view word, std::size_t vertex_count, const std::string& name)
+{
+    const std::string_view first = word.substr(0, word.find('/'));
+    std::int64_t index = 0;
+    const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), index);
+    if (error != std::errc{} || end != first.data() + first.size() || index == 0)
+        fail(name, fmt::format("\"{}\" where a face's vertex is expected", excerpt(word)));
+    return index > 0 ? index - 1 : static_cast<std::int64_t>(vertex_count) + index;  // negative: counted back from here
+}
+
+/// A line of an OBJ, with those that a backslash at its end goes on with.
+std::string_view obj_line(TextWords& lines, std::string& joined)
+{
+    std::string_view line = lines.line();
+    if (!line.ends_with('\\')) return line;
+    joined.clear();
+    while (line.ends_with('\\') && !lines.at_end()) {
+        joined.append(line.substr(0, line.size() - 1)).push_back(' ');
+        line = lines.line();
+    }
+    joined.append(line);
+    return joined;
+}
+
+}  // namespace
+
+PolyData parse_stl(const std::string& bytes, const std::string& name)
+{
+    return is_binary_stl(bytes, name) ? parse_binary_stl(bytes, name) : parse_ascii_stl(bytes, name);
+}
+
+PolyData parse_obj(const std::string& bytes, const std::string& name)
+{
+    PolyData data;
+    std::string joined;
+    for (TextWords lines(bytes); !lines.at_end();) {
+        TextWords words(obj_line(lines, joined));
+        const std::string_view key = words.word();
+        if (key == "v") {
+            data.points.push_back(point_in(words, name, fmt::format("vertex {}", data.points.size() + 1)));
+        } else if (key == "f") {
+            for (std::string_view word = words.word(); !word.empty(); word = words.word())
+                data.polys.connectivity.push_back(corner_of_face(word, data.points.size(), name));
+            data.polys.offsets.push_back(static_cast<std::int64_t>(data.polys.connectivity.size()));
+        }
+    }
+    for (const std::int64_t index : data.polys.connectivity)  // a face may come before its vertices
+        if (index < 0 || index >= static_cast<std::int64_t>(data.points.size()))
+            fail(name, fmt::format("a face names vertex {}, only {} exist: truncated or damaged", index + 1, data.points.size()));
+    return data;
+}
+
+}  // namespace seldinger

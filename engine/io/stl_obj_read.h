@@ -1,0 +1,18 @@
+#pragma once
+// Reads STL (binary, ASCII) and OBJ. Coordinates written as text arrive as the nearest double: rounded to float32 first, as most
+// mesh libraries have them, a vessel a metre or more from its origin is off by what a wire's weight sinks into its wall.
+
+#include "io/vtp_read.h"
+
+namespace seldinger {
+
+/// One point per corner, in the order of the file. Binary STL holds float32 and no more.
+/// @param name  of the file, for messages     @throws Error BadFile: a count that does not fit, cut short, no number where one is
+/// due
+[[nodiscard]] PolyData parse_stl(const std::string& bytes, const std::string& name);
+
+/// Vertices and faces; everything else in the file (normals, texture, groups, materials, lines) is left out.
+/// @throws Error BadFile: a face names a vertex that is not there, no number where one is due
+[[nodiscard]] PolyData parse_obj(const std::string& bytes, const std::string& name);
+
+}  // namespace seldinger

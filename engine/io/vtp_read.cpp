@@ -1,0 +1,301 @@
+#include "io/vtp_read.h"
+
+#include "core/error.h"
+
+#include <zlib.h>
+#include <pugixml.hpp>
+
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+static_assert(std::endian::native == std::endian::little, "binary arrays are copied as they lie in the file");
+
+namespace seldinger {
+namespace {
+
+/// What all arrays of one file share.
+struct FileFacts {
+    std::string name;
+    std::size_t header_bytes = 4;  // width of the lengths before a block
+    bool compressed = false;
+    bool appended_base64 = false;
+    std::string_view appended;  // after the '_'
+};
+
+[[noreturn]] void fail(const FileFacts& file, const std::string& what)
+{
+    throw Error(ExitCode::BadFile, file.name + ": " + what);
+}
+
+/// Decodes base64 from the front of `text` until `wanted` bytes are there or the text ends; spaces are skipped. '=' ends one
+/// encoded run and another may follow. @param used  characters taken
+std::string decode_base64(std::string_view text, std::size_t wanted, std::size_t& used)
+{
+    const auto value = [](char c) {
+        if (c >= 'A' && c <= 'Z') return c - 'A';
+        if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+        if (c >= '0' && c <= '9') return c - '0' + 52;
+        return c == '+' ? 62 : c == '/' ? 63 : -1;
+    };
+    std::string bytes;
+    std::uint32_t bits = 0;
+    int letters = 0, padding = 0;
+    for (used = 0; used < text.size() && bytes.size() < wanted; ++used) {
+        const int v = value(text[used]);
+        if (v < 0 && text[used] != '=') continue;
+        bits = (bits << 6) | static_cast<std::uint32_t>(v < 0 ? 0 : v);
+        padding += v < 0;
+        if (++letters < 4) continue;
+        for (int k = 0; k < 3 - padding; ++k) bytes.push_back(static_cast<char>((bits >> (16 - 8 * k)) & 0xffu));
+        bits = 0, letters = 0, padding = 0;
+    }
+    return bytes;
+}
+
+/// A run of bytes that is either raw or base64 text.
+class ByteSource {
+public:
+    ByteSource(const FileFacts& file, std::string_view bytes, bool base64) : file_(file), bytes_(bytes), base64_(base64) {}
+
+    /// The next `count` bytes. Base64 comes in groups of three bytes: what the last group held beyond `count` is kept for the
+    /// next call, so lengths and data may be encoded together or one after the other.
+    std::string take(std::size_t count)
+    {
+        std::string out = surplus_.substr(0, count);
+        surplus_.erase(0, out.size());
+        std::size_t used = count - out.size();
+        if (base64_ && used > 0) {
+            out += decode_base64(bytes_, count - out.size(), used);
+        } else {
+            out += bytes_.substr(0, used);
+        }
+        if (out.size() < count) fail(file_, "an array is cut short");
+        bytes_.remove_prefix(std::min(used, bytes_.size()));
+        surplus_ += out.substr(count);
+        out.resize(count);
+        return out;
+    }
+
+private:
+    const FileFacts& file_;
+    std::string_view bytes_;
+    bool base64_;
+    std::string surplus_;
+};
+
+std::uint64_t read_length(const std::string& bytes, std::size_t index, std::size_t width)
+{
+    std::uint64_t length = 0;
+    std::memcpy(&length, bytes.data() + index * width, width);
+    return length;
+}
+
+/// [blocks][block size][last block's size, 0: full][compressed size of each], then the blocks.
+std::string take_compressed(const FileFacts& file, ByteSource& source)
+{
+    constexpr std::uint64_t most_blocks = 1u << 26;
+    const std::size_t width = file.header_bytes;
+    std::string head = source.take(3 * width);
+    const std::uint64_t blocks = read_length(head, 0, width), full = read_length(head, 1, width),
+                        last = read_length(head, 2, width);
+    if (blocks == 0) return {};
+    if (blocks > most_blocks || full > (1ull << 32)) fail(file, "a compressed array has an impossible size");
+    const std::string sizes = source.take(blocks * width);
+    std::string out;
+    for (std::uint64_t i = 0; i < blocks; ++i) {
+        const std::string packed = source.take(read_length(sizes, i, width));
+        uLongf size = static_cast<uLongf>(i + 1 == blocks && last ? last : full);
+        // zlib unpacks at most 1032-fold: a larger promise is a damaged length, and would ask for absurd memory
+        if (size > 1032 * packed.size() + 64) fail(file, "a compressed array has an impossible size");
+        const std::size_t start = out.size();
+        out.resize(start + size);
+        if (uncompress(reinterpret_cast<Bytef*>(out.data() + start), &size, reinterpret_cast<const Bytef*>(packed.data()),
+                       static_cast<uLong>(packed.size())) != Z_OK) {
+            fail(file, "a compressed array does not unpack");
+        }
+        out.resize(start + size);
+    }
+    return out;
+}
+
+std::string take_block(const FileFacts& file, std::string_view bytes, bool base64)
+{
+    ByteSource source(file, bytes, base64);
+    if (file.compressed) return take_compressed(file, source);
+    const std::uint64_t count = read_length(source.take(file.header_bytes), 0, file.header_bytes);
+    if (count > bytes.size()) fail(file, "an array is longer than the file");
+    return source.take(count);
+}
+
+template <typename Stored, typename Wanted>
+void convert(const std::string& bytes, std::vector<Wanted>& values)
+{
+    const std::size_t count = bytes.size() / sizeof(Stored);
+    values.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        Stored v;
+        std::memcpy(&v, bytes.data() + i * sizeof(Stored), sizeof(Stored));
+        values[i] = static_cast<Wanted>(v);
+    }
+}
+
+template <typename Wanted>
+void convert_named(const FileFacts& file, const std::string& type, const std::string& bytes, std::vector<Wanted>& values)
+{
+    if (type == "Float64") return convert<double>(bytes, values);
+    if (type == "Float32") return convert<float>(bytes, values);
+    if (type == "Int64") return convert<std::int64_t>(bytes, values);
+    if (type == "UInt64") return convert<std::uint64_t>(bytes, values);
+    if (type == "Int32") return convert<std::int32_t>(bytes, values);
+    if (type == "UInt32") return convert<std::uint32_t>(bytes, values);
+    if (type == "Int16") return convert<std::int16_t>(bytes, values);
+    if (type == "UInt16") return convert<std::uint16_t>(bytes, values);
+    if (type == "Int8") return convert<std::int8_t>(bytes, values);
+    if (type == "UInt8") return convert<std::uint8_t>(bytes, values);
+    fail(file, "array of type \"" + type + "\" cannot be read");
+}
+
+template <typename Wanted>
+void parse_ascii(const FileFacts& file, std::string_view text, std::vector<Wanted>& values)
+{
+    const char *at = text.data(), *end = text.data() + text.size();
+    while (true) {
+        while (at != end && (*at == ' ' || *at == '\n' || *at == '\t' || *at == '\r')) ++at;
+        if (at == end) return;
+        Wanted v{};
+        const auto [after, problem] = std::from_chars(at, end, v);
+        if (problem != std::errc() || after == at)
+            fail(file, "\"" + std::string(at, std::min<std::ptrdiff_t>(16, end - at)) + "\" is not a number");
+        values.push_back(v);
+        at = after;
+    }
+}
+
+template <typename Wanted>
+std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& array)
+{
+    std::vector<Wanted> values;
+    const std::string format = array.attribute("format").as_string("ascii"), type = array.attribute("type").as_string();
+    const std::string_view text = array.text().get();
+    if (type == "String") return values;
+    if (format == "ascii") {
+        parse_ascii(file, text, values);
+    } else if (format == "binary") {
+        convert_named(file, type, take_block(file, text, true), values);
+    } else if (format == "appended") {
+        const auto offset = array.attribute("offset").as_ullong();
+        if (offset >= file.appended.size()) fail(file, "an array lies beyond the end of the file");
+        convert_named(file, type, take_block(file, file.appended.substr(offset), file.appended_base64), values);
+    } else {
+        fail(file, "array format \"" + format + "\" cannot be read");
+    }
+    return values;
+}
+
+void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<std::string, PolyArray>& arrays)
+{
+    for (const pugi::xml_node& node : parent.children("DataArray")) {
+        PolyArray& array = arrays[node.attribute("Name").as_string()];
+        array.components = std::max(1, node.attribute("NumberOfComponents").as_int(1));
+        const std::vector<double> values = read_values<double>(file, node);
+        array.values.insert(array.values.end(), values.begin(), values.end());
+    }
+}
+
+void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* kind, std::int64_t first_point,
+                std::int64_t points, PolyCells& cells)
+{
+    const auto shift = static_cast<std::int64_t>(cells.connectivity.size());
+    const std::size_t cells_before = cells.offsets.size();
+    for (const pugi::xml_node& node : piece.child(kind).children("DataArray")) {
+        const std::string name = node.attribute("Name").as_string();
+        if (name != "connectivity" && name != "offsets") continue;
+        for (std::int64_t v : read_values<std::int64_t>(file, node)) {
+            if (name == "connectivity" && (v < 0 || v >= points))
+                fail(file, std::string(kind) + " name a point that is not there");
+            (name == "connectivity" ? cells.connectivity : cells.offsets)
+                .push_back(v + (name == "connectivity" ? first_point : shift));
+        }
+    }
+    std::int64_t before = 0;
+    for (std::int64_t offset : cells.offsets) {
+        if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size()))
+            fail(file, std::string(kind) + " are damaged");
+        before = offset;
+    }
+    if (before != static_cast<std::int64_t>(cells.connectivity.size()))
+        fail(file, std::string(kind) + " are damaged: offsets end at " + std::to_string(before) + ", " +
+                       std::to_string(cells.connectivity.size()) + " indices are there");
+    const pugi::xml_attribute announced = piece.attribute((std::string("NumberOf") + kind).c_str());
+    if (announced && announced.as_ullong() != cells.offsets.size() - cells_before)
+        fail(file, "NumberOf" + std::string(kind) + " is " + announced.value() + ", but " +
+                       std::to_string(cells.offsets.size() - cells_before) + " are there");
+}
+
+void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyData& data)
+{
+    const auto first_point = static_cast<std::int64_t>(data.points.size());
+    const std::vector<double> xyz = read_values<double>(file, piece.child("Points").child("DataArray"));
+    const auto count = static_cast<std::size_t>(piece.attribute("NumberOfPoints").as_ullong());
+    if (xyz.size() != 3 * count)
+        fail(file, "holds " + std::to_string(xyz.size()) + " coordinates, expected 3 x " + std::to_string(count));
+    for (std::size_t i = 0; i < count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
+    const auto points = static_cast<std::int64_t>(count);
+    read_cells(file, piece, "Verts", first_point, points, data.verts);
+    read_cells(file, piece, "Lines", first_point, points, data.lines);
+    read_cells(file, piece, "Strips", first_point, points, data.strips);
+    read_cells(file, piece, "Polys", first_point, points, data.polys);
+    read_named(file, piece.child("PointData"), data.point_data);
+    read_named(file, piece.child("CellData"), data.cell_data);
+}
+
+}  // namespace
+
+PolyData parse_poly_data(const std::string& bytes, const std::string& name)
+{
+    FileFacts file;
+    file.name = name;
+    // raw appended bytes are not XML: cut them off before parsing, and close the element they were in
+    std::string xml = bytes;
+    const std::size_t tail = bytes.find("<AppendedData");
+    if (tail != std::string::npos) {
+        const std::size_t opened = bytes.find('>', tail), start = bytes.find('_', opened);
+        if (start == std::string::npos) fail(file, "its appended data have no beginning");
+        file.appended = std::string_view(bytes).substr(start + 1);
+        file.appended_base64 = bytes.substr(tail, opened - tail).find("base64") != std::string::npos;
+        xml = bytes.substr(0, tail) + "</VTKFile>";
+    }
+    pugi::xml_document document;
+    const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
+    const pugi::xml_node root = document.child("VTKFile");
+    if (!parsed || !root) fail(file, std::string("not a VTK XML file (") + parsed.description() + ")");
+    if (root.attribute("type").as_string() != std::string("PolyData")) fail(file, "not PolyData");
+    if (root.attribute("byte_order").as_string("LittleEndian") != std::string("LittleEndian"))
+        fail(file, "big-endian, which is not read");
+    file.header_bytes = root.attribute("header_type").as_string() == std::string("UInt64") ? 8 : 4;
+    const std::string compressor = root.attribute("compressor").as_string();
+    file.compressed = !compressor.empty();
+    if (file.compressed && compressor != "vtkZLibDataCompressor")
+        fail(file, "compressed by " + compressor + ", only zlib is read");
+
+    PolyData data;
+    const pugi::xml_node poly = root.child("PolyData");
+    read_named(file, poly.child("FieldData"), data.field_data);
+    for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, data);
+    return data;
+}
+
+PolyData read_poly_data(const std::filesystem::path& path)
+{
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) throw Error(ExitCode::BadFile, path.string() + ": cannot be opened");
+    std::ostringstream bytes;
+    bytes << stream.rdbuf();
+    return parse_poly_data(bytes.str(), path.string());
+}
+
+}  // namespace seldinger

@@ -1,0 +1,319 @@
+#include "math/band_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+// A node's four unknowns are one SIMD vector: all loads and stores are whole aligned blocks, so that a store is always
+// forwarded whole to the next step's load. (A column-by-column factorisation shifts its window by one entry each time,
+// which defeats store forwarding.)
+
+namespace seldinger {
+
+namespace {
+
+typedef double Vec4d __attribute__((vector_size(32), may_alias));
+
+inline Vec4d& block(double* p) { return *reinterpret_cast<Vec4d*>(p); }
+inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4d*>(p); }
+
+/// From anywhere. (Not returned: without AVX there is no register for it, and g++ warns.)
+inline void read_block(const double* p, Vec4d& to) { std::memcpy(&to, p, sizeof to); }
+
+inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
+
+/// Rows become columns.
+inline void transpose(Vec4d (&m)[4])
+{
+    typedef long Lanes __attribute__((vector_size(32)));
+    const Vec4d a = __builtin_shuffle(m[0], m[1], Lanes{0, 4, 2, 6}), b = __builtin_shuffle(m[0], m[1], Lanes{1, 5, 3, 7});
+    const Vec4d c = __builtin_shuffle(m[2], m[3], Lanes{0, 4, 2, 6}), d = __builtin_shuffle(m[2], m[3], Lanes{1, 5, 3, 7});
+    m[0] = __builtin_shuffle(a, c, Lanes{0, 1, 4, 5});
+    m[1] = __builtin_shuffle(b, d, Lanes{0, 1, 4, 5});
+    m[2] = __builtin_shuffle(a, c, Lanes{2, 3, 6, 7});
+    m[3] = __builtin_shuffle(b, d, Lanes{2, 3, 6, 7});
+}
+
+}  // namespace
+
+BandMatrix::Storage::Storage(int max_size)
+    : rows(static_cast<std::size_t>(max_size) * stride + 4),  // whole vectors may be read at the last row's end
+      factor(max_size / node_size + 2)
+{
+}
+
+BandMatrix::BandMatrix(int max_size) : own_(max_size)
+{
+    SEL_ASSERT(max_size % node_size == 0);
+    scratch_.resize(max_size + 2 * node_size + 4);  // 4 more to align it
+    use_rows(nullptr);
+    use_factor(nullptr);
+}
+
+void BandMatrix::reset(int size)
+{
+    SEL_ASSERT(size % node_size == 0 && static_cast<std::size_t>(size) * stride <= own_.rows.size());
+    size_ = size;
+    std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
+}
+
+void BandMatrix::fix(int i)
+{
+    std::fill_n(row(i), row_width, 0.0);
+    const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
+    for (int j = first; j <= last; ++j) row(j)[i - j + half_bandwidth] = 0.0;
+    row(i)[half_bandwidth] = 1.0;
+}
+
+void BandMatrix::scale(double factor)
+{
+    for (int k = 0; k < size_ * stride; ++k) rows_[k] *= factor;
+}
+
+void BandMatrix::add_scaled(const BandMatrix& other, double factor)
+{
+    SEL_ASSERT(other.size_ == size_);
+    for (int k = 0; k < size_ * stride; ++k) rows_[k] += factor * other.rows_[k];
+}
+
+void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
+{
+    for (int i = 0; i < size_; ++i) {
+        const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
+        double sum = 0;
+        for (int j = first; j <= last; ++j) sum += at(i, j) * x[j];
+        y[i] = sum;
+    }
+}
+
+void BandMatrix::add_column(int j, double x_j, std::span<double> y) const
+{
+    const int first = std::max(0, j - half_bandwidth), last = std::min(size_ - 1, j + half_bandwidth);
+    for (int i = first; i <= last; ++i) y[i] += at(i, j) * x_j;
+}
+
+double BandMatrix::row_scale(int i) const
+{
+    double most[4] = {};  // side by side, which becomes vectors
+    const double* entries = row(i);
+    for (int c = 0; c < stride; c += 4)  // what lies beyond row_width is 0
+        for (int l = 0; l < 4; ++l) {
+            const double size = std::abs(entries[c + l]);
+            most[l] = most[l] < size ? size : most[l];
+        }
+    const double scale = std::max(std::max(most[0], most[2]), std::max(most[1], most[3]));
+    return scale > 0 ? scale : 1.0;
+}
+
+// Row p of a node holds columns 4b .. 4b+11 contiguously from offset 10 - p; the padding of the row supplies the zero that
+// row 0 needs at column 4b+11.
+void BandMatrix::load_upper()
+{
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b)
+        for (int p = 0; p < 4; ++p) std::memcpy(factor_[b].upper[p], row(4 * b + p) + half_bandwidth - p, 12 * sizeof(double));
+    for (int b = nodes; b < nodes + 2; ++b) std::memset(&factor_[b], 0, sizeof(NodeFactor));
+}
+
+// Row t of the next two nodes has this node's columns at offset 6 - t; its last entry there is one before the row's first where
+// t = 7, and no entry of the matrix.
+void BandMatrix::load_lower()
+{
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b)
+        for (int half = 0; half < 2; ++half) {
+            Vec4d block_of[4] = {};
+            for (int t = 0; t < 4 && b + 1 + half < nodes; ++t)
+                read_block(row(4 * (b + 1 + half) + t) + 6 - 4 * half - t, block_of[t]);
+            if (half == 1) block_of[3][0] = 0.0;
+            transpose(block_of);
+            for (int p = 0; p < 4; ++p) block(factor_[b].lower[p] + 4 * half) = block_of[p];
+        }
+}
+
+template <int active>
+int BandMatrix::factor_ldlt_of()
+{
+    load_upper();
+    const int nodes = size_ / node_size;
+    for (int i = 0; i < size_; ++i) {
+        const double diagonal = std::abs(at(i, i));
+        factor_[i / 4].inverse_diagonal[i % 4] = i % 4 < active ? 1.0 / (diagonal > 0 ? diagonal : row_scale(i)) : 0.0;
+        factor_[i / 4].inverse_pivot[i % 4] = 0.0;
+    }
+    int raised = 0;
+    for (int b = 0; b < nodes; ++b) {
+        NodeFactor &f = factor_[b], &f1 = factor_[b + 1], &f2 = factor_[b + 2];
+        Vec4d near[4], far[4];  // rows of the following two nodes' columns, scaled by the pivot
+        for (int p = 0; p < active; ++p) {
+            double pivot = f.upper[p][p];
+            for (int c = 0; c <= p; ++c) f.upper[p][c] = 0.0;  // so that the solve can use whole blocks
+            const Vec4d own = block(f.upper[p]), row1 = block(f.upper[p] + 4), row2 = block(f.upper[p] + 8);
+            const Vec4d bound = own * own * block(f.inverse_diagonal) + row1 * row1 * block(f1.inverse_diagonal) +
+                                row2 * row2 * block(f2.inverse_diagonal);
+            // the sum of three squares is at most three times the largest
+            const double needed = largest(bound) / 3;
+            if (!(pivot * f.inverse_diagonal[p] > pivot_floor && pivot > 0.5 * needed)) {  // not-a-number too
+                pivot = std::max(1.0 / f.inverse_diagonal[p], needed);
+                ++raised;
+            }
+            const double inverse = 1.0 / pivot;
+            f.inverse_pivot[p] = inverse;
+            for (int q = p + 1; q < active; ++q) {
+                const double multiplier = f.upper[p][q] * inverse;
+                block(f.upper[q]) -= multiplier * own;
+                block(f.upper[q] + 4) -= multiplier * row1;
+                block(f.upper[q] + 8) -= multiplier * row2;
+            }
+            near[p] = row1 * inverse;
+            far[p] = row2 * inverse;
+        }
+        for (int t = 0; t < active; ++t) {
+            Vec4d a = block(f1.upper[t]), c = block(f1.upper[t] + 4), d = block(f2.upper[t]);
+            for (int p = 0; p < active; ++p) {
+                a -= near[p][t] * block(f.upper[p] + 4);
+                c -= near[p][t] * block(f.upper[p] + 8);
+                d -= far[p][t] * block(f.upper[p] + 8);
+            }
+            block(f1.upper[t]) = a;
+            block(f1.upper[t] + 4) = c;
+            block(f2.upper[t]) = d;
+        }
+    }
+    return raised;
+}
+
+namespace {
+
+double* aligned(std::vector<double>& scratch)
+{
+    auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
+    return reinterpret_cast<double*>((address + 31) & ~std::uintptr_t{31});
+}
+
+inline double sum(const Vec4d& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+
+}  // namespace
+
+template <int active>
+void BandMatrix::solve_ldlt_of(std::span<double> rhs_to_x)
+{
+    SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
+    const int nodes = size_ / node_size;
+    double* x = aligned(scratch_);
+    std::copy_n(rhs_to_x.begin(), size_, x);
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = 0; b < nodes; ++b) {
+        const NodeFactor& f = factor_[b];
+        Vec4d own = block(x + 4 * b), near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
+        for (int p = 0; p < active; ++p) {
+            const double z = own[p] * f.inverse_pivot[p];
+            own -= z * block(f.upper[p]);
+            near -= z * block(f.upper[p] + 4);
+            far -= z * block(f.upper[p] + 8);
+        }
+        block(x + 4 * b) = own * block(f.inverse_pivot);
+        block(x + 4 * b + 4) = near;
+        block(x + 4 * b + 8) = far;
+    }
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = nodes - 1; b >= 0; --b) {
+        const NodeFactor& f = factor_[b];
+        double own[4] = {}, from_others[4];
+        const Vec4d near = block(x + 4 * b + 4), far = block(x + 4 * b + 8);
+        for (int p = 0; p < active; ++p) from_others[p] = sum(block(f.upper[p] + 4) * near + block(f.upper[p] + 8) * far);
+        for (int p = active - 1; p >= 0; --p) {
+            double inner = from_others[p];
+            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
+            own[p] = x[4 * b + p] - f.inverse_pivot[p] * inner;
+        }
+        std::memcpy(x + 4 * b, own, sizeof own);
+    }
+    std::copy_n(x, size_, rhs_to_x.begin());
+}
+
+template <int active>
+bool BandMatrix::factor_lu_of()
+{
+    load_upper();
+    load_lower();
+    negative_pivots_ = 0;
+    const int nodes = size_ / node_size;
+    for (int b = 0; b < nodes; ++b) {
+        NodeFactor& f = factor_[b];
+        for (int p = 0; p < active; ++p) {
+            const double pivot = f.upper[p][p];
+            if (!(std::abs(pivot) > pivot_floor * row_scale(4 * b + p))) return false;
+            negative_pivots_ += pivot < 0;
+            const double inverse = 1.0 / pivot;
+            f.inverse_pivot[p] = inverse;
+            Vec4d own = block(f.upper[p]);
+            for (int c = 0; c <= p; ++c) own[c] = 0.0;  // multipliers and the pivot itself
+            for (int q = p + 1; q < active; ++q) {
+                const double multiplier = f.upper[q][p] * inverse;
+                block(f.upper[q]) -= multiplier * own;
+                block(f.upper[q] + 4) -= multiplier * block(f.upper[p] + 4);
+                block(f.upper[q] + 8) -= multiplier * block(f.upper[p] + 8);
+                f.upper[q][p] = multiplier;
+            }
+            block(f.lower[p]) *= inverse;
+            block(f.lower[p] + 4) *= inverse;
+            for (int q = p + 1; q < active; ++q) {
+                block(f.lower[q]) -= f.upper[p][q] * block(f.lower[p]);
+                block(f.lower[q] + 4) -= f.upper[p][q] * block(f.lower[p] + 4);
+            }
+        }
+        NodeFactor &f1 = factor_[b + 1], &f2 = factor_[b + 2];
+        for (int t = 0; t < active; ++t)
+            for (int p = 0; p < active; ++p) {
+                block(f1.upper[t]) -= f.lower[p][t] * block(f.upper[p] + 4);
+                block(f1.upper[t] + 4) -= f.lower[p][t] * block(f.upper[p] + 8);
+                block(f1.lower[t]) -= f.upper[p][4 + t] * block(f.lower[p] + 4);
+                block(f2.upper[t]) -= f.lower[p][4 + t] * block(f.upper[p] + 8);
+            }
+    }
+    return true;
+}
+
+template <int active>
+void BandMatrix::solve_lu_of(std::span<double> rhs_to_x)
+{
+    SEL_ASSERT(static_cast<int>(rhs_to_x.size()) >= size_);
+    const int nodes = size_ / node_size;
+    double* x = aligned(scratch_);
+    std::copy_n(rhs_to_x.begin(), size_, x);
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = 0; b < nodes; ++b) {
+        const NodeFactor& f = factor_[b];
+        double* own = x + 4 * b;
+        for (int p = 0; p < active; ++p) {
+            for (int q = p + 1; q < active; ++q) own[q] -= f.upper[q][p] * own[p];
+            block(own + 4) -= own[p] * block(f.lower[p]);
+            block(own + 8) -= own[p] * block(f.lower[p] + 4);
+        }
+    }
+    std::fill_n(x + size_, 8, 0.0);
+    for (int b = nodes - 1; b >= 0; --b) {
+        const NodeFactor& f = factor_[b];
+        double* own = x + 4 * b;
+        for (int p = active; p < 4; ++p) own[p] = 0.0;
+        for (int p = active - 1; p >= 0; --p) {
+            double inner = sum(block(f.upper[p] + 4) * block(own + 4) + block(f.upper[p] + 8) * block(own + 8));
+            for (int c = p + 1; c < active; ++c) inner += f.upper[p][c] * own[c];
+            own[p] = (own[p] - inner) * f.inverse_pivot[p];
+        }
+    }
+    std::copy_n(x, size_, rhs_to_x.begin());
+}
+
+template int BandMatrix::factor_ldlt_of<3>();
+template int BandMatrix::factor_ldlt_of<4>();
+template void BandMatrix::solve_ldlt_of<3>(std::span<double>);
+template void BandMatrix::solve_ldlt_of<4>(std::span<double>);
+template bool BandMatrix::factor_lu_of<3>();
+template bool BandMatrix::factor_lu_of<4>();
+template void BandMatrix::solve_lu_of<3>(std::span<double>);
+template void BandMatrix::solve_lu_of<4>(std::span<double>);
+
+}  // namespace seldinger

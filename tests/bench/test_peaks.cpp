@@ -1,0 +1,75 @@
+// What `seldinger bench` divides by: the measured roofs, and the work it counts.
+
+#include "roofline/kernel_bench.h"
+#include "roofline/peaks.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+using namespace seldinger;
+
+TEST_SUITE("device/peaks")
+{
+    TEST_CASE("property: vectors are no slower than one number at a time, cache no slower than a chain of launches")
+    {
+        device::Context context;
+        const device::Peaks peaks = device::measure_peaks(context, device::Lane::Light, 1, 3);
+        CHECK(peaks.flops_float >= peaks.scalar_float);
+        CHECK(peaks.flops_double >= peaks.scalar_double);
+        CHECK(peaks.scalar_double > 0);
+        CHECK(peaks.bandwidth > 0);
+        CHECK(peaks.launch > 0);
+        CHECK(peaks.lane == "light");
+        device::Context single(-1, true);
+        CHECK(device::measure_peaks(single, device::Lane::Heavy, 1, 3).flops_double == 0);
+    }
+
+    TEST_CASE("property: median_time gives the middle of its timings, and repeats a short call until it lasts long enough")
+    {
+        long calls = 0;
+        const auto start = std::chrono::steady_clock::now();
+        const double time = device::median_time([&] { ++calls; }, 3, 1e-4);
+        const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        CHECK(time > 0);
+        // each of the three lasted 0.1 ms, or was a million calls; on a machine that stands still for so long one call is enough
+        CHECK((all >= 3 * 1e-4 || calls >= 3 * 1000000));
+        CHECK(calls >= 3);
+    }
+
+    // The load is a tube of 30,000 triangles; edges of its triangles are some 1.2 mm long, the wire's sample looks 0.67 mm round
+    // its axis, 0.44 mm above the wall: a disc of 0.5 mm round its foot.
+    TEST_CASE("property: the counted work is that of the load")
+    {
+        device::Context context;
+        const auto wall = kernel_bench::make_bench_wall(context);
+        CHECK(wall.triangles > 28000);
+        CHECK(wall.triangles < 32000);
+        const auto work = kernel_bench::count_work(wall, 300);
+        std::set<std::string> names;
+        for (const auto& w : work) {
+            CAPTURE(w.kernel);
+            names.insert(w.kernel);
+            CHECK(w.flops > 0);
+            CHECK(w.pairs > 0);
+        }
+        CHECK(names.size() == 10);
+        const auto of = [&](const char* kernel) {
+            return *std::find_if(work.begin(), work.end(), [&](const auto& w) { return w.kernel == kernel; });
+        };
+        // every sample has cells, here leaves: looked at twice (six floats), for the nearest and for the blend, and a triangle
+        // (nine) at least twice
+        CHECK(of("contact_evaluate").pairs > 1);
+        CHECK(of("contact_evaluate").pairs < 24);
+        CHECK(of("contact_evaluate").pairs == of("contact_find").pairs);
+        CHECK(of("contact_evaluate").floats > 2 * 6 * of("contact_evaluate").pairs + 2 * 9);
+        // a closest point on a triangle is 40 to 120 operations, a box some 12
+        CHECK(of("contact_find").flops > 40 + 8 * of("contact_find").pairs);
+        CHECK(of("contact_reduce").pairs == doctest::Approx(5));  // samples on an edge
+        // twice as many wires: the same work an item, but for where they lie
+        const auto more = kernel_bench::count_work(wall, 3000);
+        CHECK(more[2].flops == doctest::Approx(of("contact_evaluate").flops).epsilon(0.5));
+    }
+}
