@@ -25,8 +25,8 @@ struct BenchResults {
     std::vector<Skipped> skipped;
 };
 
-/// Rate over what the roofs allow at this intensity: min(peak multiply-adds of the precision, cached bandwidth x flop/byte).
-[[nodiscard]] double share_of_roof(const kernel_bench::KernelTiming& timing, const std::vector<device::Peaks>& peaks);
+/// Rate over what the roofline allows at this intensity: min(peak multiply-adds of the precision, cached bandwidth x flop/byte).
+[[nodiscard]] double share_of_peak(const kernel_bench::KernelTiming& timing, const std::vector<device::Peaks>& peaks);
 
 /// The three tables. @throws Error BadFile
 void write_bench(const BenchResults& results, const std::filesystem::path& dir);

@@ -50,7 +50,7 @@ ExitCode plan_scene(Options& options)
     const PlanFiles files = plan_files(options.plan);
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
         throw Error(ExitCode::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
-    what.pilots = options.plan.parent_path() / (options.plan.stem().string() + ".pilots");
+    what.trials = options.plan.parent_path() / (options.plan.stem().string() + ".pilots");
     what.stop = [] { return stop_asked_for() != 0; };
     const bool shows = !options.quiet && isatty(STDERR_FILENO) != 0;
     if (shows) what.progress = [](const std::string& doing) { fmt::print(stderr, "\r\033[K{}", doing); };
@@ -60,7 +60,7 @@ ExitCode plan_scene(Options& options)
     if (plan.status == PlanStatus::Interrupted)
         throw Error(exit_code(plan),
                     fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on",
-                                what.pilots.string()));
+                                what.trials.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
     else if (!options.quiet) print(plan_report(plan, what.goals, files));
@@ -87,7 +87,7 @@ void add_plan(CLI::App& app, Command& chosen)
     command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
         ->check(CLI::PositiveNumber)
         ->type_name("S");
-    command->add_option("-o", options->plan, "scene file to write (default: planned.toml); pilots are kept beside it")
+    command->add_option("-o", options->plan, "scene file to write (default: planned.toml); trials are kept beside it")
         ->type_name("FILE");
     command->add_option("--device", options->what.device, "OpenCL device, as `seldinger devices` lists them")
         ->check(CLI::NonNegativeNumber)

@@ -202,7 +202,7 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
         if (plan.fast) describe("fast", *plan.fast, files.fast);
     }
     text += fmt::format("reference  {}\n", reference_text(plan));
-    text += fmt::format("pilots     {}, {:.1f} s\n", plan.pilots, plan.spent);
+    text += fmt::format("trial runs {}, {:.1f} s\n", plan.trials, plan.spent);
     for (const std::string& note : plan.notes) text += fmt::format("note       {}\n", note);
     return text;
 }
@@ -240,7 +240,7 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     }
     json["touches"] = plan.touches;
     json["search_complete"] = plan.search_complete;
-    json["pilots"] = plan.pilots;
+    json["pilots"] = plan.trials;
     json["wall_s"] = plan.spent;
     json["notes"] = plan.notes;
     return json.dump(2) + "\n";

@@ -2,6 +2,7 @@
 
 #include "core/file_io.h"
 #include "progress.h"
+#include "scene/key_frames.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -55,6 +56,7 @@ public:
           options_(options),
           vessel_(std::move(vessel)),
           world_(std::move(setup)),
+          key_frames_(scene),
           recorder_(saved ? Recorder(scene, vessel_, world_, options.dir, *saved)
                           : Recorder(scene, vessel_, world_, options.dir)),
           earlier_wall_(recorder_.tally().wall),
@@ -91,18 +93,25 @@ private:
     {
         const StepReport report = settle(world_);
         if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
-        else recorder_.settled(world_, report);
+        else {
+            world_.read(output_);
+            recorder_.settled(output_, report);
+        }
         return !report.failed();
     }
 
     bool take_step()
     {
         const auto start = Clock::now();
-        const StepReport report = step(world_, scene_.dt);
-        if (report.failed())
+        const StepReport report = step(world_, key_frames_.control(), scene_.dt);
+        if (report.failed()) {
             failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
                                    advice(report, false, scene_.integrator, world_.readings(0).energy_made));
-        else recorder_.stepped(world_, report, seconds_since(start));
+        } else {
+            const double seconds = seconds_since(start);
+            world_.read(output_, recorder_.wants());
+            recorder_.stepped(output_, report, seconds);
+        }
         return !report.failed();
     }
 
@@ -140,7 +149,9 @@ private:
     const RunOptions& options_;
     RepairReport vessel_;
     World world_;
+    KeyFrames key_frames_;
     Recorder recorder_;
+    Output output_;  // of the last step, as far as the recorder wants it
     double earlier_wall_;
     bool fresh_;
     Clock::time_point loop_start_, last_checkpoint_;

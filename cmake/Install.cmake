@@ -1,11 +1,19 @@
+# What a user of the engine gets: the library, the command, its scenes, and the public headers: engine.h and what it includes.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+set(public_headers
+  engine.h control.h model.h output.h
+  core/error.h core/stage_times.h device/device_info.h math/vec3.h
+  rod/rod_view.h rod/wire_spec.h solve/solve_spec.h solve/momentum_balance.h
+  contact/contact_row.h contact/contact_spec.h vessel/centreline.h vessel/vessel_spec.h vessel/wall_mesh.h)
 install(TARGETS seldinger EXPORT SeldingerTargets ARCHIVE LIBRARY RUNTIME)
 if(TARGET seldinger_app)
   install(TARGETS seldinger_app RUNTIME)
 endif()
-install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger FILES_MATCHING PATTERN "*.h" PATTERN "view" EXCLUDE)
-install(DIRECTORY kernels/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger FILES_MATCHING PATTERN "*.h")
+foreach(header IN LISTS public_headers)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES engine/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger/${folder})
+endforeach()
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/seldinger)
 install(EXPORT SeldingerTargets NAMESPACE Seldinger:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Seldinger)
 configure_package_config_file(cmake/SeldingerConfig.cmake.in ${CMAKE_BINARY_DIR}/SeldingerConfig.cmake

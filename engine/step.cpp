@@ -2,25 +2,37 @@
 
 #include "core/check.h"
 #include "step_stages.h"
+#include "world.h"
 
 namespace seldinger {
 
-StepReport step(World& world, double dt)
+StepReport step(World& world, const Control& control, double dt)
 {
-    SEL_ASSERT(dt > 0.0);
     World::Impl& state = world.impl();
+    check_request(state, control, dt);  // throws; nothing has changed then
     StepReport report;
     clear_timers(state);
 
-    begin_step(state);                                  // what a failed attempt returns to
-    (void)advance(state, dt, everyone(state), report);  // feed -> frames -> detect -> solve; halved where it will not converge
-    adapt_nodes(state, dt);                             // split and merge
-    check_state(state, report);                         // non-finite values, worst gap
+    take_control(state, control, dt);  // where each hub is to be, at every time of the step
+    begin_step(state);                 // what a failed attempt returns to
+    state.pending.begin(dt, everyone(state), feed_parts(state, dt, report));
+    while (const SubStep* sub = state.pending.next()) {  // one sub-step where all goes well
+        begin_sub_step(state, *sub);
+        feed_hubs(state, *sub);          // feed: advance and turn at the hub; the base edge grows
+        hold_and_load(state, *sub);      // holds, loads and links at the end of the sub-step
+        find_contacts(state);            // detect: what of the wall is near
+        solve(state, *sub);              // Newton: frames, forces and tangent of every trial; factor; step
+        accept(state, *sub, report);     // or put back, to go on in two halves
+    }
+    adapt_nodes(state, dt);          // adapt: split and merge edges
+    check_state(state, dt, report);  // check: non-finite values, points beyond the wall
 
     state.steps++;
     collect_timers(state, report);
     return report;
 }
+
+StepReport step(World& world, double dt) { return step(world, Control{}, dt); }
 
 StepReport settle(World& world)
 {
@@ -28,9 +40,10 @@ StepReport settle(World& world)
     StepReport report;
     clear_timers(state);
 
+    take_control(state, Control{}, 0);
     begin_step(state);
     find_equilibrium(state, report);
-    check_state(state, report);
+    check_state(state, 0, report);
 
     collect_timers(state, report);
     return report;

@@ -1,57 +1,64 @@
 #pragma once
-// The stages of step.cpp. Each opens the timer of its name.
+// The stages of step.cpp, one group for each of the files step_*.cpp.
 
+#include "control.h"
+#include "output.h"
+#include "sub_steps.h"
 #include "world.h"
-
-#include <cstdint>
-#include <span>
-#include <vector>
 
 namespace seldinger {
 
-/// One flag per wire. The bytes come from a pool of the thread and go back there: the step loop allocates nothing once it is
-/// warm.
-class WireMask {
-public:
-    explicit WireMask(std::size_t wires, std::uint8_t value = 0) : bytes_(borrow()) { bytes_.assign(wires, value); }
-    WireMask(const WireMask& other) : bytes_(borrow()) { bytes_ = other.bytes_; }
-    WireMask(WireMask&& other) noexcept { bytes_.swap(other.bytes_); }
-    WireMask& operator=(const WireMask& other) = default;
-    WireMask& operator=(WireMask&& other) noexcept { return bytes_.swap(other.bytes_), *this; }
-    ~WireMask() { give_back(); }
-    [[nodiscard]] std::uint8_t& operator[](std::size_t wire) { return bytes_[wire]; }
-    [[nodiscard]] std::uint8_t operator[](std::size_t wire) const { return bytes_[wire]; }
-    [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-    [[nodiscard]] auto begin() const { return bytes_.begin(); }
-    [[nodiscard]] auto end() const { return bytes_.end(); }
-    operator std::span<const std::uint8_t>() const { return bytes_; }
+// ---- step_feed.cpp: what is asked of the hubs
 
-private:
-    static std::vector<std::uint8_t> borrow();
-    void give_back();
-    std::vector<std::uint8_t> bytes_;
-};
+/// Resolves the control to the way of each hub through the step.
+void take_control(World::Impl& state, const Control& control, double dt);
+/// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
+/// the base edge. All instruments of a system go in as many.
+[[nodiscard]] std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& report);
+/// The hubs' advance and turn at the end of the sub-step: the base edge grows, or the piece in the introducer moves.
+void feed_hubs(World::Impl& state, const SubStep& sub);
+/// Holds, loads and links at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.
+void hold_and_load(World::Impl& state, const SubStep& sub);
+/// The same for the accepted state on its present nodes.
+void constrain_now(World::Impl& state, int wire);
 
-/// All wires but the retired ones.
+// ---- step_solve.cpp: from the start of a step to the states that are accepted
+
+/// All wires but those of retired systems.
 [[nodiscard]] WireMask everyone(const World::Impl& state);
 void clear_timers(World::Impl& state);
 void collect_timers(World::Impl& state, StepReport& report);
+/// Into the wire's own report and that of the step.
+void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations = 0, int sub_steps = 1);
 
-/// Nothing of the last step is needed any more.
+/// Nothing of the last step is needed any more; what a failed attempt returns to.
 void begin_step(World::Impl& state);
+/// What a sub-step that follows another one starts from.
+void begin_sub_step(World::Impl& state, const SubStep& sub);
+/// Quadrature points on the present nodes and what of the wall is near them.
+void find_contacts(World::Impl& state);
+/// Newton on the equations of the sub-step: every system to a trial state of its own.
+void solve(World::Impl& state, const SubStep& sub);
+/// Systems that converged, and whose energy adds up, take their trial as the accepted state. The others are put back: they take
+/// the sub-step in two halves, or are lost where that has no sense any more.
+void accept(World::Impl& state, const SubStep& sub, StepReport& report);
 
-/// Advances the wires of the mask by h. A wire that does not converge is put back and advanced by two half steps instead, down to
-/// h / 512; a wire that misses the tolerance even then takes the best state found (the report says so), and one that finds none
-/// stays at the start of that sub-step. A wire of which more than an edge is fed goes in parts, split and merged in between. What
-/// one wire does has no say in what the others do, and is noted in its own report and in `report`, the worst of all.
-/// @return wires that failed for good
-WireMask advance(World::Impl& state, double h, const WireMask& mask, StepReport& report);
-
-/// Static equilibrium with contact (scheme "static", start "settled").
-void find_equilibrium(World::Impl& state, StepReport& report);
+// ---- step_nodes.cpp
 
 /// Splits and merges edges where the shape asks for it, after a step of dt [s]; wires of a given node number at the hub only.
 void adapt_nodes(World::Impl& state, double dt);
-void check_state(World::Impl& state, StepReport& report);
+/// The same for one wire.
+void adapt_nodes_of(World::Impl& state, int wire, double dt);
+/// Nodes of an adaptive wire. @return whether any came or went
+bool adapt_wire(World::Impl& state, int wire, double dt, bool may_merge);
+/// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
+void fade_surplus_of(World::Impl& state, int wire, double dt);
+
+// ---- step_check.cpp, step_settle.cpp
+
+/// Non-finite values, and points beyond the wall, after a step of dt [s]; 0: an equilibrium.
+void check_state(World::Impl& state, double dt, StepReport& report);
+/// Static equilibrium with contact (scheme "static", start "settled").
+void find_equilibrium(World::Impl& state, StepReport& report);
 
 }  // namespace seldinger

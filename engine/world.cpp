@@ -1,23 +1,17 @@
-// Building a World, reading it, saving and restoring it. What happens in a step is in step.cpp.
+// Building a World: rods and feeds placed, holds resolved, contact and solver made. What happens in a step is in step.cpp.
 
 #include "world.h"
 
-#include "core/bytes.h"
 #include "core/error.h"
-#include "core/fnv1a.h"
 #include "device/enumerate.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <numeric>
 
 namespace seldinger {
-
-namespace {
 
 // `nodes` has its samples on the nodes of a uniform wire, and the pairs of `layer` are known by their edges; the samples of the
 // others are fixed in the material.
@@ -26,6 +20,8 @@ bool nodes_adapt(const WireSetup& setup)
     const Detection detection = setup.contact.detection;
     return setup.wire.nodes == 0 && detection != Detection::Nodes && detection != Detection::Layer;
 }
+
+namespace {
 
 NodeAdapter make_adapter(const WireSetup& setup, std::span<const double> held, int capacity)
 {
@@ -46,7 +42,7 @@ NodeAdapter make_adapter(const WireSetup& setup, std::span<const double> held, i
 int node_capacity(const WireSetup& setup)
 {
     const int nodes = uniform_node_count(setup.wire);
-    // edges of min_edge everywhere, debts of rest length included
+    // edges of min_edge everywhere, surpluses of rest length included
     if (nodes_adapt(setup)) return static_cast<int>(std::ceil(1.01 * setup.wire.length / setup.wire.min_edge)) + 4;
     return setup.feed.on ? nodes + 4 : nodes;  // a fed wire's base edge may be split before the last is merged
 }
@@ -70,49 +66,6 @@ void close_ring(WireSetup& wire)
     }
 }
 
-// What of a FeedState changes; the rest follows from the scene. A debt there is only where nodes come and go.
-void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed, bool nodes_change)
-{
-    put_bytes(bytes, &feed.advance, 1);
-    put_bytes(bytes, &feed.turn, 1);
-    put_bytes(bytes, &feed.debt, 1);
-    put_bytes(bytes, &feed.inside, 1);
-    if (nodes_change) put_bytes(bytes, &feed.debt_rate, 1);
-}
-
-void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed, bool nodes_change)
-{
-    take_bytes(bytes, end, &feed.advance, 1);
-    take_bytes(bytes, end, &feed.turn, 1);
-    take_bytes(bytes, end, &feed.debt, 1);
-    take_bytes(bytes, end, &feed.inside, 1);
-    if (nodes_change) take_bytes(bytes, end, &feed.debt_rate, 1);
-}
-
-}  // namespace
-
-namespace {
-
-std::string describe_nodes(const WireSetup& setup)
-{
-    const WireSpec& spec = setup.wire;
-    if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
-    if (!nodes_adapt(setup))
-        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)",
-                           1e3 * uniform_edge(spec));
-    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
-                       1e3 * spec.max_edge, 1e6 * spec.edge_error);
-}
-
-// Of wire 0, as all of model() is.
-std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrator)
-{
-    if (integrator.spins == Spins::Kept) return "solved for (asked for)";
-    const Solver::SpinRecord& record = s.solver->spin_record(0);
-    return fmt::format("left out of {} of {} solves (straight, isotropic, no torque: their equations held to the tolerance)",
-                       record.without, record.steps);
-}
-
 }  // namespace
 
 ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
@@ -127,10 +80,36 @@ ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
     return made;
 }
 
-World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(setup))
+namespace {
+
+WorldSetup checked(WorldSetup setup)
+{
+    check_setup(setup);
+    return setup;
+}
+
+}  // namespace
+
+void World::Impl::divide_into_systems()
+{
+    const int count = wire_count();
+    system_begin = {0};
+    if (setup.systems.empty())
+        for (int w = 0; w < count; ++w) system_begin.push_back(w + 1);
+    for (const int instruments : setup.systems) system_begin.push_back(system_begin.back() + instruments);
+    wire_list.resize(count);
+    std::iota(wire_list.begin(), wire_list.end(), 0);
+    for (int s = 0; s < system_count(); ++s)
+        for (std::size_t k = 0; k < wires_of(s).size(); ++k) system_of.push_back(s);
+}
+
+World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capacities(setup))
 {
     const int count = static_cast<int>(setup.wires.size());
+    divide_into_systems();
     feeds.resize(count);
+    hub_requests.resize(count);
+    parts.assign(count, 1);
     for (int w = 0; w < count; ++w) {
         WireSetup& wire = setup.wires[w];
         close_ring(wire);
@@ -195,266 +174,18 @@ void World::Impl::restore_wire(int wire)
     wire_time[wire] = time_backup[wire];
 }
 
-namespace {
-
-/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length: what a clamp prescribes, else the edge's
-/// own, which is that of its middle, turned on by half an edge of the curvature next to it.
-Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
+void World::Impl::spread_over_systems(const WireMask& part, WireMask& mask) const
 {
-    const int hub = rod.n - 1;
-    for (const RodClamp& clamp : clamps)
-        if (clamp.node == hub && clamp.direction) return clamp.tangent;
-    const Vec3 last = rod.tangent(hub - 1);
-    if (rod.n < 3) return last;
-    const double onward = 0.5 * rod.rest_length[hub - 1] / rod.voronoi_length(hub - 1);
-    return (last + onward * (last - rod.tangent(hub - 2))).normalized();
-}
-
-}  // namespace
-
-void World::Impl::read_results(int wire, double h)
-{
-    WireResult& result = results[wire];
-    const RodView rod = rods.view(wire);
-    std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
-    result.contact = {};
-    if (feeds[wire].on && !feeds[wire].inside) {
-        result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
-        result.base_force = Vec3::Zero();
-        result.momentum = {};
-        return;
+    for (int s = 0; s < system_count(); ++s) {
+        bool any = false;
+        for (const int w : wires_of(s)) any = any || mask[w];
+        for (const int w : wires_of(s)) mask[w] = any && part[w];
     }
-    if (contact) {
-        result.contact = contact->totals(wire);
-        contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
-    }
-    const int hub = rod.n - 1;
-    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, 4 * hub + k);
-    const std::vector<RodClamp>& clamps = constraints[wire].clamps;
-    result.hand_torque = 0;
-    for (std::size_t c = 0; c < clamps.size(); ++c)
-        if (clamps[c].node == hub && clamps[c].spin)
-            result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
-    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
-                                             solver->base_tension_excess(wire)
-                                       : -result.base_force.dot(hub_tangent(rod, clamps));
-    if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
-    result.kinetic = audits[wire].kinetic;
-    result.elastic = audits[wire].elastic;
-    result.gravitational = audits[wire].gravitational;
-    result.residual = reports[wire].residual;
-    result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
-                                       result.nodal_contact, momentum_start[wire], h);
 }
 
-World::World(WorldSetup setup)
-{
-    if (setup.wires.empty()) throw Error(ExitCode::BadScene, "a world needs at least one wire");
-    impl_ = std::make_unique<Impl>(std::move(setup));
-}
-
+World::World(WorldSetup setup) : impl_(std::make_unique<Impl>(std::move(setup))) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
-
-int World::wire_count() const { return impl_->wire_count(); }
-double World::time() const { return impl_->time; }
-double World::time(int wire) const { return impl_->wire_time[wire]; }
-long World::step_count() const { return impl_->steps; }
-const WorldSetup& World::setup() const { return impl_->setup; }
-RodView World::rod(int wire) const { return impl_->rods.view(wire); }
-
-WireReadings World::readings(int wire) const
-{
-    const WireResult& result = impl_->results[wire];
-    const FeedState& feed = impl_->feeds[wire];
-    WireReadings r;
-    if (feed.on) {
-        r.inserted = feed.advance - impl_->setup.wires[wire].feed.at(0).advance;
-        r.turned = feed.turn - impl_->setup.wires[wire].feed.at(0).turn;
-    }
-    r.nodes = impl_->rods.node_count(wire);
-    r.contacts = result.contact.contacts;
-    r.contact_length = result.contact.length;
-    r.normal = result.contact.normal;
-    r.friction = result.contact.friction;
-    r.sliding = result.contact.sliding;
-    r.sticking = result.contact.friction - result.contact.sliding;
-    r.rolling = result.contact.rolling;
-    r.hand_force = result.hand_force;
-    r.hand_torque = result.hand_torque;
-    r.base_force = result.base_force;
-    r.overlap = result.contact.depth;
-    r.outside = result.contact.outside;
-    r.kinetic = result.kinetic;
-    r.elastic = result.elastic;
-    r.gravitational = result.gravitational;
-    r.remesh_energy = impl_->remesh_energy[wire];
-    r.energy_made = impl_->audits[wire].balance.made();
-    r.force_residual = result.residual;
-    r.momentum = result.momentum;
-    return r;
-}
-
-const WireReport& World::report(int wire) const { return impl_->wire_reports[wire]; }
-void World::retire(int wire) { impl_->retired[wire] = 1; }
-bool World::retired(int wire) const { return impl_->retired[wire] != 0; }
-
-const std::vector<ContactRow>& World::contacts() const
-{
-    impl_->rows.clear();
-    if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
-    return impl_->rows;
-}
-
-std::vector<Vec3> World::nodal_contact_force(int wire) const
-{
-    const auto& all = impl_->results[wire].nodal_contact;
-    return {all.begin(), all.begin() + impl_->rods.node_count(wire)};
-}
-
-// A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
-// with (elastic, and its weight lifted by its own length).
-bool World::at_rest(int wire) const
-{
-    if (impl_->setup.integrator.scheme == Scheme::Static) return true;
-    if (impl_->steps == 0) return false;
-    const WireResult& result = impl_->results[wire];
-    const RodView rod = impl_->rods.view(wire);
-    double mass = 0;
-    for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
-    const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
-    return result.kinetic <= 1e-8 * scale;
-}
-
-bool World::at_rest() const
-{
-    for (int w = 0; w < impl_->wire_count(); ++w)
-        if (!at_rest(w)) return false;
-    return true;
-}
-
-void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
-{
-    const std::int32_t n = rods.node_count(wire);
-    put_bytes(bytes, &n, 1);
-    put_bytes(bytes, &wire_time[wire], 1);
-    put_bytes(bytes, &remesh_energy[wire], 1);
-    put_feed(bytes, feeds[wire], feeds[wire].on || adapters[wire].on);
-    const Solver::SpinRecord& spins = solver->spin_record(wire);
-    const std::int32_t waits[2] = {spins.wait, spins.last_wait};
-    put_bytes(bytes, waits, 2);
-    // views are of changeable arrays; these only read
-    for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
-}
-
-std::vector<std::uint8_t> World::Impl::state_bytes() const
-{
-    std::vector<std::uint8_t> bytes;
-    put_bytes(bytes, &time, 1);
-    const std::int64_t taken = steps;
-    put_bytes(bytes, &taken, 1);
-    for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
-    if (contact) contact->save(bytes);
-    return bytes;
-}
-
-std::vector<std::uint8_t> World::save_state() const
-{
-    std::vector<std::uint8_t> bytes = impl_->state_bytes();
-    for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
-    return bytes;
-}
-
-void World::restore_state(const std::vector<std::uint8_t>& bytes)
-{
-    Impl& s = *impl_;
-    const std::uint8_t* at = bytes.data();
-    const std::uint8_t* end = at + bytes.size();
-    take_bytes(at, end, &s.time, 1);
-    std::int64_t steps = 0;
-    take_bytes(at, end, &steps, 1);
-    s.steps = static_cast<long>(steps);
-    for (int w = 0; w < s.wire_count(); ++w) {
-        std::int32_t n = 0;
-        take_bytes(at, end, &n, 1);
-        if (n < 2 || n > s.rods.capacity(w))
-            throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
-        s.rods.set_node_count(w, n);
-        take_bytes(at, end, &s.wire_time[w], 1);
-        take_bytes(at, end, &s.remesh_energy[w], 1);
-        take_feed(at, end, s.feeds[w], s.feeds[w].on || s.adapters[w].on);
-        std::int32_t waits[2] = {};
-        take_bytes(at, end, waits, 2);
-        s.solver->spin_record(w).wait = waits[0];
-        s.solver->spin_record(w).last_wait = waits[1];
-        for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
-    }
-    if (s.contact) s.contact->restore(at, end);
-    for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
-    if (at != end)
-        throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
-}
-
-namespace {
-
-std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
-
-}  // namespace
-
-std::string World::state_hash() const { return hash_of(impl_->state_bytes()); }
-
-std::string World::state_hash(int wire) const
-{
-    const Impl& s = *impl_;
-    std::vector<std::uint8_t> bytes;
-    put_bytes(bytes, &s.wire_time[wire], 1);  // alone, its time is the world's
-    const std::int64_t steps = s.steps;
-    put_bytes(bytes, &steps, 1);
-    s.put_wire(bytes, wire);
-    if (s.contact) s.contact->save_wire(bytes, wire);
-    return hash_of(bytes);
-}
-
-std::vector<std::pair<std::string, std::string>> World::model() const
-{
-    const Impl& s = *impl_;
-    const WireSetup& wire = s.setup.wires[0];
-    std::vector<std::pair<std::string, std::string>> list;
-    list.emplace_back("nodes", describe_nodes(wire));
-    if (!wire.start.empty()) list.emplace_back("start", wire.start);
-    static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
-    const IntegratorSpec& integrator = s.setup.integrator;
-    list.emplace_back("scheme",
-                      fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
-                                  integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
-                                  : integrator.conserve ? "energy-momentum (asked for)"
-                                                        : "backward Euler"));
-    if (integrator.scheme == Scheme::Newton || integrator.scheme == Scheme::Linearised)
-        list.emplace_back("spins", describe_spins(s, integrator));
-    list.emplace_back("curvature",
-                      wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
-    if (!s.contact) {
-        list.emplace_back("contact", "none (no vessel)");
-        return list;
-    }
-    static const char* const detections[] = {"swept", "capsule", "layer", "nodes"};
-    list.emplace_back("detection", detections[static_cast<int>(wire.contact.detection)]);
-    list.emplace_back("rolling", !wire.contact.rolling ? "off" : "on (asked for)");
-    list.emplace_back("wall", "rigid shape, elastic bed under each contact (D6b)");
-    list.emplace_back("precision", s.context->float32() ? "float32" : "float64");
-    for (auto& entry : s.contact->describe()) list.push_back(std::move(entry));
-    return list;
-}
-
-std::string World::device_name() const { return impl_->context ? impl_->context->name() : "none (no vessel, host only)"; }
-
-DeviceCounts World::device_counts() const
-{
-    if (!impl_->context) return {};
-    const device::Counters& c = impl_->context->counters();
-    return {c.launches, c.reads, c.writes, c.buffers_created, c.programs_built};
-}
-
-const char* version() { return SELDINGER_VERSION; }
+World& World::operator=(World&&) noexcept = default;
 
 }  // namespace seldinger

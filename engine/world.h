@@ -1,5 +1,10 @@
 #pragma once
-// What a World owns. Private to the engine: step.cpp and the stages read and write it, nobody else includes it (tests may).
+// What a World owns. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
+//
+//   model     setup, wall, holds, adapters       constant from the constructor on
+//   state     rods, feeds, wire_time, contact's and solver's memory, remesh_energy, audits      saved; all but audits hashed
+//   control   hub_requests                       of the present step
+//   output    results, wire_reports, rows        of the accepted state
 
 #include "contact/contact_system.h"
 #include "device/device.h"
@@ -8,9 +13,12 @@
 #include "rod/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
+#include "solve/momentum.h"
 #include "solve/newton.h"
+#include "sub_steps.h"
 #include "vessel/inside.h"
 
+#include <array>
 #include <optional>
 
 namespace seldinger {
@@ -34,20 +42,32 @@ struct NodeAdapter {
     RodFrames frames;          // scratch
 };
 
+/// What a control asks of a hub in this step.
+struct HubRequest {
+    std::array<FeedKey, 3> own{};   // where it is, is to be, and is thought to go on to: used unless `keys` are given
+    std::span<const FeedKey> keys;  // of a way that is known beforehand
+    [[nodiscard]] HubPath path() const { return HubPath(keys.empty() ? std::span<const FeedKey>(own) : keys); }
+};
+
 /// What contact is made from.
 [[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
 
 struct World::Impl {
     explicit Impl(WorldSetup from);
+    void divide_into_systems();
 
     WorldSetup setup;
+    std::vector<int> wire_list;     // 0, 1, 2, ...: instruments in the order of their systems
+    std::vector<int> system_begin;  // [systems + 1] in wire_list
+    std::vector<int> system_of;     // per wire
     double time = 0;
     long steps = 0;
-    std::vector<double> wire_time;             // per wire [s]; differs from `time` inside a halved step only
+    std::vector<double> wire_time;             // per wire [s]; where a system failed or was retired, it stopped
     std::unique_ptr<device::Context> context;  // none without a vessel
     RodArrays rods;
     std::vector<WireHolds> holds;            // per wire
     std::vector<FeedState> feeds;            // per wire
+    std::vector<HubRequest> hub_requests;    // per wire
     std::vector<double> remesh_energy;       // per wire, accumulated [J]
     std::vector<EnergyAudit> audits;         // per wire
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
@@ -58,11 +78,12 @@ struct World::Impl {
     std::vector<WireConstraints> constraints;
     std::vector<SolveReport> reports;
     std::vector<std::uint8_t> active, live;
-    std::vector<std::uint8_t> retired;        // per wire: left out of every step
-    std::vector<WireReport> wire_reports;     // per wire, of the present step
+    std::vector<std::uint8_t> retired;        // per wire: its system is left out of every step
+    std::vector<WireReport> wire_reports;     // per wire, of the last step
     std::vector<std::vector<double>> backup;  // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
-    std::vector<int> parts;  // per wire, of advance()
+    std::vector<int> parts;  // per wire: sub-steps that feeding asks for
+    SubSteps pending;
     HubScratch hub_scratch;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
@@ -75,12 +96,30 @@ struct World::Impl {
     std::unique_ptr<LumenQuery> lumen;  // made when first needed; see audit_outside
 
     [[nodiscard]] int wire_count() const { return rods.wire_count(); }
+    [[nodiscard]] int system_count() const { return static_cast<int>(system_begin.size()) - 1; }
+    [[nodiscard]] std::span<const int> wires_of(int system) const
+    {
+        return std::span(wire_list).subspan(system_begin[system], system_begin[system + 1] - system_begin[system]);
+    }
+    /// Whether a wire is among those that are solved: one that is still in its introducer is not.
+    [[nodiscard]] bool is_solved(int wire) const { return !feeds[wire].on || feeds[wire].inside; }
+    /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
+    void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
+    void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
+
+/// @throws Error BadScene: a setup that no world can be made from; the line names the member, what was expected and what to do
+void check_setup(const WorldSetup& setup);
+/// @throws Error BadScene: dt, or what is asked of a hub. Nothing has changed then
+void check_request(const World::Impl& state, const Control& control, double dt);
+
+/// Whether nodes of a wire come and go by themselves (nodes = "adaptive").
+[[nodiscard]] bool nodes_adapt(const WireSetup& setup);
 
 }  // namespace seldinger

@@ -28,7 +28,6 @@ struct ContactSpec {
     double restitution = 0.5;         // (0, 1]
     double overlap = 0;               // that `augmented` and `constraint` allow [m]; 0: chosen, see contact/wall_law.h
     double barrier_distance = 0;      // gap from which `barrier` acts [m]; 0: chosen
-    double mu_static = 0.12, mu_sliding = 0.10;
     bool rolling = false;
     double rolling_alpha = 0.2;                                               // hysteresis loss [-] (D10)
     double rolling_sigma_b = 0, rolling_sigma_s = 0, rolling_hardness = 1e6;  // [Pa] (D10)

@@ -18,7 +18,8 @@ enum class ExitCode : int {
     Interrupted = 130,
 };
 
-/// One line for stderr: where (file, line, key), what was expected, what to do. Thrown while loading, never by step().
+/// One line for stderr: where (file, line, key), what was expected, what to do. Thrown while
+/// loading and for what a caller asks; never for numerical trouble in a step.
 class Error : public std::runtime_error {
 public:
     Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

@@ -5,17 +5,17 @@ namespace seldinger {
 
 /// Of one step, all systems together [s].
 struct StageTimes {
-    double detect = 0, evaluate = 0, reduce = 0, solve = 0, wall = 0, adapt = 0;
+    double detect = 0, evaluate = 0, reduce = 0, solve = 0, adapt = 0;
     StageTimes& operator+=(const StageTimes& other)
     {
         detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;
-        solve += other.solve, wall += other.wall, adapt += other.adapt;
+        solve += other.solve, adapt += other.adapt;
         return *this;
     }
     StageTimes& operator-=(const StageTimes& other)
     {
         detect -= other.detect, evaluate -= other.evaluate, reduce -= other.reduce;
-        solve -= other.solve, wall -= other.wall, adapt -= other.adapt;
+        solve -= other.solve, adapt -= other.adapt;
         return *this;
     }
 };

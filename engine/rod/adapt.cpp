@@ -135,7 +135,7 @@ double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Ve
 /// Marks neighbours that would be more than edge_ratio_limit times as long as a half of edge `from`, and so on.
 void NodePlanner::spread_marks(const RodView& rod, const WireSpec& spec, int from)
 {
-    const double slack = 1.05;  // debts and the hub's own splits leave ratios of 2 a little above
+    const double slack = 1.05;  // surpluses and the hub's own splits leave ratios of 2 a little above
     for (const int step : {-1, 1})
         for (int j = from; j + step >= 0 && j + step < rod.n - 1; j += step) {
             const double half = (marked_[j] ? 0.5 : 1) * rod.rest_length[j], next = rod.rest_length[j + step];

@@ -2,81 +2,13 @@
 // All wires of a world as structure-of-arrays, concatenated with per-wire offsets. Node 0 of a wire is its tip; feeding
 // appends at the hub. Edge j joins nodes j and j+1 and is stored at the index of node j; a wire of n nodes has n-1 edges.
 
-#include "rod/wire_spec.h"
+#include "rod/rod_view.h"
 
 #include <array>
 #include <span>
 #include <vector>
 
 namespace seldinger {
-
-/// One wire's slice of RodArrays (or any storage of the same shape). Spans of per-node arrays have length n, of
-/// per-edge arrays too (the last entry is unused). "inner" values live at nodes 1..n-2.
-/// Vectors are three separate arrays, as the kernels read them.
-struct RodView {
-    int n = 0;                                             // nodes
-    CurvatureMeasure curvature = CurvatureMeasure::Angle;  // constant
-    // constant while the node set stands; written by set_rest_shape / feed / adapt
-    std::span<double> material_s;         // [n] node's arc length from the tip in the unstressed wire [m]
-    std::span<double> rest_length;        // [n-1] edge [m]
-    std::span<double> stretch_stiffness;  // [n-1] EA [N]
-    std::span<double> bend_stiffness;     // [n] B at a node [N m^2] (ends too: used by clamps)
-    std::span<double> twist_stiffness;    // [n] C at a node [N m^2]
-    // integrals over the node's Voronoi cell; at tip and hub over their half cell
-    std::span<double> rest_kappa1, rest_kappa2;  // [n] integrated rest curvature at a node [-]
-    std::span<double> rest_twist;                // [n] integrated rest twist at a node [rad]
-    std::span<double> mass;                      // [n] lumped [kg]
-    std::span<double> spin_inertia;              // [n-1] edge, rho * I_p * length [kg m^2]
-    std::span<double> radius;                    // [n-1] edge outer radius [m]
-    // state at the start of the step (t0) / the accepted state
-    std::span<double> x, y, z;     // [n] node position [m]
-    std::span<double> theta;       // [n-1] material frame angle from the reference frame [rad]
-    std::span<double> vx, vy, vz;  // [n] [m/s]
-    std::span<double> spin_rate;   // [n-1] [rad/s]
-    std::span<double> ax, ay, az;  // [n] acceleration, Newmark only [m/s^2]
-    std::span<double> spin_acc;    // [n-1] Newmark only [rad/s^2]
-    // reference frame of the accepted state, parallel-transported in time
-    std::span<double> tx, ty, tz;     // [n-1] unit tangent from node j to node j+1 (tip towards hub)
-    std::span<double> d1x, d1y, d1z;  // [n-1] first reference director, unit, normal to the tangent
-    std::span<double> ref_twist;      // [n] reference twist at inner nodes [rad]
-    // reference twist between a clamp at this node and the edge on its tip side (a), on its hub side (b), of the accepted
-    // state [rad]; kept so that full turns are not forgotten; 0 where no clamp is. Written by accept_frames
-    std::span<double> clamp_twist_a, clamp_twist_b;  // [n]
-
-    /// Half of a node's two rest edges; at tip and hub half of the only one [m].
-    [[nodiscard]] double voronoi_length(int i) const
-    {
-        return 0.5 * ((i > 0 ? rest_length[i - 1] : 0.0) + (i < n - 1 ? rest_length[i] : 0.0));
-    }
-    [[nodiscard]] Vec3 pos(int i) const { return {x[i], y[i], z[i]}; }
-    [[nodiscard]] Vec3 vel(int i) const { return {vx[i], vy[i], vz[i]}; }
-    [[nodiscard]] Vec3 tangent(int j) const { return {tx[j], ty[j], tz[j]}; }
-    [[nodiscard]] Vec3 ref_d1(int j) const { return {d1x[j], d1y[j], d1z[j]}; }
-    void set_pos(int i, const Vec3& p) const
-    {
-        x[i] = p.x();
-        y[i] = p.y();
-        z[i] = p.z();
-    }
-    void set_vel(int i, const Vec3& v) const
-    {
-        vx[i] = v.x();
-        vy[i] = v.y();
-        vz[i] = v.z();
-    }
-    void set_tangent(int j, const Vec3& t) const
-    {
-        tx[j] = t.x();
-        ty[j] = t.y();
-        tz[j] = t.z();
-    }
-    void set_ref_d1(int j, const Vec3& d) const
-    {
-        d1x[j] = d.x();
-        d1y[j] = d.y();
-        d1z[j] = d.z();
-    }
-};
 
 /// Owner of all wires' arrays. Capacities are fixed at construction: no allocation in the step loop.
 class RodArrays {

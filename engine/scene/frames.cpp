@@ -1,45 +1,19 @@
 #include "scene/frames.h"
 
-#include "rod/curvature.h"
-
 #include <fmt/format.h>
-#include <algorithm>
 
 namespace seldinger {
-namespace {
-
-/// Curvature of (D2) per Voronoi length [1/m].
-double curvature_at(const RodView& rod, int node)
-{
-    if (node == 0 || node == rod.n - 1) return 0;
-    const Vec3 e = rod.pos(node) - rod.pos(node - 1), f = rod.pos(node + 1) - rod.pos(node);
-    const double chi = 1 + e.dot(f) / (e.norm() * f.norm());
-    return curvature_factor(curvature_q(rod.curvature), chi) * 2 * e.cross(f).norm() /
-           (chi * e.norm() * f.norm() * rod.voronoi_length(node));
-}
-
-}  // namespace
-
 std::string frame_name(const char* stem, std::int64_t step) { return fmt::format("{}_{:06}.vtp", stem, step); }
 
-std::string wire_vtp(const World& world)
+std::string wire_vtp(const WireOutput& wire)
 {
-    const RodView rod = world.rod(0);
-    std::vector<Vec3> points, velocity;
-    std::vector<double> radius, curvature;
-    for (int i = 0; i < rod.n; ++i) {
-        points.push_back(rod.pos(i));
-        velocity.push_back(rod.vel(i));
-        radius.push_back(rod.radius[std::min(i, rod.n - 2)]);
-        curvature.push_back(curvature_at(rod, i));
-    }
-    VtpWriter out(points);
+    VtpWriter out(wire.position);
     out.set_line();
-    out.add_point_data("radius", 1, radius);
-    out.add_point_data("material_s", 1, {rod.material_s.data(), points.size()});
-    out.add_point_data("curvature", 1, curvature);
-    out.add_point_vectors("contact_force", world.nodal_contact_force(0));
-    out.add_point_vectors("velocity", velocity);
+    out.add_point_data("radius", 1, wire.radius);
+    out.add_point_data("material_s", 1, wire.material_s);
+    out.add_point_data("curvature", 1, wire.curvature);
+    out.add_point_vectors("contact_force", wire.contact_force);
+    out.add_point_vectors("velocity", wire.velocity);
     return out.bytes();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // One moment of a run as VTK files: the wire, its contacts, and the wall.
 
-#include "engine.h"
+#include "output.h"
 #include "io/vtp_write.h"
 
 #include <string>
@@ -13,7 +13,8 @@ namespace seldinger {
 
 /// One polyline, tip first. Point data: radius [m], material_s [m], curvature [1/m] (|kb| per Voronoi length, 0 at the ends),
 /// contact_force [N], velocity [m/s].
-[[nodiscard]] std::string wire_vtp(const World& world);
+/// @param wire  with Output::Shape
+[[nodiscard]] std::string wire_vtp(const WireOutput& wire);
 
 /// Points on the wall. Point data: normal_n [N], normal (unit, into the lumen), gap [m], friction [N], stuck (0/1).
 [[nodiscard]] std::string contacts_vtp(std::span<const ContactRow> rows);

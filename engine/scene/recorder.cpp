@@ -105,11 +105,13 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     trace_ = AppendFile(dir_ / "trace.csv", 0);
     trace_.append(trace_header);
     const WallMesh& mesh = world.setup().mesh;
-    if (!mesh.triangles.empty()) write_file(dir_ / "vessel.vtp", wall_vtp(mesh));
-    readings_ = world.readings(0);
+    has_wall_ = !mesh.triangles.empty();
+    if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh));
+    const Output now = world.output();
+    readings_ = now.wires[0].readings;
     if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
-        if (scene_.wire_every > 0) write_wire_frame(world);
-        if (scene_.contacts_every > 0) write_contact_frame(world);
+        if (scene_.wire_every > 0) write_wire_frame(now);
+        if (scene_.contacts_every > 0) write_contact_frame(now);
         write_collections();
     }
     checkpoint(world, RunStatus::Running, 0);
@@ -120,6 +122,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
       vessel_(vessel),
       dir_(std::move(dir)),
       vessel_hash_(hash_of(world.setup().mesh)),
+      has_wall_(!world.setup().mesh.triangles.empty()),
       tally_(saved.tally),
       wire_frames_(saved.wire_frames),
       contact_frames_(saved.contact_frames)
@@ -136,36 +139,43 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
     tally_.resumes++;
 }
 
-void Recorder::take_in(const World& world, const StepReport& report)
+void Recorder::take_in(const Output& now, const StepReport& report)
 {
-    readings_ = world.readings(0);
+    readings_ = now.wires[0].readings;
     tally_.take_in(readings_, report.flags, report.newton_iterations);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
     tally_.row_flags |= report.flags;
 }
 
-void Recorder::settled(const World& world, const StepReport& report)
+void Recorder::settled(const Output& now, const StepReport& report)
 {
     const Stopwatch watch(tally_.record);
-    take_in(world, report);
-    write_row(world);
-    if (scene_.wire_every > 0) write_wire_frame(world);
-    if (scene_.contacts_every > 0) write_contact_frame(world);
+    take_in(now, report);
+    write_row(now);
+    if (scene_.wire_every > 0) write_wire_frame(now);
+    if (scene_.contacts_every > 0) write_contact_frame(now);
     write_collections();
 }
 
-void Recorder::stepped(const World& world, const StepReport& report, double seconds)
+unsigned Recorder::wants() const
+{
+    const std::int64_t next = tally_.steps + 1;
+    return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
+           (has_wall_ && due(next, scene_.contacts_every) ? Output::Contacts : Output::Numbers);
+}
+
+void Recorder::stepped(const Output& now, const StepReport& report, double seconds)
 {
     const Stopwatch watch(tally_.record);
     tally_.steps++;
     tally_.row_steps++;
     tally_.row_time += seconds;
-    take_in(world, report);
-    tally_.rest_steps = world.at_rest() ? tally_.rest_steps + 1 : 0;
-    if (due(tally_.steps, scene_.record_every)) write_row(world);
-    if (due(tally_.steps, scene_.wire_every)) write_wire_frame(world);
-    if (due(tally_.steps, scene_.contacts_every)) write_contact_frame(world);
+    take_in(now, report);
+    tally_.rest_steps = now.wires[0].at_rest ? tally_.rest_steps + 1 : 0;
+    if (due(tally_.steps, scene_.record_every)) write_row(now);
+    if (due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
+    if (due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);
 }
 
 std::string Recorder::csv(double value)
@@ -175,36 +185,36 @@ std::string Recorder::csv(double value)
     return {};
 }
 
-void Recorder::write_row(const World& world)
+void Recorder::write_row(const Output& now)
 {
     const WireReadings& r = readings_;
     const double step_ms = tally_.row_steps > 0 ? 1e3 * tally_.row_time / static_cast<double>(tally_.row_steps) : 0;
     std::string row =
-        fmt::format("{},{},{},{},{},{}", tally_.steps, csv(world.time()), csv(r.inserted), csv(r.turned), r.nodes, r.contacts);
+        fmt::format("{},{},{},{},{},{}", tally_.steps, csv(now.time), csv(r.inserted), csv(r.turned), r.nodes, r.contacts);
     for (const double v : {r.normal, r.friction, r.sliding, r.sticking, r.rolling, r.hand_force, r.hand_torque, r.overlap})
         row += "," + csv(v);
     row += fmt::format(",{},{:.4g}", tally_.row_newton, step_ms);
     for (const double v : {r.contact_length, r.outside, r.base_force.x(), r.base_force.y(), r.base_force.z(), r.kinetic,
                            r.elastic, r.gravitational})
         row += "," + csv(v);
-    const Vec3 tip = world.rod(0).pos(0);
+    const Vec3& tip = now.wires[0].tip;
     trace_.append(row + fmt::format(",{},{},{},{},{}\n", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()),
                                     csv(tip.y()), csv(tip.z())));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }
 
-void Recorder::write_wire_frame(const World& world)
+void Recorder::write_wire_frame(const Output& now)
 {
-    write_file(dir_ / frame_name("wire", tally_.steps), wire_vtp(world));
-    wire_frames_.push_back({tally_.steps, world.time()});
+    write_file(dir_ / frame_name("wire", tally_.steps), wire_vtp(now.wires[0]));
+    wire_frames_.push_back({tally_.steps, now.time});
 }
 
-void Recorder::write_contact_frame(const World& world)
+void Recorder::write_contact_frame(const Output& now)
 {
-    if (world.setup().mesh.triangles.empty()) return;
-    write_file(dir_ / frame_name("contacts", tally_.steps), contacts_vtp(world.contacts()));
-    contact_frames_.push_back({tally_.steps, world.time()});
+    if (!has_wall_) return;
+    write_file(dir_ / frame_name("contacts", tally_.steps), contacts_vtp(now.contacts));
+    contact_frames_.push_back({tally_.steps, now.time});
 }
 
 // Written with each checkpoint and at the end, not with each frame: the list of a long series would cost more than the series.
@@ -220,24 +230,21 @@ void Recorder::write_collections()
     }
 }
 
-void Recorder::write_wire_table(const World& world)
+void Recorder::write_wire_table(const WireOutput& wire)
 {
-    const RodView rod = world.rod(0);
-    const std::vector<Vec3> force = world.nodal_contact_force(0);
     std::string table = "s_m,x_m,y_m,z_m,vx,vy,vz,spin_rad,fx_n,fy_n,fz_n\n";
-    for (int i = 0; i < rod.n; ++i) {
-        const double spin = 0.0 - rod.theta[std::min(i, rod.n - 2)];  // right-handed about the direction of insertion
-        const Vec3 &f = force[static_cast<std::size_t>(i)], x = rod.pos(i), v = rod.vel(i);
-        const double row[] = {rod.material_s[i], x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), spin, f.x(), f.y(), f.z()};
+    for (std::size_t i = 0; i < wire.position.size(); ++i) {
+        const Vec3 &f = wire.contact_force[i], &x = wire.position[i], &v = wire.velocity[i];
+        const double row[] = {wire.material_s[i], x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), wire.spin[i], f.x(), f.y(), f.z()};
         for (const double& value : row) table += csv(value) + (&value == std::end(row) - 1 ? "\n" : ",");
     }
     write_file(dir_ / "wire.csv", table);
 }
 
-void Recorder::write_contact_table(const World& world)
+void Recorder::write_contact_table(const Output& now)
 {
     std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m\n";
-    for (const ContactRow& c : world.contacts()) {
+    for (const ContactRow& c : now.contacts) {
         table += fmt::format("{},{}", c.edge, c.triangle);
         for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
                                c.normal_force, c.friction.norm()})
@@ -266,12 +273,13 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
     {
         const Stopwatch watch(tally_.record);
         const bool ended = !goes_on && tally_.steps > 0;
-        if (ended && !due(tally_.steps, scene_.record_every)) write_row(world);
-        if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(world);
-        if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(world);
+        const Output now = world.output();
+        if (ended && !due(tally_.steps, scene_.record_every)) write_row(now);
+        if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
+        if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);
         write_collections();
-        write_wire_table(world);
-        write_contact_table(world);
+        write_wire_table(now.wires[0]);
+        write_contact_table(now);
     }
     tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
     const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_});

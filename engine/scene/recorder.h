@@ -1,6 +1,6 @@
 #pragma once
 // Everything that `seldinger run` writes into its folder (docs/command-line.md): the tables, the ParaView series, the summary and
-// the checkpoint. It reads the world between steps and never changes it.
+// the checkpoint. It records Output, which is read from the world between steps.
 //
 // Frames are named after their step (wire_000120.vtp), so that a resumed run writes the same files again. Rows of trace.csv hold
 // the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before.
@@ -35,10 +35,12 @@ public:
     Recorder(const Scene& scene, const RepairReport& vessel, World& world, std::filesystem::path dir,
              const Checkpoint& checkpoint);
 
-    /// After settle(): takes its readings in, and writes row 0.
-    void settled(const World& world, const StepReport& report);
-    /// After an accepted step. @param seconds  that the step took
-    void stepped(const World& world, const StepReport& report, double seconds);
+    /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
+    void settled(const Output& now, const StepReport& report);
+    /// What the next step's record needs, of Output::Parts.
+    [[nodiscard]] unsigned wants() const;
+    /// After an accepted step. @param now  of the parts that were wanted  @param seconds  that the step took
+    void stepped(const Output& now, const StepReport& report, double seconds);
 
     /// Saves where the run stands. @param wall  of the loop so far [s]
     void checkpoint(const World& world, RunStatus status, double wall);
@@ -50,19 +52,20 @@ public:
     void warn(const std::string& sentence) { warnings_.push_back(sentence); }
 
 private:
-    void take_in(const World& world, const StepReport& report);
-    void write_row(const World& world);
-    void write_wire_frame(const World& world);
-    void write_contact_frame(const World& world);
+    void take_in(const Output& now, const StepReport& report);
+    void write_row(const Output& now);
+    void write_wire_frame(const Output& now);
+    void write_contact_frame(const Output& now);
     void write_collections();
-    void write_wire_table(const World& world);
-    void write_contact_table(const World& world);
+    void write_wire_table(const WireOutput& wire);
+    void write_contact_table(const Output& now);
     [[nodiscard]] std::string csv(double value);
 
     const Scene& scene_;
     const RepairReport& vessel_;
     std::filesystem::path dir_;
     std::uint64_t vessel_hash_ = 0;
+    bool has_wall_ = false;
     AppendFile trace_;
     RunTally tally_;
     WireReadings readings_;  // of the last accepted step

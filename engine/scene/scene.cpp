@@ -1,10 +1,22 @@
+// What follows from a scene as it was read.
+
 #include "scene/scene.h"
+
+#include "solve/feed.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace seldinger {
+
+FeedKey SceneFeed::at(double t) const { return keys.empty() ? FeedKey{t, 0, 0} : HubPath(keys).at(t); }
+
+FeedSpec SceneFeed::inlet() const
+{
+    const FeedKey start = at(0);
+    return {on, point, direction, start.advance, start.turn};
+}
 
 long Scene::steps() const { return std::lround(duration / dt); }
 

@@ -17,6 +17,24 @@ struct LoadedVessel;  // scene/vessel_load.h
 
 enum class Until { Time, Rest };
 
+/// [contact] of a scene: friction is a property of the wire's sections (WireSection), these are what a section has that says nothing.
+struct SceneContact : ContactSpec {
+    double mu_static = 0.12, mu_sliding = 0.10;
+};
+
+/// [feed] of a scene.
+struct SceneFeed {
+    bool on = false;
+    bool inlet_auto = false;  // pick an inlet of the vessel; else point and direction
+    Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
+    std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
+
+    /// The inlet, with the hub where the keys have it at t = 0.
+    [[nodiscard]] FeedSpec inlet() const;
+    /// Where the hub is asked to be at time t.
+    [[nodiscard]] FeedKey at(double t) const;
+};
+
 struct Scene {
     std::filesystem::path source;  // file that it was read from, for messages
     std::string name;
@@ -31,8 +49,8 @@ struct Scene {
     WireSpec wire;
     IntegratorSpec integrator;
     VesselSpec vessel;  // paths absolute
-    ContactSpec contact;
-    FeedSpec feed;
+    SceneContact contact;
+    SceneFeed feed;
     std::vector<HoldSpec> holds;
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;

@@ -140,7 +140,7 @@ void check_contact_lengths(const TableReader& t, const Scene& scene)
 void read_contact(const toml::table& table, Scene& scene)
 {
     const TableReader t(table, "contact", contact_keys);
-    ContactSpec& spec = scene.contact;
+    SceneContact& spec = scene.contact;
     t.choice("detection", spec.detection, detection_words);
     t.choice("normal", spec.normal, normal_words);
     t.choice("friction", spec.friction, friction_words);
@@ -182,7 +182,7 @@ FeedKey read_feed_key(const toml::node& node, const FeedKey& before, bool first)
 void read_feed(const toml::table& table, Scene& scene)
 {
     const TableReader t(table, "feed", {"point", "direction", "inlet", "keys"});
-    FeedSpec& feed = scene.feed;
+    SceneFeed& feed = scene.feed;
     feed.on = true;
     constexpr std::string_view inlets[] = {"auto"};
     feed.inlet_auto = t.word_index("inlet", inlets) == 0;

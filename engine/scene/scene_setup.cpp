@@ -66,7 +66,7 @@ void check_size(const Scene& scene, const LoadedVessel& vessel)
 
 void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
 {
-    if (!feed.inlet_auto) return;
+    if (!scene.feed.inlet_auto) return;
     if (scene.vessel.shape == VesselShape::Plane)
         fail(scene, "feed.inlet", "a plane has no inlet: its border is no opening; give point and direction");
     try {
@@ -90,7 +90,7 @@ public:
         const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
                                                                    place.opening, 1e3 * (place.nearest - p).norm())
                                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
-        fail(scene, feed.inlet_auto ? "feed.inlet" : "feed.point",
+        fail(scene, scene.feed.inlet_auto ? "feed.inlet" : "feed.point",
              fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)",
                          p.x(), p.y(), p.z(), where));
     }
@@ -132,7 +132,7 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     const bool has_lumen = first.vessel.shape != VesselShape::None && first.vessel.shape != VesselShape::Plane;
     StartPlaces places(vessel, has_lumen);
     for (const Scene& scene : scenes) {
-        WireSetup wire{scene.wire, scene.feed, scene.contact, scene.holds, scene.loads, scene.links, {}};
+        WireSetup wire{scene.wire, scene.feed.inlet(), scene.contact, scene.holds, scene.loads, scene.links, {}};
         if (has_lumen) check_size(scene, vessel);
         if (wire.feed.on) {
             place_feed(scene, vessel, wire.feed);
@@ -143,7 +143,6 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
         setup.wires.push_back(std::move(wire));
     }
     setup.gravity = first.gravity;
-    setup.dt = first.dt;
     setup.start_settled = first.start_settled;
     setup.integrator = first.integrator;
     setup.vessel = first.vessel;
@@ -151,6 +150,12 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     setup.centreline = std::move(vessel.centreline);
     setup.device_index = device_index;
     return setup;
+}
+
+LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
+{
+    const Scene scene = read_scene(file, overrides);
+    return {make_setup(scene), scene.feed.keys, scene.dt, scene.duration};
 }
 
 }  // namespace seldinger

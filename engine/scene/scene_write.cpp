@@ -163,7 +163,7 @@ void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::
     if (!v.centreline.empty()) t.word("centreline", rebased(v.centreline, folder));
 }
 
-void write_contact(std::string& out, const ContactSpec& c)
+void write_contact(std::string& out, const SceneContact& c)
 {
     TableText t(out, "[contact]");
     t.word("detection", word_of(detection_words, c.detection)).word("normal", word_of(normal_words, c.normal));
@@ -179,7 +179,7 @@ void write_contact(std::string& out, const ContactSpec& c)
     t.word("precision", word_of(precision_words, c.precision));
 }
 
-void write_feed(std::string& out, const FeedSpec& feed)
+void write_feed(std::string& out, const SceneFeed& feed)
 {
     if (!feed.on) return;
     TableText t(out, "[feed]");

@@ -22,7 +22,6 @@ struct RunTally {
     std::int64_t contacts_max = 0, newton_max = 0;
     std::int64_t halved_steps = 0;    // StepHalved
     std::int64_t outside_steps = 0;   // StepWallPenetration
-    std::int64_t overflow_steps = 0;  // StepContactOverflow
     std::int64_t non_finite = 0;      // numbers that could not be written
     std::int64_t resumes = 0;
     std::int64_t rest_steps = 0;                                // steps in a row that World::at_rest() held

@@ -2,6 +2,7 @@
 #include "scene/vessel_load.h"
 
 #include "core/error.h"
+#include "engine.h"
 #include "io/mesh_file.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
@@ -67,6 +68,13 @@ LoadedVessel load_vessel(const VesselSpec& spec)
             return generated(make_aortic_arch(spec));
     }
     throw Error(ExitCode::BadScene, "vessel.shape: unknown value");
+}
+
+void load_vessel(WorldSetup& setup)
+{
+    LoadedVessel vessel = load_vessel(setup.vessel);
+    setup.mesh = std::move(vessel.mesh);
+    setup.centreline = std::move(vessel.centreline);
 }
 
 }  // namespace seldinger

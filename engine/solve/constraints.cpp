@@ -262,17 +262,4 @@ std::vector<double> WireHolds::path(double length) const
     return path;
 }
 
-FeedKey FeedSpec::at(double t) const
-{
-    if (keys.empty()) return {t, 0, 0};
-    if (t <= keys.front().t) return {t, keys.front().advance, keys.front().turn};
-    for (std::size_t k = 1; k < keys.size(); ++k) {
-        const FeedKey &a = keys[k - 1], &b = keys[k];
-        if (t >= b.t) continue;
-        const double weight = (t - a.t) / (b.t - a.t);
-        return {t, a.advance + weight * (b.advance - a.advance), a.turn + weight * (b.turn - a.turn)};
-    }
-    return {t, keys.back().advance, keys.back().turn};
-}
-
 }  // namespace seldinger

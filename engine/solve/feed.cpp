@@ -1,3 +1,5 @@
+// Feeding a wire: the introducer, the growing base edge, births and merges of the node next to the inlet.
+
 #include "solve/feed.h"
 
 #include "core/check.h"
@@ -11,16 +13,16 @@ namespace seldinger {
 
 namespace {
 
-// Debts of rest length fade over this time [s], or while an edge is fed: slow against axial waves, fast against a hand.
-constexpr double debt_time = 0.025;
+// Surpluses of rest length fade over this time [s], or while an edge is fed: slow against axial waves, fast against a hand.
+constexpr double surplus_time = 0.025;
 // Length of a base edge when its node is born, of an edge. Shorter, and rounding of positions (1e-17 m) times EA/l would show in
 // the force; longer, and so would the polygon's error.
 constexpr double base_born = 0.005;
 
 Vec3 turned_director(const FeedState& state) { return Eigen::AngleAxisd(state.turn, state.direction) * state.director; }
 
-// The piece of wire in the guide: two nodes, half an edge long, its tip `advance` beyond the inlet.
-void place_in_guide(const FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double speed, double spin)
+// The piece of wire in the introducer: two nodes, half an edge long, its tip `advance` beyond the inlet.
+void place_in_introducer(const FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double speed, double spin)
 {
     rods.set_node_count(index, 2);
     const RodView rod = rods.view(index);
@@ -49,14 +51,13 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
     rods.set_curvature(index, wire.curvature);
     state.point = spec.point;
     state.direction = spec.direction.normalized();
-    // first director: the upright side of the wire as it lies in the guide
+    // first director: the upright side of the wire as it lies in the introducer
     Vec3 up = Vec3::UnitZ() - state.direction.z() * state.direction;
     if (up.norm() < 0.1) up = Vec3::UnitX() - state.direction.x() * state.direction;
     state.director = up.normalized();
-    const FeedKey key = spec.at(0);
-    state.advance = key.advance;
-    state.turn = key.turn;
-    place_in_guide(state, wire, rods, index, 0, 0);
+    state.advance = spec.advance;
+    state.turn = spec.turn;
+    place_in_introducer(state, wire, rods, index, 0, 0);
     if (state.advance > state.edge / 2) {  // starts with a length inside: straight along the inlet
         const double inside = state.advance;
         const int edges = std::max(1, static_cast<int>(std::lround(inside / state.edge)));
@@ -75,20 +76,19 @@ void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, Ro
     }
 }
 
-void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h)
+void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArrays& rods, int index, double h)
 {
-    const FeedKey key = spec.at(t);
-    const double fed = key.advance - state.advance, turned = key.turn - state.turn;
-    state.advance = key.advance;
-    state.turn = key.turn;
+    const double fed = end.advance - state.advance, turned = end.turn - state.turn;
+    state.advance = end.advance;
+    state.turn = end.turn;
     state.speed = fed / h;
     state.grown = fed;
     if (!state.inside) {
-        place_in_guide(state, wire, rods, index, fed / h, turned / h);
+        place_in_introducer(state, wire, rods, index, fed / h, turned / h);
         state.inside = state.advance >= state.edge / 2;
         if (state.inside) {  // what is beyond half an edge is already base edge
             const RodView rod = rods.view(index);
-            // the step that follows takes the tip to where the guide has it at its end, and turns it
+            // the step that follows takes the tip to where the introducer has it at its end, and turns it
             rod.set_pos(0, state.point + (state.advance - fed) * state.direction);
             rod.set_pos(1, state.point);
             rod.theta[0] += turned;
@@ -99,33 +99,33 @@ void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodAr
     }
     const RodView rod = rods.view(index);
     const int hub = rod.n - 1;
-    if (hub == 1 && state.advance < state.edge / 2) {  // pulled back into the guide
+    if (hub == 1 && state.advance < state.edge / 2) {  // pulled back into the introducer
         state.inside = 0;
-        state.debt = state.debt_rate = 0;
-        place_in_guide(state, wire, rods, index, fed / h, turned / h);
+        state.surplus = state.surplus_rate = 0;
+        place_in_introducer(state, wire, rods, index, fed / h, turned / h);
         return;
     }
-    // of a wire that flies apart the debt may be any length: the base edge keeps half of its own, and gains no more
-    const double faded = fade_debt(state, h), most = 0.5 * std::abs(rod.rest_length[hub - 1] + fed);
+    // of a wire that flies apart the surplus may be any length: the base edge keeps half of its own, and gains no more
+    const double faded = fade_surplus(state, h), most = 0.5 * std::abs(rod.rest_length[hub - 1] + fed);
     const double taken = std::clamp(faded, -most, most);
-    state.debt += taken - faded;
+    state.surplus += taken - faded;
     state.grown = fed + taken;
     rod.material_s[hub] += state.grown;
     set_rest_shape(rod, wire, false);
 }
 
-double fade_debt(FeedState& state, double h)
+double fade_surplus(FeedState& state, double h)
 {
-    const double before = state.debt, w = 1 / debt_time + (state.on ? std::abs(state.speed) / state.edge : 0.0);
-    if (before == 0 && state.debt_rate == 0) return 0;
+    const double before = state.surplus, w = 1 / surplus_time + (state.on ? std::abs(state.speed) / state.edge : 0.0);
+    if (before == 0 && state.surplus_rate == 0) return 0;
     if (std::isfinite(h)) {
-        const double slope = state.debt_rate + w * before, left = std::exp(-w * h);
-        state.debt = (before + slope * h) * left;
-        state.debt_rate = (state.debt_rate - w * slope * h) * left;
+        const double slope = state.surplus_rate + w * before, left = std::exp(-w * h);
+        state.surplus = (before + slope * h) * left;
+        state.surplus_rate = (state.surplus_rate - w * slope * h) * left;
     } else {
-        state.debt = state.debt_rate = 0;
+        state.surplus = state.surplus_rate = 0;
     }
-    return state.debt - before;
+    return state.surplus - before;
 }
 
 BaseEdge base_edge_limits(double whole, double pushed, double pulled)
@@ -135,17 +135,29 @@ BaseEdge base_edge_limits(double whole, double pushed, double pulled)
             std::clamp(2 * pulled, 0.5 * base_born * whole, half)};
 }
 
-double feed_travel(const FeedSpec& spec, double from, double until, int sign)
+FeedKey HubPath::at(double t) const
 {
-    double travel = 0, last = spec.at(from).advance;
+    if (t <= keys_.front().t) return {t, keys_.front().advance, keys_.front().turn};
+    for (std::size_t k = 1; k < keys_.size(); ++k) {
+        const FeedKey &a = keys_[k - 1], &b = keys_[k];
+        if (t >= b.t) continue;
+        const double weight = (t - a.t) / (b.t - a.t);
+        return {t, a.advance + weight * (b.advance - a.advance), a.turn + weight * (b.turn - a.turn)};
+    }
+    return {t, keys_.back().advance, keys_.back().turn};
+}
+
+double HubPath::travel(double from, double until, int sign) const
+{
+    double travelled = 0, last = at(from).advance;
     const auto go_to = [&](double advance) {
-        travel += std::max(0.0, sign * (advance - last));
+        travelled += std::max(0.0, sign * (advance - last));
         last = advance;
     };
-    for (const FeedKey& key : spec.keys)
+    for (const FeedKey& key : keys_)
         if (key.t > from && key.t < until) go_to(key.advance);
-    go_to(spec.at(until).advance);
-    return travel;
+    go_to(at(until).advance);
+    return travelled;
 }
 
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)
@@ -187,8 +199,8 @@ HubChange adapt_hub(FeedState& state, const WireSpec& wire, RodArrays& rods, int
     const double before = energy_now(rod, inlet.clamps, frames);
     const SplitResult result = split ? split_base_edge(rods, index, limits.whole / length, wire, inlet.clamps, scratch.split)
                                      : merge_base_edges(rods, index, wire, inlet.clamps);
-    state.debt += result.rest_length_added;
-    state.debt_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
+    state.surplus += result.rest_length_added;
+    state.surplus_rate = std::clamp(result.base_rate - state.speed, -std::abs(state.speed), std::abs(state.speed));
     rod = rods.view(index);
     inlet.prescribed.clear();
     inlet.clamps.clear();

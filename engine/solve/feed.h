@@ -4,7 +4,7 @@
 //
 // h is the wire's uniform edge; for adaptive nodes it follows from the longest edge that the shape at the hub allows, 3h/2.
 //
-// Until half an edge is inside, the wire is a rigid piece gliding through the guide behind `point`: no unknowns, no contact. From
+// Until half an edge is inside, the wire is a rigid piece gliding through the introducer behind `point`: no unknowns, no contact. From
 // then on a node is born at the inlet whenever an edge is inside, and taken out where it is pulled back to there. There, and only
 // there, a change of the node set changes nothing: a base edge of length l -> 0 lies along the sleeve, and with it the clamp's
 // half cell l/2 and the node's cell (l + h)/2 are the half cell h/2 that clamped the edge of length h before. Shape, forces,
@@ -15,8 +15,8 @@
 // kappa h/2 to the sleeve, and after the birth along the sleeve, so that the same feed moves the wire slower by v phi^2/2.
 // Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The
 // base edge therefore goes on at the rate that keeps the wire's speed, and both the excess of that rate over the feed and the
-// length that it has brought in, the debt, fade: debt'' + 2 w debt' + w^2 debt = 0, w = 1/debt_time + v/h. So neither force nor
-// speed nor the length fed jumps.
+// length that it has brought in, the surplus s of rest length, fade: s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So
+// neither force nor speed nor the length fed jumps.
 
 #include "rod/elastic.h"
 #include "rod/split.h"
@@ -27,24 +27,36 @@ namespace seldinger {
 
 struct FeedState {
     double advance = 0, turn = 0;  // at the accepted time [m], [rad]
-    double debt = 0;               // rest length inside beyond what was fed [m], and how fast it changes [m/s]
-    double debt_rate = 0;
-    double edge = 0;   // h, edge length at the hub while nothing asks for less; of the piece in the guide twice [m]
+    double surplus = 0;            // rest length inside beyond what was fed [m], and how fast it changes [m/s]
+    double surplus_rate = 0;
+    double edge = 0;   // h, edge length at the hub while nothing asks for less; of the piece in the introducer twice [m]
     double speed = 0;  // of the material at the inlet during the last step; not state [m/s]
     double grown = 0;  // rest length of the base edge in the last step; not state [m]
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), director = Vec3::UnitZ();
     std::uint8_t on = 0;      // the wire is fed
-    std::uint8_t inside = 0;  // it has left the rigid guide and is being solved
+    std::uint8_t inside = 0;  // it has left the introducer and is being solved
 };
 
-/// Puts a fed wire into its guide at advance 0.
+/// Puts a fed wire into its introducer, with as much of it inside as the inlet says.
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index);
 
-/// Advances and turns the hub to time t [s] over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
-void feed_to(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index, double t, double h);
+/// The way of a hub, as a control asks for it: piecewise linear in time between keys whose times increase strictly, and constant
+/// outside of them.
+class HubPath {
+public:
+    /// @param keys  outlive the path, at least one
+    explicit HubPath(std::span<const FeedKey> keys) : keys_(keys) {}
+    /// Where the hub is at time t.
+    [[nodiscard]] FeedKey at(double t) const;
+    /// How far the wire travels forwards (sign +1) or back (-1) between two times, whatever it does in between [m].
+    [[nodiscard]] double travel(double from, double until, int sign) const;
 
-/// How far the wire travels forwards (sign +1) or back (-1) between two times, whatever it does in between [m].
-[[nodiscard]] double feed_travel(const FeedSpec& spec, double from, double until, int sign);
+private:
+    std::span<const FeedKey> keys_;
+};
+
+/// Advances and turns the hub to `end` over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
+void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArrays& rods, int index, double h);
 
 /// Adds the inlet's clamp to the constraints of a fed wire.
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out);
@@ -68,8 +80,8 @@ struct BaseEdge {
 /// Limits for a base edge that is to become `whole`. @param pushed, pulled  how far the wire goes in the next step [m]
 [[nodiscard]] BaseEdge base_edge_limits(double whole, double pushed, double pulled);
 
-/// Lets the debt fade over h [s], without a jump of force or speed. @return what is to be added to the rest length [m]
-[[nodiscard]] double fade_debt(FeedState& state, double h);
+/// Lets the surplus fade over h [s], without a jump of force or speed. @return what is to be added to the rest length [m]
+[[nodiscard]] double fade_surplus(FeedState& state, double h);
 
 /// What adapt_hub works with; kept, so that a split allocates nothing.
 struct HubScratch {

@@ -15,6 +15,7 @@
 // readings are of the end: there the balance closes to O(h).
 
 #include "rod/rod_arrays.h"
+#include "solve/momentum_balance.h"
 
 #include <span>
 
@@ -23,17 +24,6 @@ namespace seldinger {
 class Solver;
 struct IntegratorSpec;
 struct WireConstraints;
-
-/// Of the last sub-step; all in newtons.
-struct MomentumBalance {
-    Vec3 held = Vec3::Zero();  // by all holds, and by the inlet of a fed wire
-    Vec3 weight = Vec3::Zero();
-    Vec3 contact = Vec3::Zero();
-    Vec3 loads = Vec3::Zero();  // dead loads, links, damping against the surroundings
-    Vec3 fed = Vec3::Zero();    // brought in by material
-    Vec3 rate = Vec3::Zero();   // of change of momentum
-    [[nodiscard]] Vec3 error() const { return held + weight + contact + loads + fed - rate; }
-};
 
 /// What the balance needs of the time before a sub-step.
 struct MomentumStart {

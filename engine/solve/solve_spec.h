@@ -54,18 +54,17 @@ struct LinkSpec {
     std::vector<std::array<double, 4>> move;
 };
 
+/// Where the hub of a fed wire is at time t [s]: how much wire has been pushed in [m], and by how much it has been turned [rad],
+/// right-handed about the direction of insertion.
 struct FeedKey {
     double t = 0, advance = 0, turn = 0;
-};  // [s, m, rad]; turn is right-handed about the direction of insertion
+};
 
+/// The inlet that a wire is fed through, and where its hub is at the start.
 struct FeedSpec {
     bool on = false;
-    bool inlet_auto = false;  // pick an inlet of the vessel; else point and direction
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
-    std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
-
-    /// Advance [m] and turn [rad] at time t.
-    [[nodiscard]] FeedKey at(double t) const;
+    double advance = 0, turn = 0;  // at the start [m], [rad]
 };
 
 }  // namespace seldinger

@@ -24,13 +24,14 @@ std::string shared_part(Scene scene, const Scene& first)
     scene.holds = first.holds;
     scene.loads = first.loads;
     scene.links = first.links;
-    ContactSpec& contact = scene.contact;
-    const ContactSpec& other = first.contact;
+    SceneContact& contact = scene.contact;
+    const SceneContact& other = first.contact;
     contact.stiffness_from_wall = other.stiffness_from_wall;
-    for (double ContactSpec::*member :
-         {&ContactSpec::stiffness, &ContactSpec::exponent, &ContactSpec::restitution, &ContactSpec::mu_static,
-          &ContactSpec::mu_sliding, &ContactSpec::rolling_alpha, &ContactSpec::rolling_sigma_b, &ContactSpec::rolling_sigma_s,
-          &ContactSpec::rolling_hardness, &ContactSpec::layer_height, &ContactSpec::pair_distance})
+    contact.mu_static = other.mu_static;
+    contact.mu_sliding = other.mu_sliding;
+    for (double ContactSpec::*member : {&ContactSpec::stiffness, &ContactSpec::exponent, &ContactSpec::restitution,
+                                        &ContactSpec::rolling_alpha, &ContactSpec::rolling_sigma_b, &ContactSpec::rolling_sigma_s,
+                                        &ContactSpec::rolling_hardness, &ContactSpec::layer_height, &ContactSpec::pair_distance})
         contact.*member = other.*member;
     contact.rolling = other.rolling;
     contact.samples_per_edge = other.samples_per_edge;
@@ -82,6 +83,7 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
         runs_.push_back({static_cast<std::int64_t>(run), prescribed_until(scenes.back()), {}, false});
     }
     scene_ = scenes.front();
+    key_frames_ = KeyFrames(scenes);
     world_ = std::make_unique<World>(make_setup(scenes, std::move(vessel), device));
 }
 
@@ -90,7 +92,7 @@ void BatchWorld::finish(int wire, RunStatus status, std::vector<BatchRow>& rows)
     Run& run = runs_[static_cast<std::size_t>(wire)];
     rows.push_back(make_row(run.index, status, *world_, wire, run.tally));
     run.finished = true;
-    world_->retire(wire);
+    world_->retire(world_->system_of(wire));
     --left_;
 }
 
@@ -113,7 +115,7 @@ std::vector<BatchRow> BatchWorld::step()
     std::vector<BatchRow> rows;
     if (!settled_) settle_all(rows);
     if (finished()) return rows;
-    const StepReport report = seldinger::step(*world_, scene_.dt);
+    const StepReport report = seldinger::step(*world_, key_frames_.control(), scene_.dt);
     stages_ += report.times;
     for (int w = 0; w < world_->wire_count(); ++w) {
         Run& run = runs_[static_cast<std::size_t>(w)];
@@ -167,7 +169,7 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
     take_bytes(at, end, state.data(), state.size());
     world_->restore_state(state);
     for (std::size_t w = 0; w < runs_.size(); ++w)
-        if (runs_[w].finished) world_->retire(static_cast<int>(w));
+        if (runs_[w].finished) world_->retire(world_->system_of(static_cast<int>(w)));
 }
 
 }  // namespace seldinger

@@ -3,6 +3,7 @@
 // one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run alone.
 
 #include "core/bytes.h"
+#include "scene/key_frames.h"
 #include "scene/vessel_load.h"
 #include "study/batch_table.h"
 
@@ -60,6 +61,7 @@ private:
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's wires
+    KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
     std::size_t left_ = 0;  // runs not finished
     bool settled_ = false;

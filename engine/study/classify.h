@@ -120,7 +120,7 @@ private:
 };
 
 /// Energy that material brings in when the wire's fed length goes from `from` to `to` [m] at `speed` [m/s]: its height, and the
-/// rho A v^2 per metre with which a guide accelerates it (momentum flux, design section 1). Negative when it leaves. [J]
+/// rho A v^2 per metre with which the introducer accelerates it (momentum flux, design section 1). Negative when it leaves. [J]
 [[nodiscard]] double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed);
 
 /// m |v^2 - v_0^2| of the wire that is inside, `inside` metres of it, when the feed goes from speed v_0 to v [m/s]. [J]

@@ -24,24 +24,24 @@ struct Place {
 class Search {
 public:
     /// @param scene  whose reader says which families can be run; null: none but the first is tried
-    Search(const SearchGrid& grid, PilotSource& pilots, const std::function<bool()>& may_go_on, const Scene* scene = nullptr,
+    Search(const SearchGrid& grid, TrialRunSource& trials, const std::function<bool()>& may_go_on, const Scene* scene = nullptr,
            bool touches = true)
-        : grid_(grid), pilots_(pilots), may_go_on_(may_go_on), scene_(scene), touches_(touches)
+        : grid_(grid), trials_(trials), may_go_on_(may_go_on), scene_(scene), touches_(touches)
     {
     }
 
     [[nodiscard]] bool ended() const { return ended_; }
-    [[nodiscard]] const Pilot* best() const { return best_; }
+    [[nodiscard]] const TrialRun* best() const { return best_; }
 
     /// Null when the search has ended or the place is off the grid.
-    const Pilot* look(const Model& family, Place place)
+    const TrialRun* look(const Model& family, Place place)
     {
         if (ended_ || !on_grid(family, place)) return nullptr;
         if (!may_go_on_()) return end();
-        const Pilot* pilot = pilots_.look_at(at_place(family, place));
-        if (!pilot) return end();
-        if (pilot->meets && (!best_ || pilot->seconds < worth_it * best_->seconds)) best_ = pilot, best_place_ = place;
-        return pilot;
+        const TrialRun* trial = trials_.look_at(at_place(family, place));
+        if (!trial) return end();
+        if (trial->meets && (!best_ || trial->seconds < worth_it * best_->seconds)) best_ = trial, best_place_ = place;
+        return trial;
     }
 
     [[nodiscard]] Place place_of(const Model& model) const
@@ -75,14 +75,14 @@ public:
         if (!best_ || ended_ || !can_run(family)) return;
         Place place = best_place_;
         const double cost = best_->seconds, error = best_->error;
-        const Pilot* pilot = look(family, place);
-        for (int finer = 2; pilot && !pilot->meets && finer <= 6; finer += 2) {
-            if (pilot->seconds * grid_ratio * grid_ratio > cost) return;
+        const TrialRun* trial = look(family, place);
+        for (int finer = 2; trial && !trial->meets && finer <= 6; finer += 2) {
+            if (trial->seconds * grid_ratio * grid_ratio > cost) return;
             place.step = best_place_.step - finer;
-            pilot = look(family, place);
+            trial = look(family, place);
         }
-        if (!pilot || !pilot->meets) return;
-        if (pilot->seconds < worth_it * cost || pilot->error < room * error) optimise(family, place, walks);
+        if (!trial || !trial->meets) return;
+        if (trial->seconds < worth_it * cost || trial->error < room * error) optimise(family, place, walks);
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
@@ -92,12 +92,12 @@ public:
         Model family = best_->model;
         choice.make(family);
         if (!can_run(family)) return;
-        const Pilot before = *best_;
-        const Pilot* pilot = look(family, best_place_);
-        if (!pilot || !pilot->meets || pilot->seconds > no_dearer * before.seconds ||
-            pilot->error > before.error + no_change * limit)
+        const TrialRun before = *best_;
+        const TrialRun* trial = look(family, best_place_);
+        if (!trial || !trial->meets || trial->seconds > no_dearer * before.seconds ||
+            trial->error > before.error + no_change * limit)
             return;
-        best_ = pilot;
+        best_ = trial;
     }
 
 private:
@@ -107,7 +107,7 @@ private:
         return scene_ && not_vouched_for(family, *scene_, touches_).empty() && why_not(family, *scene_).empty();
     }
 
-    const Pilot* end()
+    const TrialRun* end()
     {
         ended_ = true;
         return nullptr;
@@ -128,8 +128,8 @@ private:
 
     bool try_move(const Model& family, Place& here, Place there)
     {
-        const Pilot* now = look(family, here);
-        const Pilot* then = now ? look(family, there) : nullptr;
+        const TrialRun* now = look(family, here);
+        const TrialRun* then = now ? look(family, there) : nullptr;
         if (!then || !then->meets || then->seconds >= worth_it * now->seconds) return false;
         here = there;
         return true;
@@ -154,14 +154,14 @@ private:
     Place walk(const Model& family, Place from, int direction)
     {
         Place cheapest = from, here = from;
-        const Pilot* pilot = look(family, from);
-        if (!pilot) return from;
-        double least = pilot->seconds;
+        const TrialRun* trial = look(family, from);
+        if (!trial) return from;
+        double least = trial->seconds;
         for (int dearer = 0; dearer < patience && !ended_;) {
             here.step += direction;
             if (here.step < 0 || here.step >= static_cast<int>(grid_.steps.size())) break;
-            pilot = nodes_that_meet(family, here, least);
-            if (pilot && pilot->meets && pilot->seconds < least) least = pilot->seconds, cheapest = here, dearer = 0;
+            trial = nodes_that_meet(family, here, least);
+            if (trial && trial->meets && trial->seconds < least) least = trial->seconds, cheapest = here, dearer = 0;
             else ++dearer;
         }
         return cheapest;
@@ -169,29 +169,29 @@ private:
 
     /// Moves `here` along its nodes to the fewest that meet the goals. Gives up where more nodes would cost more than `least`:
     /// `here` is then left there.
-    const Pilot* nodes_that_meet(const Model& family, Place& here, double least)
+    const TrialRun* nodes_that_meet(const Model& family, Place& here, double least)
     {
-        const Pilot* pilot = look(family, here);
-        while (pilot && !pilot->meets && here.node > 0 && pilot->seconds <= least) {
+        const TrialRun* trial = look(family, here);
+        while (trial && !trial->meets && here.node > 0 && trial->seconds <= least) {
             --here.node;
-            pilot = look(family, here);
+            trial = look(family, here);
         }
-        if (!pilot || !pilot->meets) return pilot;
+        if (!trial || !trial->meets) return trial;
         for (;;) {
             const Place there = {here.node + 1, here.step};
-            const Pilot* then = look(family, there);
-            if (!then || !then->meets) return pilot;
+            const TrialRun* then = look(family, there);
+            if (!then || !then->meets) return trial;
             here = there;
-            pilot = then;
+            trial = then;
         }
     }
 
     const SearchGrid& grid_;
-    PilotSource& pilots_;
+    TrialRunSource& trials_;
     const std::function<bool()>& may_go_on_;
     const Scene* scene_;
     bool touches_;
-    const Pilot* best_ = nullptr;
+    const TrialRun* best_ = nullptr;
     Place best_place_;
     bool ended_ = false;
 };
@@ -281,12 +281,12 @@ std::vector<Choice> choices_in(const Scene& scene)
     return all;
 }
 
-SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, PilotSource& pilots,
+SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, TrialRunSource& trials,
                            const std::function<bool()>& may_go_on)
 {
-    Search search(grid, pilots, may_go_on, &scene, touches);
+    Search search(grid, trials, may_go_on, &scene, touches);
     Place place = search.place_of(start);
-    const Pilot* first = search.look(start, place);
+    const TrialRun* first = search.look(start, place);
     while (first && !first->meets && (place.step > 0 || place.node > 0)) {
         place = {std::max(0, place.node - 2), std::max(0, place.step - 2)};
         first = search.look(start, place);
@@ -295,7 +295,7 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
 
     const std::vector<Choice> choices = choices_in(scene);
     // Twice: a choice that did not pay before another was made may pay after it. Along staircases only then: a choice can save
-    // half of every later pilot, a walk hardly more than a fifth, and a budget may end the search anywhere.
+    // half of every later trial, a walk hardly more than a fifth, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;
         const Model before = search.best()->model;
@@ -319,24 +319,24 @@ SearchResult search_models(const Scene& scene, const Model& start, const SearchG
         if (search.ended() || label(search.best()->model) == label(before)) break;
     }
     for (const Choice& choice : choices)
-        if (choice.leaves_out && touches) search.leave_out(choice, pilots.limit());
+        if (choice.leaves_out && touches) search.leave_out(choice, trials.limit());
     SearchResult result;
     if (search.best()) result.best = search.best()->model;
     result.complete = !search.ended();
     return result;
 }
 
-std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots,
+std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, TrialRunSource& trials,
                                  const std::function<bool()>& may_go_on)
 {
-    Search search(grid, pilots, may_go_on);
+    Search search(grid, trials, may_go_on);
     const Place from = search.place_of(start);
     std::optional<Model> best;
     double least = std::numeric_limits<double>::infinity();
     const auto consider = [&](Place place) {
-        const Pilot* pilot = search.look(start, place);
-        if (!pilot || !pilot->sound || pilot->seconds > seconds) return false;
-        if (pilot->error < least) least = pilot->error, best = pilot->model;
+        const TrialRun* trial = search.look(start, place);
+        if (!trial || !trial->sound || trial->seconds > seconds) return false;
+        if (trial->error < least) least = trial->error, best = trial->model;
         return true;
     };
     // along each axis and the diagonal, the first that is fast enough

@@ -1,12 +1,12 @@
 #pragma once
-// Looks for the cheapest model that meets a plan's goals, by pilots. Every step of the search compares measured costs and errors;
+// Looks for the cheapest model that meets a plan's goals, by trials. Every step of the search compares measured costs and errors;
 // nothing is extrapolated.
 //
 // A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
 // error grows with the step and with the edges, so the places that meet the goals end in a staircase: the search goes down to a
 // corner of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
 
-#include "study/plan_pilots.h"
+#include "study/plan_trials.h"
 
 #include <functional>
 #include <optional>
@@ -37,7 +37,7 @@ struct Choice {
 /// Choices that this build can make in the scene, the likeliest to pay first.
 [[nodiscard]] std::vector<Choice> choices_in(const Scene& scene);
 
-/// Why no plan may choose a model, although it can be run; empty: it may. A pilot shows that a model went through the scene once.
+/// Why no plan may choose a model, although it can be run; empty: it may. A trial shows that a model went through the scene once.
 /// What vouches for the run after it is that every step's equations are solved and that its energy adds up
 /// (solve/energy_balance.h): of one linearised step nothing bounds what is left of the equations, and in contact the trapezoid
 /// rule makes energy at any step, a little in every touch, until the balance ends the run.
@@ -49,13 +49,13 @@ struct SearchResult {
 };
 
 /// @param start  families begin here: a model that meets the goals, at a place of the grid or between two
-/// @param may_go_on  asked before every pilot
+/// @param may_go_on  asked before every trial
 [[nodiscard]] SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches,
-                                         PilotSource& pilots, const std::function<bool()>& may_go_on);
+                                         TrialRunSource& trials, const std::function<bool()>& may_go_on);
 
-/// The most accurate model whose pilot takes at most `seconds` per simulated second with steps of at most `longest_step`;
+/// The most accurate model whose trial takes at most `seconds` per simulated second with steps of at most `longest_step`;
 /// coarsens from `start` until the rate is met. Empty: none was found.
-[[nodiscard]] std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, PilotSource& pilots,
+[[nodiscard]] std::optional<Model> search_rate(const Model& start, const SearchGrid& grid, double seconds, TrialRunSource& trials,
                                                const std::function<bool()>& may_go_on);
 
 }  // namespace seldinger

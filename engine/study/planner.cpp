@@ -26,7 +26,7 @@ constexpr double plainly_cheaper = 0.95;
 class Planner {
 public:
     Planner(const StudyScene& scene, const PlanOptions& options)
-        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(options.pilots)
+        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(options.trials)
     {
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         check_goals();
@@ -162,28 +162,28 @@ private:
                 "the wire never touches the wall: what contact needs cannot be told from this scene, and is left as it is");
         note_what_is_not_tried();
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
-        Pilots pilots(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
-        if (goals_.rate > 0 && !rate_is_thinkable(pilots)) return out_of_reach(pilots);
+        TrialRuns trials(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
+        if (goals_.rate > 0 && !rate_is_thinkable(trials)) return out_of_reach(trials);
         const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
-            tell(fmt::format("pilot {}", ++looked));
+            tell(fmt::format("trial run {}", ++looked));
             return may_go_on();
         };
-        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, pilots, go_on);
-        result_.pilots = static_cast<int>(pilots.all().size());
-        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, trials, go_on);
+        result_.trials = static_cast<int>(trials.all().size());
+        if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         result_.search_complete = found.complete;
         if (!found.complete)
             result_.notes.push_back(
                 fmt::format("the budget of {:g} s ended the search: there may be cheaper models", options_.budget));
-        if (!found.best) return nothing_meets(pilots, grid);
-        const std::optional<PlannedModel> best = timed_best(*found.best, pilots);
+        if (!found.best) return nothing_meets(trials, grid);
+        const std::optional<PlannedModel> best = timed_best(*found.best, trials);
         if (!best) return stop_with(PlanStatus::Interrupted, "interrupted");
-        if (goals_.rate > 0 && best->slowest > 1) return too_slow(*best, pilots, grid);
+        if (goals_.rate > 0 && best->slowest > 1) return too_slow(*best, trials, grid);
         result_.chosen = best;
-        look_at_omissions(pilots, grid);
-        result_.pilots = static_cast<int>(pilots.all().size());
-        if (pilots.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
+        look_at_omissions(trials, grid);
+        result_.trials = static_cast<int>(trials.all().size());
+        if (trials.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
     }
 
     /// What could be run here and may not be chosen.
@@ -198,7 +198,7 @@ private:
         }
     }
 
-    /// The coarsest level of the reference that is not plainly hopeless: pilots go on from there.
+    /// The coarsest level of the reference that is not plainly hopeless: trials go on from there.
     Model starting_model() const
     {
         const PlanReference& reference = result_.reference;
@@ -210,11 +210,11 @@ private:
             --level;
         }
         Model model = reference.levels[level];
-        return as_pilot(model);
+        return as_trial(model);
     }
 
-    /// What the reference says for itself a pilot leaves to the scene, but for the order in time of what touches nothing.
-    Model as_pilot(Model model) const
+    /// What the reference says for itself a trial leaves to the scene, but for the order in time of what touches nothing.
+    Model as_trial(Model model) const
     {
         model.tolerance.reset();
         if (model.trapezoid == scene_.scene.integrator.newmark) model.trapezoid.reset();
@@ -222,15 +222,15 @@ private:
     }
 
     /// A step cannot be cheaper than the cheapest that was seen: some rates need not be tried.
-    bool rate_is_thinkable(Pilots& pilots)
+    bool rate_is_thinkable(TrialRuns& trials)
     {
-        const Model coarse = as_pilot(result_.reference.levels.front());
-        const Pilot* pilot = pilots.look_at(coarse);
-        if (!pilot) {
+        const Model coarse = as_trial(result_.reference.levels.front());
+        const TrialRun* trial = trials.look_at(coarse);
+        if (!trial) {
             stop_with(PlanStatus::Interrupted, "interrupted");
             return false;
         }
-        const double step_seconds = pilot->seconds * coarse.dt.value_or(1);
+        const double step_seconds = trial->seconds * coarse.dt.value_or(1);
         constexpr double cheaper_yet = 10;  // fewer nodes, one Newton step, at the very best
         if (step_seconds * goals_.rate < cheaper_yet) return true;
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so "
@@ -240,39 +240,39 @@ private:
     }
 
     /// The nearest to a rate that no model reaches: what the tolerance costs, and the quickest steps that were seen.
-    void out_of_reach(Pilots& pilots)
+    void out_of_reach(TrialRuns& trials)
     {
-        if (pilots.stopped()) return;
+        if (trials.stopped()) return;
         const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest_step);
         const auto go_on = [&] { return may_go_on(); };
-        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, pilots, go_on);
+        const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, trials, go_on);
         result_.search_complete = found.complete;
-        const std::optional<PlannedModel> best = found.best && !pilots.stopped() ? timed_best(*found.best, pilots) : std::nullopt;
-        result_.pilots = static_cast<int>(pilots.all().size());
-        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        const std::optional<PlannedModel> best = found.best && !trials.stopped() ? timed_best(*found.best, trials) : std::nullopt;
+        result_.trials = static_cast<int>(trials.all().size());
+        if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (best) result_.accurate = best;
-        const Pilot* quickest = nullptr;
-        const auto step_seconds = [](const Pilot& pilot) { return pilot.seconds * pilot.model.dt.value_or(1); };
-        for (const auto& [key, pilot] : pilots.all())
-            if (pilot.sound && (!quickest || step_seconds(pilot) < step_seconds(*quickest))) quickest = &pilot;
+        const TrialRun* quickest = nullptr;
+        const auto step_seconds = [](const TrialRun& trial) { return trial.seconds * trial.model.dt.value_or(1); };
+        for (const auto& [key, trial] : trials.all())
+            if (trial.sound && (!quickest || step_seconds(trial) < step_seconds(*quickest))) quickest = &trial;
         if (!quickest) return;
         const Model model = quickest->model;
-        const double slowest = pilots.time_again(model, final_repeats);
-        if (pilots.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
-        result_.fast = planned(pilots.all().at(label(model)), slowest);
+        const double slowest = trials.time_again(model, final_repeats);
+        if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
+        result_.fast = planned(trials.all().at(label(model)), slowest);
         result_.message +=
             fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
     /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only
     /// where it is plainly cheaper.
-    std::optional<PlannedModel> timed_best(const Model& winner, Pilots& pilots)
+    std::optional<PlannedModel> timed_best(const Model& winner, TrialRuns& trials)
     {
         const std::string own = label(winner);
         std::vector<std::pair<double, Model>> contenders;
-        for (const auto& [key, pilot] : pilots.all())
-            if (pilot.meets && key != own && pilot.seconds <= contender * pilots.all().at(own).seconds)
-                contenders.emplace_back(pilot.seconds, pilot.model);
+        for (const auto& [key, trial] : trials.all())
+            if (trial.meets && key != own && trial.seconds <= contender * trials.all().at(own).seconds)
+                contenders.emplace_back(trial.seconds, trial.model);
         std::stable_sort(contenders.begin(), contenders.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
         if (contenders.size() > most_contenders) contenders.resize(most_contenders);
         contenders.insert(contenders.begin(), {0, winner});
@@ -280,34 +280,34 @@ private:
         for (const auto& [seconds, model] : contenders) {
             if (best && !may_go_on()) break;
             tell("timing " + label(model));
-            const double slowest = pilots.time_again(model, final_repeats);
-            if (pilots.stopped()) return std::nullopt;
-            const Pilot& pilot = pilots.all().at(label(model));
-            if (!best || pilot.seconds < plainly_cheaper * best->seconds) best = planned(pilot, slowest);
+            const double slowest = trials.time_again(model, final_repeats);
+            if (trials.stopped()) return std::nullopt;
+            const TrialRun& trial = trials.all().at(label(model));
+            if (!best || trial.seconds < plainly_cheaper * best->seconds) best = planned(trial, slowest);
         }
         return best;
     }
 
-    PlannedModel planned(const Pilot& pilot, double slowest) const
+    PlannedModel planned(const TrialRun& trial, double slowest) const
     {
         PlannedModel model;
-        model.model = pilot.model;
-        model.scene = apply(pilot.model, scene_.scene);
-        model.error = pilot.error;
-        model.worst = pilot.worst;
-        model.force_error = pilot.force_error;
-        model.seconds = pilot.seconds;
-        model.slowest = is_static_ ? pilot.seconds : slowest;
-        model.nodes = pilot.nodes;
-        model.outcome = pilot.outcome;
-        model.jitter = pilot.jitter;
+        model.model = trial.model;
+        model.scene = apply(trial.model, scene_.scene);
+        model.error = trial.error;
+        model.worst = trial.worst;
+        model.force_error = trial.force_error;
+        model.seconds = trial.seconds;
+        model.slowest = is_static_ ? trial.seconds : slowest;
+        model.nodes = trial.nodes;
+        model.outcome = trial.outcome;
+        model.jitter = trial.jitter;
         return model;
     }
 
-    void too_slow(const PlannedModel& best, Pilots& pilots, const SearchGrid& grid)
+    void too_slow(const PlannedModel& best, TrialRuns& trials, const SearchGrid& grid)
     {
         result_.accurate = best;
-        add_fast(best.model, pilots, grid);
+        add_fast(best.model, trials, grid);
         std::string message =
             fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
                         as_length(goals_.tolerance), 1 / best.slowest);
@@ -316,42 +316,42 @@ private:
         stop_with(PlanStatus::NotBoth, std::move(message));
     }
 
-    void nothing_meets(Pilots& pilots, const SearchGrid& grid)
+    void nothing_meets(TrialRuns& trials, const SearchGrid& grid)
     {
         const Model& finest = result_.reference.model;
         // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at
         // the reference
         result_.accurate = described(finest, result_.reference.values);
-        if (goals_.rate > 0) add_fast(starting_model(), pilots, grid);
+        if (goals_.rate > 0) add_fast(starting_model(), trials, grid);
         stop_with(goals_.rate > 0 ? PlanStatus::NotBoth : PlanStatus::BelowReference,
-                  fmt::format("no pilot was within {} by more than the reference's own uncertainty, {}; ask for {} or more{}",
+                  fmt::format("no trial run was within {} by more than the reference's own uncertainty, {}; ask for {} or more{}",
                               as_length(goals_.tolerance), as_length(at(result_.reference.uncertainty, Observable::Shape)),
                               as_length(2 * at(result_.reference.uncertainty, Observable::Shape) + goals_.tolerance),
                               result_.search_complete ? "" : ", or give a larger --budget"));
     }
 
-    void add_fast(const Model& from, Pilots& pilots, const SearchGrid& grid)
+    void add_fast(const Model& from, TrialRuns& trials, const SearchGrid& grid)
     {
         const auto go_on = [&] { return true; };
-        const std::optional<Model> fast = search_rate(from, grid, 1, pilots, go_on);
+        const std::optional<Model> fast = search_rate(from, grid, 1, trials, go_on);
         if (!fast) return;
-        const double slowest = pilots.time_again(*fast, final_repeats);
-        if (!pilots.stopped()) result_.fast = planned(pilots.all().at(label(*fast)), slowest);
+        const double slowest = trials.time_again(*fast, final_repeats);
+        if (!trials.stopped()) result_.fast = planned(trials.all().at(label(*fast)), slowest);
     }
 
     // ---- what was left out
     // ------------------------------------------------------------------------------------------------------
 
-    void look_at_omissions(Pilots& pilots, const SearchGrid& grid)
+    void look_at_omissions(TrialRuns& trials, const SearchGrid& grid)
     {
         const PlannedModel chosen = *result_.chosen;
         const auto add = [&](const std::string& what, const Model& model) {
             if (label(model) == label(chosen.model) || !may_go_on() || !why_not(model, scene_.scene).empty()) return;
             tell("left out: " + what);
-            const Pilot* pilot = pilots.look_at(model);
-            if (!pilot) return;
+            const TrialRun* trial = trials.look_at(model);
+            if (!trial) return;
             result_.left_out.push_back(
-                {what, pilot->seconds / chosen.seconds, pilot->error, pilot->force_error, pilot->complete, pilot->too_dear});
+                {what, trial->seconds / chosen.seconds, trial->error, trial->force_error, trial->complete, trial->too_dear});
         };
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;

@@ -1,15 +1,15 @@
 #pragma once
-// The cheapest model that is good enough for a scene, found by pilots on the scene itself.
+// The cheapest model that is good enough for a scene, found by trials on the scene itself.
 //
 //   1. A reference: the scene refined in nodes and steps at once until two refinements bound what is left (plan_reference.h).
 //   2. A search over models, each run over the whole path and compared with the reference, broken off as soon as it is plainly
-//      too wrong (plan_pilots.h, plan_search.h): what is promised of a model has been measured, not extrapolated.
+//      too wrong (plan_trials.h, plan_search.h): what is promised of a model has been measured, not extrapolated.
 //   3. The best are timed again, and each choice of the winner is exchanged for its neighbour: what is left out, at what price.
 //
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
 // (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.
 
-#include "study/plan_pilots.h"
+#include "study/plan_trials.h"
 #include "study/plan_reference.h"
 
 #include <functional>
@@ -21,10 +21,10 @@ namespace seldinger {
 
 struct PlanOptions {
     PlanGoals goals;
-    std::filesystem::path pilots;  // folder where pilots are kept; a plan that was interrupted goes on from there
+    std::filesystem::path trials;  // folder where trials are kept; a plan that was interrupted goes on from there
     double budget = 120;           // wall time of this call [s]
     int device = -1;
-    std::function<bool()> stop;                        // asked between samples of a pilot; may be empty
+    std::function<bool()> stop;                        // asked between samples of a trial; may be empty
     std::function<void(const std::string&)> progress;  // what is being done; may be empty
 };
 
@@ -71,7 +71,7 @@ struct Plan {
     std::vector<std::string> notes;  // one sentence each
     bool touches = false;            // the wire met the wall
     bool search_complete = true;     // false: the budget ended it
-    int pilots = 0;                  // looked at, those of earlier calls included
+    int trials = 0;                  // looked at, those of earlier calls included
     double spent = 0;                // wall time of this call [s]
 };
 

@@ -1,6 +1,7 @@
 #include "study/simulation.h"
 
 #include "core/error.h"
+#include "scene/key_frames.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -12,18 +13,18 @@ namespace {
 /// The engine itself.
 class WorldSimulation final : public Simulation {
 public:
-    explicit WorldSimulation(WorldSetup setup) : world_(std::move(setup)) {}
+    WorldSimulation(WorldSetup setup, const Scene& scene) : world_(std::move(setup)), key_frames_(scene) {}
 
-    StepReport step(double dt) override { return seldinger::step(world_, dt); }
+    StepReport step(double dt) override { return seldinger::step(world_, key_frames_.control(), dt); }
     StepReport settle() override { return seldinger::settle(world_); }
     WireReadings readings() const override { return world_.readings(0); }
 
     std::vector<Vec3> shape() const override
     {
-        const RodView rod = world_.rod(0);
+        const ConstRodView rod = world_.rod(0);
         std::vector<Vec3> points(static_cast<std::size_t>(rod.n));
         for (int i = 0; i < rod.n; ++i) points[static_cast<std::size_t>(i)] = rod.pos(i);
-        // a wire that is still in its guide reaches behind the inlet by a length that depends on its edges; that is not there
+        // a wire that is still in its introducer reaches behind the inlet by a length that depends on its edges; that is not there
         const FeedSpec& feed = world_.setup().wires.front().feed;
         if (feed.on && (points.back() - feed.point).dot(feed.direction) < 0) points.back() = feed.point;
         return points;
@@ -31,7 +32,7 @@ public:
 
     std::vector<ForceAt> contact_forces() const override
     {
-        const RodView rod = world_.rod(0);
+        const ConstRodView rod = world_.rod(0);
         std::vector<ForceAt> forces;
         for (const ContactRow& row : world_.contacts()) {
             if (row.wire != 0 || row.edge + 1 >= rod.n) continue;
@@ -44,6 +45,7 @@ public:
 
 private:
     World world_;
+    KeyFrames key_frames_;
 };
 
 }  // namespace
@@ -52,7 +54,6 @@ WorldSetup StudyScene::setup_under(const Model& model) const
 {
     const Scene changed = apply(model, scene);
     WorldSetup made = setup;
-    made.dt = changed.dt;
     made.integrator = changed.integrator;
     made.vessel.elastic = changed.vessel.elastic;
     made.wires.front().wire = changed.wire;
@@ -70,7 +71,7 @@ StudyScene load_study_scene(Scene scene, int device_index)
 
 std::unique_ptr<Simulation> make_simulation(const StudyScene& scene, const Model& model, const std::vector<Baseline>& baselines)
 {
-    if (model.baseline.empty()) return std::make_unique<WorldSimulation>(scene.setup_under(model));
+    if (model.baseline.empty()) return std::make_unique<WorldSimulation>(scene.setup_under(model), scene.scene);
     const auto found = std::find_if(baselines.begin(), baselines.end(),
                                     [&](const Baseline& baseline) { return baseline.name == model.baseline; });
     if (found == baselines.end())

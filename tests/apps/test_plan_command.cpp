@@ -170,11 +170,11 @@ TEST_SUITE("apps/plan")
     }
 
     TEST_CASE(
-        "property: Ctrl-C ends a plan with exit 130; the same command goes on with the pilots that are there and comes to an end")
+        "property: Ctrl-C ends a plan with exit 130; the same command goes on with the trials that are there and comes to an end")
     {
         const ScratchFolder folder;
         folder.write("t.toml", free_scene(0.5));
-        const fs::path table = folder.path / "p.pilots" / "runs.csv";
+        const fs::path table = folder.path / "p.trials" / "runs.csv";
         const std::vector<std::string> arguments = {"plan", "t.toml", "--tolerance", "0.5mm", "-o", "p.toml", "--quiet"};
         const AppResult cut = run_and_signal(folder.path, arguments, table, 2, SIGINT);
         CAPTURE(cut.err);

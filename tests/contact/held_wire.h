@@ -19,7 +19,7 @@ struct Pose {
 };
 
 /// Contact of the wires as they are placed: one evaluation at rest, nothing moves. All have the same number of nodes.
-inline std::vector<Push> pushes_of(device::Context& context, const WorldSetup& setup)
+inline std::vector<Push> pushes_of(device::Context& context, const TestSetup& setup)
 {
     const int count = static_cast<int>(setup.wires.size()), nodes = setup.wires[0].wire.nodes;
     RodArrays rods(std::vector<int>(setup.wires.size(), nodes));
@@ -49,14 +49,14 @@ inline std::vector<Push> pushes_of(device::Context& context, const WorldSetup& s
     return pushes;
 }
 
-inline Push push_of(device::Context& context, const WorldSetup& setup) { return pushes_of(context, setup)[0]; }
+inline Push push_of(device::Context& context, const TestSetup& setup) { return pushes_of(context, setup)[0]; }
 
 /// Contact of wires in these poses, which do not feel each other: one evaluation at rest, nothing moves.
 inline std::vector<Push> push_at(device::Context& context, const WallMesh& mesh, const Centreline& centreline,
                                  Detection detection, const std::vector<Pose>& poses)
 {
     constexpr int nodes = 21;
-    WorldSetup setup;
+    TestSetup setup;
     setup.mesh = mesh;
     setup.centreline = centreline;
     for (const Pose& pose : poses) {

@@ -19,9 +19,9 @@ namespace {
 constexpr double bend_radius = 0.05, stiffness = 5.5e-5, wire_radius = 0.4445e-3;
 
 /// A straight wire laid along the centreline of a bend, base `from` metres from the vessel's start.
-WorldSetup in_bend(double clearance, double lead_in, double degrees, double length, double from, int nodes)
+TestSetup in_bend(double clearance, double lead_in, double degrees, double length, double from, int nodes)
 {
-    WorldSetup setup;
+    TestSetup setup;
     setup.gravity = Vec3::Zero();
     setup.integrator.scheme = Scheme::Static;
     VesselSpec spec;
@@ -80,7 +80,7 @@ std::vector<Cluster> clusters(const World& world, const Vec3& centre)
     return list;
 }
 
-std::vector<Cluster> settled_clusters(World& world, double lead_in)
+std::vector<Cluster> settled_clusters(FedWorld& world, double lead_in)
 {
     REQUIRE_FALSE(settle(world).failed());
     return clusters(world, {lead_in, bend_radius, 0});
@@ -118,9 +118,9 @@ TEST_SUITE("contact/confined")
         for (const Case& at :
              {Case{0.045, 0.0172914, 0.0311883}, Case{0.06, 0.0344192, 0.0567235}, Case{0.07, 0.0361073, 0.0549409}}) {
             CAPTURE(at.length);
-            WorldSetup setup = in_bend(0.002, 0.002, 180, at.length, 0.05, 121);
+            TestSetup setup = in_bend(0.002, 0.002, 180, at.length, 0.05, 121);
             setup.wires[0].contact.samples_per_edge = 8;  // what is left of the base beyond its last sample: 23 um
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             const std::vector<Cluster> found = settled_clusters(world, 0.002);
             REQUIRE(found.size() == 3);
             CHECK(found[0].outer);
@@ -134,7 +134,7 @@ TEST_SUITE("contact/confined")
 
     TEST_CASE("analytic: a longer free wire touches the inner wall twice")
     {
-        WorldSetup setup = in_bend(0.002, 0.002, 300, 0.11, 0.08, 121);
+        TestSetup setup = in_bend(0.002, 0.002, 300, 0.11, 0.08, 121);
         // turning round the centre costs nothing: a spring holds the middle where the reference has it, 48.09 mm from the centre
         LinkSpec middle;
         middle.at = {WirePoint::Kind::Distance, 0.055};
@@ -142,7 +142,7 @@ TEST_SUITE("contact/confined")
         middle.anchor = {0.002 + radius * std::sin(angle), bend_radius - radius * std::cos(angle), 0};
         middle.stiffness = 1;
         setup.wires[0].links = {middle};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         const std::vector<Cluster> found = settled_clusters(world, 0.002);
         REQUIRE(found.size() == 4);
         for (const int end : {0, 3}) CHECK(found[end].force == about(0.0358363).epsilon(0.05));
@@ -153,8 +153,8 @@ TEST_SUITE("contact/confined")
     // reference 11, end_layer: the tip's pair, then line contact with B/(R + c)^3 per metre; push B / (2 (R + c)^2)
     TEST_CASE("analytic: a long wire pushed into a long bend from a straight tube")
     {
-        World world([] {
-            WorldSetup setup = in_bend(0.002, 0.12, 300, 0.34, 0.02, 341);
+        FedWorld world([] {
+            TestSetup setup = in_bend(0.002, 0.12, 300, 0.34, 0.02, 341);
             setup.wires[0].holds = {clamped_base()};
             return setup;
         }());
@@ -184,9 +184,9 @@ TEST_SUITE("contact/confined")
         };
         for (const Case& at : {Case{0.8, 0.0110162, 0.077471}, Case{1.2, 0.0126799, 0.0817338}, Case{1.6, 0.0127893, 0.073037}}) {
             CAPTURE(at.angle);
-            WorldSetup setup = in_bend(0.0015, 0.051, 150, 0.05 + at.angle * bend_radius, 0.001, 151);
+            TestSetup setup = in_bend(0.0015, 0.051, 150, 0.05 + at.angle * bend_radius, 0.001, 151);
             setup.wires[0].holds = {clamped_base()};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             CHECK(world.readings(0).base_force.x() == about(at.push).epsilon(0.05));
             CHECK(world.readings(0).normal == about(at.normal).epsilon(0.05));
@@ -202,13 +202,13 @@ TEST_SUITE("contact/confined")
         for (const Case& at : {Case{1, 0.0207854}, Case{-1, 0.00370153}}) {
             CAPTURE(at.sense);
             const double travel = 0.005, speed = 0.02;
-            WorldSetup setup = in_bend(0.0015, 0.062, 150, 0.05 + 1.2 * bend_radius, 0.012 - at.sense * travel, 111);
+            TestSetup setup = in_bend(0.0015, 0.062, 150, 0.05 + 1.2 * bend_radius, 0.012 - at.sense * travel, 111);
             setup.integrator.scheme = Scheme::Newton;
             setup.wires[0].holds = {clamped_base()};
             setup.wires[0].holds[0].velocity = {at.sense * speed, 0, 0};
             setup.wires[0].contact.friction = FrictionLaw::StickSlip;
             setup.wires[0].wire.shaft.mu_static = setup.wires[0].wire.shaft.mu_sliding = 0.1;
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             for (int k = 0; k < 250; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
             CHECK(world.readings(0).base_force.x() == about(at.force).epsilon(0.05));
         }
@@ -226,7 +226,7 @@ TEST_SUITE("contact/confined")
         std::vector<double> forces, stiffnesses;
         for (const double share : {0.2, 0.5, 0.8}) {
             CAPTURE(share);
-            WorldSetup setup;
+            TestSetup setup;
             setup.integrator.scheme = Scheme::Static;
             VesselSpec spec = tube(clearance + wire_radius, 0.32);
             setup.vessel = spec;
@@ -237,7 +237,7 @@ TEST_SUITE("contact/confined")
             wire.shaft.twist_stiffness = bend;
             wire.shaft.stretch_stiffness = soft;
             wire.shaft.density = weight / (9.81 * std::numbers::pi * wire_radius * wire_radius);
-            WireSetup placed = placed_wire(wire, {0.01, 0, -clearance - 4e-7});
+            TestWire placed = placed_wire(wire, {0.01, 0, -clearance - 4e-7});
             placed.contact.detection = Detection::Capsule;
             placed.contact.friction = FrictionLaw::None;
             HoldSpec base, tip;
@@ -255,7 +255,7 @@ TEST_SUITE("contact/confined")
                 placed.loads.push_back(load);
             }
             setup.wires = {placed};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             const RodView rod = world.rod(0);
             double mode = 0, side = 0;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr NormalLaw hard_laws[] = {NormalLaw::Augmented, NormalLaw::Constraint, NormalLaw::Impulse, NormalLaw::Barrier};
 
-void add_plane(WorldSetup& setup, const Vec3& normal, double height = 0)
+void add_plane(TestSetup& setup, const Vec3& normal, double height = 0)
 {
     VesselSpec spec;
     spec.shape = VesselShape::Plane;
@@ -27,11 +27,11 @@ void add_plane(WorldSetup& setup, const Vec3& normal, double height = 0)
 }
 
 /// A wire along x, `gap` above a floor; whole numbers of samples per edge, so that a uniform load bends nothing.
-WorldSetup over_floor(NormalLaw law, double gap, double length = 0.05)
+TestSetup over_floor(NormalLaw law, double gap, double length = 0.05)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_plane(setup, Vec3::UnitZ());
-    WireSetup wire = placed_wire(steel_wire(length, 11), Vec3(-length / 2, 0, 0));
+    TestWire wire = placed_wire(steel_wire(length, 11), Vec3(-length / 2, 0, 0));
     wire.wire.place.base.z() = wire.wire.shaft.radius + gap;
     wire.contact.normal = law;
     wire.contact.samples_per_edge = 10;
@@ -63,13 +63,13 @@ double mean_speed(const World& world)
 }
 
 /// Two wires in a bend: one fed and turned, one along the whole bend and pressed against its outer wall.
-WorldSetup two_wires(NormalLaw law)
+TestSetup two_wires(NormalLaw law)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.003, 0.05);
     for (int w = 0; w < 2; ++w) {
         const WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
-        WireSetup wire = w == 0 ? fed_wire(spec, {0.0005, 0, -0.0024}, 0.2, 2.0) : placed_wire(spec, {});
+        TestWire wire = w == 0 ? fed_wire(spec, {0.0005, 0, -0.0024}, 0.2, 2.0) : placed_wire(spec, {});
         if (w == 1) {
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
@@ -82,20 +82,19 @@ WorldSetup two_wires(NormalLaw law)
     return setup;
 }
 
-std::string hash_after(World& world, int steps)
+std::string hash_after(FedWorld& world, int steps)
 {
     for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
     return world.state_hash();
 }
 
 /// Speed after over speed before, of a wire that falls flat on the floor; no gravity.
-double restitution(WorldSetup setup, double speed, double dt, int most_steps)
+double restitution(TestSetup setup, double speed, double dt, int most_steps)
 {
     setup.gravity = Vec3::Zero();
-    setup.dt = dt;
     setup.wires[0].wire.place.velocity = {0, 0, -speed};
     setup.wires[0].contact.friction = FrictionLaw::None;
-    World world(std::move(setup));
+    FedWorld world(std::move(setup));
     bool touched = false;
     for (int k = 0; k < most_steps; ++k) {
         REQUIRE_FALSE(step(world, dt).failed());
@@ -115,10 +114,10 @@ TEST_SUITE("contact/normal_laws")
     {
         for (const NormalLaw law : hard_laws) {
             CAPTURE(static_cast<int>(law));
-            WorldSetup setup = over_floor(law, 1e-6);
+            TestSetup setup = over_floor(law, 1e-6);
             const double r = setup.wires[0].wire.shaft.radius;
             setup.start_settled = true;
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             for (int k = 0; k < 10; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
             const WireReadings now = world.readings(0);
@@ -143,7 +142,7 @@ TEST_SUITE("contact/normal_laws")
             for (const double e : {0.1, 0.3, 0.5, 0.7, 0.9}) {
                 CAPTURE(n);
                 CAPTURE(e);
-                WorldSetup setup = over_floor(NormalLaw::HuntCrossley, 5e-6);
+                TestSetup setup = over_floor(NormalLaw::HuntCrossley, 5e-6);
                 ContactSpec& contact = setup.wires[0].contact;
                 contact.restitution = e;
                 contact.exponent = n;
@@ -163,7 +162,7 @@ TEST_SUITE("contact/normal_laws")
     {
         const double speed = 0.05, e = 0.7;
         const auto error = [&](int scheme, int part) {
-            WorldSetup setup = over_floor(NormalLaw::HuntCrossley, 2e-6, 0.02);
+            TestSetup setup = over_floor(NormalLaw::HuntCrossley, 2e-6, 0.02);
             setup.wires[0].contact.restitution = e;
             setup.wires[0].wire.shaft.bend_stiffness = 1e-3;
             setup.integrator.conserve = scheme == 1;
@@ -203,7 +202,7 @@ TEST_SUITE("contact/normal_laws")
         CHECK(d == about(1).epsilon(1e-6));
         for (const double e : {0.1, 0.5, 0.9}) {
             CAPTURE(e);
-            WorldSetup setup = over_floor(NormalLaw::HuntCrossley, 1e-10);
+            TestSetup setup = over_floor(NormalLaw::HuntCrossley, 1e-10);
             setup.wires[0].contact.restitution = e;
             setup.wires[0].contact.friction = FrictionLaw::None;
             const double r = setup.wires[0].wire.shaft.radius;
@@ -211,7 +210,7 @@ TEST_SUITE("contact/normal_laws")
             const double depth = depth_under(law.line_mass * 9.81, law.stiffness, law.exponent);
             const double rate = std::sqrt(law.exponent * 9.81 / depth);
             CHECK(law.speed_floor == about(law.damping / 2 * 9.81 / rate).epsilon(1e-9));
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             double deepest = 0;
             for (int k = 0; k < 1000; ++k) {
                 REQUIRE_FALSE(step(world, 0.02 / rate).failed());
@@ -232,7 +231,7 @@ TEST_SUITE("contact/normal_laws")
             for (const double dt : {1e-3, 1e-5}) {
                 CAPTURE(e);
                 CAPTURE(dt);
-                WorldSetup setup = over_floor(NormalLaw::Impulse, 5e-6);
+                TestSetup setup = over_floor(NormalLaw::Impulse, 5e-6);
                 setup.wires[0].contact.restitution = e;
                 // 0.1 mm/s are left to chance, and the tip's law makes the wire shiver as little
                 CHECK(std::abs(restitution(std::move(setup), 0.05, dt, 2000) - e) <= 0.01);
@@ -245,11 +244,10 @@ TEST_SUITE("contact/normal_laws")
             for (const double dt : {1e-3, 1e-5}) {
                 CAPTURE(static_cast<int>(law));
                 CAPTURE(dt);
-                WorldSetup setup = over_floor(law, 5e-6);
+                TestSetup setup = over_floor(law, 5e-6);
                 setup.gravity = Vec3::Zero();
-                setup.dt = dt;
                 setup.wires[0].wire.place.velocity = {0, 0, -0.05};
-                World world(std::move(setup));
+                FedWorld world(std::move(setup));
                 double mass = 0, fastest = -1;
                 for (const double m : world.rod(0).mass.first(11)) mass += m;
                 for (int k = 0; k < 60; ++k) {
@@ -268,9 +266,9 @@ TEST_SUITE("contact/normal_laws")
     {
         const double angle = 0.2;  // tan = 0.203 of mu_static 0.25
         const auto moved = [&](NormalLaw law) {
-            WorldSetup setup = over_floor(law, -1e-8);
+            TestSetup setup = over_floor(law, -1e-8);
             setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
             const double settled = world.rod(0).x[5];
             for (int k = 0; k < 100; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -284,7 +282,7 @@ TEST_SUITE("contact/normal_laws")
     {
         for (const NormalLaw law : hard_laws) {
             CAPTURE(static_cast<int>(law));
-            World together(two_wires(law));
+            FedWorld together(two_wires(law));
             const int steps = 60;
             (void)hash_after(together, steps / 2);
             const std::vector<std::uint8_t> saved = together.save_state();
@@ -292,14 +290,14 @@ TEST_SUITE("contact/normal_laws")
             int contacts = 0;
             for (int w = 0; w < 2; ++w) {
                 CAPTURE(w);
-                WorldSetup setup = two_wires(law);
+                TestSetup setup = two_wires(law);
                 setup.wires = {setup.wires[w]};
-                World alone(std::move(setup));
+                FedWorld alone(std::move(setup));
                 CHECK(hash_after(alone, steps) == together.state_hash(w));
                 contacts += alone.readings(0).contacts;
             }
             REQUIRE(contacts > 0);
-            World other(two_wires(law));
+            FedWorld other(two_wires(law));
             other.restore_state(saved);
             CHECK(hash_after(other, steps / 2) == hash);
         }
@@ -307,8 +305,8 @@ TEST_SUITE("contact/normal_laws")
 
     TEST_CASE("property: a barrier frees what starts in overlap, and never lets it deeper")
     {
-        WorldSetup setup = over_floor(NormalLaw::Barrier, -2e-5);
-        World world(std::move(setup));
+        TestSetup setup = over_floor(NormalLaw::Barrier, -2e-5);
+        FedWorld world(std::move(setup));
         double last = 2e-5;
         for (int k = 0; k < 60; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -324,12 +322,12 @@ TEST_SUITE("contact/normal_laws")
     {
         for (const NormalLaw law : {NormalLaw::Augmented, NormalLaw::Constraint}) {
             CAPTURE(static_cast<int>(law));
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.40e-3, 0.05, 2000));
-            WireSetup wire = placed_wire(steel_wire(0.02, 5), {0.01, 0, 0});
+            TestWire wire = placed_wire(steel_wire(0.02, 5), {0.01, 0, 0});
             wire.contact.normal = law;
             setup.wires = {wire};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             const WireSection& section = world.setup().wires[0].wire.shaft;
             const SampleModel line = line_sample(section, wire.contact, world.setup().vessel, 0.40e-3, 1);
             const SampleModel tip = tip_sample(section, wire.contact, world.setup().vessel, 0.40e-3);
@@ -354,9 +352,9 @@ TEST_SUITE("contact/normal_laws")
         const auto push = [](double stiffness, double tilt, const auto& check) {
             CAPTURE(stiffness);
             CAPTURE(tilt);
-            WorldSetup setup;
+            TestSetup setup;
             add_plane(setup, Vec3::UnitZ());
-            WireSetup wire = placed_wire(steel_wire(0.05, 21), Vec3(0, 0, 0.05 + 0.6e-3));
+            TestWire wire = placed_wire(steel_wire(0.05, 21), Vec3(0, 0, 0.05 + 0.6e-3));
             wire.wire.place.direction = Vec3(tilt, 0, -1).normalized();
             wire.contact.stiffness_from_wall = false;
             wire.contact.stiffness = stiffness;
@@ -365,7 +363,7 @@ TEST_SUITE("contact/normal_laws")
             hold.velocity = {0, 0, -0.02};
             wire.holds = {hold};
             setup.wires = {wire};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             for (int k = 0; k < 60; ++k) {
                 const StepReport report = step(world, 1e-3);
                 REQUIRE_FALSE(report.failed());

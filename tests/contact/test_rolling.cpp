@@ -19,16 +19,17 @@ constexpr double r = 0.000178, arm = 2e-6, mu = 0.2, gravity = 9.81, length = 0.
 constexpr int nodes = 7;
 
 struct Rig {
-    WorldSetup setup;
+    TestSetup setup;
     double mass = 0;  // [kg]
+    double dt = 0;    // [s]
 };
 
 /// A wire along x at rest height on a plane, with the hysteresis loss that makes K what the references take.
 Rig on_plane(double dt)
 {
     Rig rig;
-    WorldSetup& setup = rig.setup;
-    setup.dt = dt;
+    rig.dt = dt;
+    TestSetup& setup = rig.setup;
     setup.integrator.tolerance = 1e-9;  // of B/L^2: what drives a wire at 1.03 K w is 7 nN a node
     VesselSpec plane;
     plane.shape = VesselShape::Plane;
@@ -40,7 +41,7 @@ Rig on_plane(double dt)
     wire.shaft.mu_static = wire.shaft.mu_sliding = mu;
     const double load = wire.shaft.density * std::numbers::pi * r * r * gravity;  // per metre
     const double depth = depth_under(load, line_stiffness(foundation_modulus(plane), r, INFINITY), 1.5);
-    WireSetup placed = placed_wire(wire, {0, 0, r - depth});
+    TestWire placed = placed_wire(wire, {0, 0, r - depth});
     placed.contact.detection = Detection::Capsule;
     placed.contact.rolling = true;
     placed.contact.rolling_alpha =
@@ -63,8 +64,8 @@ struct Path {
 
 Path run(const Rig& rig, double time)
 {
-    World world(rig.setup);
-    const double dt = rig.setup.dt;
+    FedWorld world(rig.setup);
+    const double dt = rig.dt;
     Path path;
     const double y0 = world.rod(0).y[nodes / 2];
     double energy = 0, first = 0, halfway = 0;

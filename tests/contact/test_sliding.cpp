@@ -24,10 +24,9 @@ double own_depth(double density, double g)
 }
 
 /// A wire along x on a plane that falls towards +x by `angle`: gravity is tilted instead of the plane.
-WorldSetup on_incline(double length, int nodes, double angle, double mu_static, double mu_sliding, double dt)
+TestSetup on_incline(double length, int nodes, double angle, double mu_static, double mu_sliding)
 {
-    WorldSetup setup;
-    setup.dt = dt;
+    TestSetup setup;
     setup.start_settled = true;
     setup.gravity = gravity * Vec3(std::sin(angle), 0, -std::cos(angle));
     VesselSpec plane;
@@ -44,7 +43,7 @@ WorldSetup on_incline(double length, int nodes, double angle, double mu_static, 
 }
 
 /// Steps that must not fail. @return the move of the wire's middle [m]
-Vec3 run_for(World& world, double time, double dt)
+Vec3 run_for(FedWorld& world, double time, double dt)
 {
     const int middle = world.rod(0).n / 2;
     const Vec3 start = world.rod(0).pos(middle);
@@ -64,7 +63,7 @@ TEST_SUITE("contact/sliding")
                 CAPTURE(mu);
                 CAPTURE(share);
                 const double angle = share * std::atan(mu), mu_sliding = 0.9 * mu, dt = 1e-3;
-                World world(on_incline(0.5, 51, angle, mu, mu_sliding, dt));
+                FedWorld world(on_incline(0.5, 51, angle, mu, mu_sliding));
                 REQUIRE_FALSE(settle(world).failed());
                 const Vec3 move = run_for(world, 0.1, dt);
                 if (share < 1) {
@@ -84,14 +83,14 @@ TEST_SUITE("contact/sliding")
         const double angle = 0.95 * std::atan(0.3), dt = 0.1;
         for (const bool in_tube : {false, true}) {
             CAPTURE(in_tube);
-            WorldSetup setup = on_incline(0.1, 11, angle, 0.3, 0.25, dt);
+            TestSetup setup = on_incline(0.1, 11, angle, 0.3, 0.25);
             if (in_tube) {
                 VesselSpec spec = tube(0.003, 0.3);
                 spec.origin = {-0.1, 0, 0};
                 add_tube(setup, spec);
                 setup.wires[0].wire.place.base = {0, 0, -0.003 + radius - 4e-7};
             }
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             const Vec3 move = run_for(world, 600, dt);
             MESSAGE(std::string(in_tube ? "tube" : "incline") << ": " << 1e9 * move.norm() << " nm in ten minutes");
@@ -113,9 +112,9 @@ TEST_SUITE("contact/sliding")
             CAPTURE(slide.speed);
             CAPTURE(slide.angle);
             const double dt = 2e-4;
-            WorldSetup setup = on_incline(0.05, 6, slide.angle, 0.3, 0.25, dt);
+            TestSetup setup = on_incline(0.05, 6, slide.angle, 0.3, 0.25);
             setup.wires[0].wire.place.velocity = {slide.speed, 0, 0};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             const double time = slide.distance / (slide.speed / 2);
             const Vec3 move = run_for(world, 1.1 * time, dt);
             CHECK(move.x() == about(slide.distance).epsilon(0.01));
@@ -137,7 +136,7 @@ TEST_SUITE("contact/sliding")
         const double amplitude = (mu_static - mu_sliding) * load / k, w = std::sqrt(k / mass);
         const double period = 2 / w * (std::numbers::pi - std::atan(amplitude * w / speed)) + 2 * amplitude / speed;
         const double stroke = period * speed;
-        WorldSetup setup = on_incline(length, 6, 0, mu_static, mu_sliding, dt);
+        TestSetup setup = on_incline(length, 6, 0, mu_static, mu_sliding);
         setup.gravity = {0, 0, -load / mass};
         WireSpec& wire = setup.wires[0].wire;
         wire.shaft.radius = thin;
@@ -151,7 +150,7 @@ TEST_SUITE("contact/sliding")
         spring.stiffness = k;
         spring.move = {{0, 0, 0, 0}, {1, speed, 0, 0}};
         setup.wires[0].links = {spring};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         REQUIRE_FALSE(settle(world).failed());
         std::vector<double> starts, at;  // of slips; where the wire stood
         bool slipping = false;

@@ -72,7 +72,7 @@ TEST_SUITE("contact/stick")
     TEST_CASE("property: while a wire is refined and coarsened, what sticks does not move")
     {
         const double angle = std::atan(0.5 * 0.25), dt = 2e-3;
-        WorldSetup setup;
+        TestSetup setup;
         setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
         setup.start_settled = true;
         VesselSpec plane;
@@ -80,7 +80,7 @@ TEST_SUITE("contact/stick")
         plane.size = 0.6;
         plane.triangles = 5000;
         add_vessel(setup, make_plane(plane), plane);
-        WireSetup wire = placed_wire(steel_wire(0.3, 0), {-0.15, 0, radius - 4.6e-7});
+        TestWire wire = placed_wire(steel_wire(0.3, 0), {-0.15, 0, radius - 4.6e-7});
         wire.wire.min_edge = 1e-3;
         wire.wire.max_edge = 1e-2;
         LinkSpec lift;  // the tip lifted by millimetres and laid down again, by a spring that hardly pulls sideways
@@ -90,7 +90,7 @@ TEST_SUITE("contact/stick")
         lift.move = {{0.1, 0, 0, 0}, {0.5, 0, 0, 8e-3}, {0.9, 0, 0, 0}};
         wire.links = {lift};
         setup.wires = {wire};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         REQUIRE_FALSE(settle(world).failed());
         const Vec3 base = world.rod(0).pos(world.rod(0).n - 1);
         int changes = 0, nodes = world.rod(0).n, fewest_stuck = 1 << 20;

@@ -24,9 +24,9 @@ using namespace seldinger::test;
 namespace {
 
 // three thin wires on the floor of a tube: 3000 samples in contact, so that the threaded device takes them
-WorldSetup heavy_setup(int device_index = -1)
+TestSetup heavy_setup(int device_index = -1)
 {
-    WorldSetup setup;
+    TestSetup setup;
     setup.device_index = device_index;
     const VesselSpec spec = tube(0.003, 0.12);
     add_tube(setup, spec);
@@ -35,16 +35,16 @@ WorldSetup heavy_setup(int device_index = -1)
         wire.shaft.radius = 0.1e-3;
         wire.shaft.bend_stiffness = 1e-7;
         wire.shaft.twist_stiffness = 8e-8;
-        WireSetup made = placed_wire(wire, Vec3(0.01 + 1e-4 * w, 0, -0.003 + 0.1e-3 - 2e-7));
+        TestWire made = placed_wire(wire, Vec3(0.01 + 1e-4 * w, 0, -0.003 + 0.1e-3 - 2e-7));
         made.wire.place.velocity = Vec3(0.02 * w, 0.01, 0);
         setup.wires.push_back(made);
     }
     return setup;
 }
 
-std::string hash_after(WorldSetup setup, int steps)
+std::string hash_after(TestSetup setup, int steps)
 {
-    World world(std::move(setup));
+    FedWorld world(std::move(setup));
     for (int k = 0; k < steps; ++k) {
         const StepReport report = step(world, 1e-3);
         REQUIRE_FALSE(report.failed());
@@ -94,10 +94,10 @@ TEST_SUITE("device")
 
     TEST_CASE("property: the step loop creates no buffer and builds no program after warm-up")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_tube(setup, tube(0.003, 0.12));
         setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         for (int k = 0; k < 100; ++k) (void)step(world, 1e-3);
         device::Counters& counters = world.impl().context->counters();
         const device::Counters before = counters;
@@ -141,8 +141,8 @@ TEST_SUITE("device")
     TEST_CASE("property: a device index beyond the list is an error that names the range")
     {
         ExitCode code = ExitCode::Done;
-        WorldSetup setup = heavy_setup(99);
-        const std::string text = message_of([&] { World world(std::move(setup)); }, code);
+        TestSetup setup = heavy_setup(99);
+        const std::string text = message_of([&] { FedWorld world(std::move(setup)); }, code);
         CHECK(code == ExitCode::NoDevice);
         CHECK(holds(text, "--device 99"));
         CHECK(holds(text, "devices 0 to " + std::to_string(list_devices().size() - 1)));
@@ -197,14 +197,14 @@ TEST_SUITE("device")
     TEST_CASE("property: worlds in threads of their own, of both precisions at once, have the bits that they have alone")
     {
         const auto setup_of = [](bool single) {
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.003, 0.12));
             setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1)};
             if (single) setup.wires[0].contact.precision = Precision::Float32;
             return setup;
         };
         const auto hash_of = [&](bool single) {
-            World world(setup_of(single));
+            FedWorld world(setup_of(single));
             for (int k = 0; k < 150; ++k)
                 if (step(world, 1e-3).failed()) return std::string("failed");
             return world.state_hash();
@@ -218,7 +218,7 @@ TEST_SUITE("device")
             for (std::thread& thread : threads) thread.join();
             for (int k = 0; k < 4; ++k) CHECK(hashes[k] == alone[k % 2]);
         }
-        World again(setup_of(false));
+        FedWorld again(setup_of(false));
         CHECK(again.device_counts().programs_built == 0);
     }
 

@@ -107,15 +107,15 @@ inline WallMesh bifurcation(int triangles = 8000)
 
 /// A wire fed along the floor into a bend of 90 degrees, 30 mm to the axis, in a lumen of 3 mm: it meets the wall head on, then
 /// lies along it.
-inline WorldSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41)
+inline TestSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.003, 0.03);
     setup.wires = {fed_wire(steel_wire(length, nodes), {0.0005, 0, -0.0024}, speed)};
     return setup;
 }
 
-inline void use_mesh(WorldSetup& setup, WallMesh mesh)
+inline void use_mesh(TestSetup& setup, WallMesh mesh)
 {
     setup.vessel.shape = VesselShape::Mesh;
     setup.mesh = std::move(mesh);

@@ -21,16 +21,15 @@ struct Shot {
 /// @param nose_first  else across the lumen
 Shot shoot(NormalLaw law, double speed, bool nose_first)
 {
-    WorldSetup setup;
-    setup.dt = 1.0 / 60;
+    TestSetup setup;
     add_tube(setup, tube(0.005, 0.3, 6000));
-    WireSetup wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
+    TestWire wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
     wire.wire.place.direction = nose_first ? Vec3(1, 0, 0.02).normalized() : Vec3(1, 0, 0);
     wire.wire.place.velocity = nose_first ? speed * Vec3(0.6, 0, 0.8) : Vec3(0, 0.6 * speed, -0.8 * speed);
     wire.contact.normal = law;
     setup.wires = {wire};
     const LumenQuery lumen(setup.mesh, describe(setup.mesh).loops);
-    World world(std::move(setup));
+    FedWorld world(std::move(setup));
     Shot shot;
     double mass = 0;
     for (const double m : world.rod(0).mass.first(21)) mass += m;
@@ -92,9 +91,9 @@ TEST_SUITE("failure/fast_tip")
     {
         for (const double speed : {0.5, 5.0, 20.0}) {
             CAPTURE(speed);
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.005, 0.3, 6000));
-            WireSetup wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
+            TestWire wire = placed_wire(steel_wire(0.1, 21), {0.08, 0, 0});
             wire.wire.place.velocity = {0, 0.6 * speed, -0.8 * speed};
             setup.wires = {wire};
             const Outcomes as_published = watch_row("F4", setup, published, 1.0 / 60, 20);

@@ -82,7 +82,7 @@ TEST_SUITE("failure/laws")
         plane.size = 2;
         plane.triangles = 5000;
         const auto creep = [&](FrictionLaw law) {
-            WorldSetup setup;
+            TestSetup setup;
             setup.start_settled = true;
             setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
             add_vessel(setup, make_plane(plane), plane);
@@ -107,7 +107,7 @@ TEST_SUITE("failure/laws")
         "property: F15: push, pull, push: the default's force returns along its loop and every cycle dissipates; the published "
         "one's does not")
     {
-        WorldSetup setup = fed_into_bend(0, 0.12, 49);
+        TestSetup setup = fed_into_bend(0, 0.12, 49);
         constexpr double speed = 0.05, inside = 0.07, stroke = 0.008, half = stroke / speed, dt = 1e-3;
         std::vector<FeedKey>& keys = setup.wires[0].feed.keys;
         keys = {{0, 0, 0}, {inside / speed, inside, 0}};
@@ -119,7 +119,7 @@ TEST_SUITE("failure/laws")
             std::vector<double> force;
             double work[3] = {}, stored[4] = {}, last = 0, advance = 0;
             int step = 0;
-            run.run(before + 3 * cycle, [&](World& world) {
+            run.run(before + 3 * cycle, [&](FedWorld& world) {
                 const WireReadings now = world.readings(0);
                 if (++step > before) {
                     force.push_back(now.hand_force);

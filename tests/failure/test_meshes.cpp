@@ -71,9 +71,9 @@ TEST_SUITE("failure/meshes")
 {
     TEST_CASE("property: F5: panels of 10 cm: the published rays miss the wire, which leaves; the default meets the wall")
     {
-        WorldSetup setup;
+        TestSetup setup;
         use_mesh(setup, box_channel(0.1, -0.004, 0.004, -0.004, 0.004, 1));
-        WireSetup wire = fed_wire(steel_wire(0.08, 33), {0.002, 0, 0}, 0.1);
+        TestWire wire = fed_wire(steel_wire(0.08, 33), {0.002, 0, 0}, 0.1);
         wire.feed.direction = Vec3(1, 0.1, -0.2).normalized();
         setup.wires = {wire};
         const Outcomes as_published = watch_row("F5", setup, published, 2e-3, 350);
@@ -88,9 +88,9 @@ TEST_SUITE("failure/meshes")
     {
         for (const int nodes : {9, 11}) {  // edges of 12.5 and 10 mm in a bend of 12 mm
             CAPTURE(nodes);
-            WorldSetup setup;
+            TestSetup setup;
             add_bend(setup, 0.002, 0.012);
-            WireSetup wire = fed_wire(steel_wire(0.1, nodes), {0.0005, 0, 0}, 0.05);
+            TestWire wire = fed_wire(steel_wire(0.1, nodes), {0.0005, 0, 0}, 0.05);
             wire.wire.shaft.bend_stiffness = 1e-6;
             wire.wire.shaft.twist_stiffness = 7e-7;
             setup.wires = {wire};
@@ -136,8 +136,8 @@ TEST_SUITE("failure/meshes")
         const WallMesh above = fine_channel(0.1, -0.004, 0.004, 0, 0.006, 0.5e-3);
         WallMesh both = above;
         append(both, fine_channel(0.1, -0.004, 0.004, -0.006, -50e-6, 0.5e-3));
-        WorldSetup setup;
-        WireSetup wire = placed_wire(steel_wire(0.06, 13), {0.02, 0.3e-3, radius});
+        TestSetup setup;
+        TestWire wire = placed_wire(steel_wire(0.06, 13), {0.02, 0.3e-3, radius});
         wire.contact.friction = FrictionLaw::None;
         setup.wires = {wire};
         const double weight = 7900 * std::numbers::pi * radius * radius * 0.06 * 9.81;
@@ -175,12 +175,12 @@ TEST_SUITE("failure/meshes")
             for (Vec3& v : written.vertices) v += shift;
             if (name == "text.stl") std::ofstream(folder / name) << ascii_stl(written, 1e3);
             else write_mesh(folder / name, written, "mm");
-            WorldSetup setup;
+            TestSetup setup;
             setup.mesh = read_mesh(folder / name, "mm");
             (void)repair(setup.mesh);
             setup.centreline = vessel.centreline;
             for (Vec3& p : setup.centreline.points) p += shift;
-            WireSetup wire = placed_wire(steel_wire(0.08, 21), Vec3(0.01, 0, -0.003 + radius - 1e-6) + shift);
+            TestWire wire = placed_wire(steel_wire(0.08, 21), Vec3(0.01, 0, -0.003 + radius - 1e-6) + shift);
             wire.contact.friction = FrictionLaw::None;
             setup.wires = {wire};
             return push_of(context, setup).normal;
@@ -207,10 +207,10 @@ TEST_SUITE("failure/meshes")
             for (Vec3& v : mesh.vertices) v += shift;
             Centreline axis = vessel.centreline;
             for (Vec3& p : axis.points) p += shift;
-            WorldSetup setup;
+            TestSetup setup;
             setup.mesh = mesh;
             setup.centreline = axis;
-            WireSetup wire = placed_wire(steel_wire(0.08, 21), Vec3(0.01, 0, -0.003 + radius - 1e-6) + shift);
+            TestWire wire = placed_wire(steel_wire(0.08, 21), Vec3(0.01, 0, -0.003 + radius - 1e-6) + shift);
             wire.contact.detection = detection;
             wire.contact.friction = FrictionLaw::None;
             setup.wires = {wire};
@@ -233,7 +233,7 @@ TEST_SUITE("failure/meshes")
             double overlap[2];
             for (const int away : {0, 1}) {
                 const Vec3 shift = away * Vec3(1, -1, 1);
-                WorldSetup setup;
+                TestSetup setup;
                 WallMesh mesh = fine_channel(0.05, -0.002, 0.002, 0, 0.004, 0.5e-3);
                 for (Vec3& v : mesh.vertices) v += shift;
                 use_mesh(setup, mesh);

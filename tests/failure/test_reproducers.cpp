@@ -29,10 +29,10 @@ TEST_SUITE("failure/reproducers")
         "property: two wires of 1.2 mm in a channel of 8 x 8 mm, tips held, bases driven in by 0.83 mm a step of 1/240 s, stay "
         "inside")
     {
-        WorldSetup setup;
+        TestSetup setup;
         use_mesh(setup, box_channel(0.16, -0.004, 0.004, -0.004, 0.004, 16));
         for (const double side : {-1.0, 1.0}) {
-            WireSetup wire = placed_wire(thick_wire(), {0.02, 1.5e-3 * side, 1e-3 * side});
+            TestWire wire = placed_wire(thick_wire(), {0.02, 1.5e-3 * side, 1e-3 * side});
             HoldSpec base, tip;
             base.position = base.direction = true;
             base.velocity = {0.2, 0, 0};
@@ -64,7 +64,7 @@ TEST_SUITE("failure/reproducers")
     // which the other must not hang on rounding.
     TEST_CASE("regression: both are fed head on into the channel's closed end and pile up in its corners without a step given up")
     {
-        WorldSetup setup;
+        TestSetup setup;
         WallMesh channel = box_channel(0.06, -0.004, 0.004, -0.004, 0.004, 12);
         const int end = static_cast<int>(channel.vertices.size()) - 4;
         channel.triangles.push_back({end, end + 2, end + 1});

@@ -33,7 +33,7 @@ TEST_SUITE("failure/shapes")
 {
     TEST_CASE("property: F9: fed and turned against a carina the tip prolapses; torque is stored and let go; the default holds")
     {
-        WorldSetup setup;
+        TestSetup setup;
         use_mesh(setup, bifurcation(8000));
         setup.wires = {fed_wire(steel_wire(0.08, 41), {0.001, 0, 0}, 0.05, 6.0)};
         const double dt = 5e-4;  // the tip lets go in 10 ms: at 1 ms its swing is one of the hand's jitter already
@@ -46,9 +46,9 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("property: F10: pushed 10 mm into a tube, its tip held, a wire buckles in waves, then winds itself into a helix")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_tube(setup, tube(0.003, 0.16, 8000));
-        WireSetup wire = placed_wire(steel_wire(0.14, 57), {0.005, 0, -0.003 + radius});
+        TestWire wire = placed_wire(steel_wire(0.14, 57), {0.005, 0, -0.003 + radius});
         wire.wire.shaft.stretch_stiffness = 500;  // 14 N/m of the base's first step are its axial wave, not the wire's push
         HoldSpec base, tip;
         base.position = base.direction = base.spin = true;
@@ -60,7 +60,7 @@ TEST_SUITE("failure/shapes")
         for (const Method& method : {published, standard}) {
             WatchedRun run(setup, method, 1e-3);
             double force = 0;
-            run.work = [&](World& world) {
+            run.work = [&](FedWorld& world) {
                 const double now = world.readings(0).hand_force, work = 0.5 * (force + now) * 2e-5;
                 force = now;
                 return work;
@@ -83,7 +83,7 @@ TEST_SUITE("failure/shapes")
     // 0.30 mm of lumen for 0.44 mm of wire: there is no place for it. Force and overlap are reported and bounded.
     TEST_CASE("property: F12: through a stenosis narrower than the wire: overlap is what the neck lacks, force stays bounded")
     {
-        WorldSetup setup;
+        TestSetup setup;
         use_mesh(setup, stenosis(0.003, 0.0003, 0.03, 0.012, 0.08));
         setup.wires = {fed_wire(steel_wire(0.08, 41), {0.001, 0, -0.001}, 0.05)};
         setup.wires[0].feed.keys = {{0, 0, 0}, {0.56, 0.028, 0}, {1, 0.0324, 0}};
@@ -99,9 +99,9 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("property: F16: a wire folded to 168 degrees over one node springs open and comes to rest on the wall")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_tube(setup, tube(0.02, 0.2, 4000));
-        WireSetup wire = placed_wire(steel_wire(0.08, 33), {});
+        TestWire wire = placed_wire(steel_wire(0.08, 33), {});
         wire.wire.place.shape = PlaceShape::Points;
         const double c = std::cos(12 * pi / 180), s = std::sin(12 * pi / 180);
         const double corner = 0.05 + 0.04 + 1e-9;  // a hair behind the sixteenth node: chords must not have to reach round it
@@ -116,9 +116,9 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("analytic: F16: 4 rad a step at the base of a wire soft in torsion arrive at its tip turn by turn")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_tube(setup, tube(0.003, 0.2, 4000));
-        WireSetup wire = placed_wire(steel_wire(0.1, 21), {0.005, 0, -0.003 + radius});
+        TestWire wire = placed_wire(steel_wire(0.1, 21), {0.005, 0, -0.003 + radius});
         wire.wire.shaft.twist_stiffness = 1e-8;
         HoldSpec base;
         base.position = base.direction = base.spin = true;
@@ -129,7 +129,7 @@ TEST_SUITE("failure/shapes")
         for (const Method& method : {published, standard}) {
             WatchedRun run(setup, method, dt);
             double torque = 0, turned = 0;
-            run.work = [&](World& world) {
+            run.work = [&](FedWorld& world) {
                 const double now = world.readings(0).hand_torque, angle = 4.0 * std::min<long>(world.step_count(), 60),
                              work = 0.5 * (torque + now) * (angle - turned);  // as RunWatch
                 torque = now;

@@ -13,10 +13,10 @@ namespace {
 
 bool failed(const Outcomes& o) { return o.outcome() >= Outcome::Overlap; }
 
-WorldSetup cantilever()
+TestSetup cantilever()
 {
-    WorldSetup setup;
-    WireSetup wire = placed_wire(steel_wire(0.1, 41), {});
+    TestSetup setup;
+    TestWire wire = placed_wire(steel_wire(0.1, 41), {});
     HoldSpec base;
     base.position = base.direction = base.spin = true;
     wire.holds = {base};
@@ -32,7 +32,7 @@ TEST_SUITE("failure/time_steps")
     // c
     TEST_CASE("analytic: F1: explicit steps blow up just above the axial wave's limit; implicit ones do not know it")
     {
-        const WorldSetup setup = cantilever();
+        const TestSetup setup = cantilever();
         const WireSection& wire = setup.wires[0].wire.shaft;
         const double line_mass = wire.density * std::numbers::pi * wire.radius * wire.radius;
         const double limit = 0.1 / 40 / std::sqrt(wire.stretch_stiffness / line_mass);
@@ -49,7 +49,7 @@ TEST_SUITE("failure/time_steps")
     {
         for (const double stiffness : {1.0, 100.0}) {
             CAPTURE(stiffness);
-            WorldSetup setup = fed_into_bend(0.02);
+            TestSetup setup = fed_into_bend(0.02);
             stiffen_wall(setup, stiffness);
             const double dt = 1.0 / 60;
             const Outcomes as_published = watch_row("F2", setup, published, dt, 240);
@@ -71,7 +71,7 @@ TEST_SUITE("failure/time_steps")
         double least = INFINITY, most = 0;
         for (const double stiffness : {0.1, 1.0, 10.0, 100.0, 1000.0}) {
             CAPTURE(stiffness);
-            WorldSetup setup = fed_into_bend(0.1);
+            TestSetup setup = fed_into_bend(0.1);
             stiffen_wall(setup, stiffness);
             const Outcomes as_published = watch_row("F3", setup, published, 2e-3, 400);
             CHECK(failed(as_published));
@@ -85,7 +85,7 @@ TEST_SUITE("failure/time_steps")
 
     TEST_CASE("property: F11: a tip a thousand times as soft as the shaft, EA of 1e6 B / L^2 and more")
     {
-        WorldSetup setup = fed_into_bend(0.05, 0.12, 49);
+        TestSetup setup = fed_into_bend(0.05, 0.12, 49);
         WireSpec& wire = setup.wires[0].wire;
         wire.shaft.bend_stiffness = 2e-4;
         wire.shaft.twist_stiffness = 1.6e-4;
@@ -106,9 +106,9 @@ TEST_SUITE("failure/time_steps")
     {
         for (const double dt : {1e-3, 1.0 / 60}) {
             CAPTURE(dt);
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.004, 0.16, 6000));
-            WireSetup wire = placed_wire(steel_wire(0.12, 49), {0.01, 0, 0});
+            TestWire wire = placed_wire(steel_wire(0.12, 49), {0.01, 0, 0});
             HoldSpec base;
             base.position = base.direction = base.spin = true;
             for (int k = 0; k <= 200; ++k) base.move.push_back({k * dt, 0, 0, k % 2 ? 1e-3 : -1e-3});
@@ -118,7 +118,7 @@ TEST_SUITE("failure/time_steps")
                 WatchedRun run(setup, method, dt);
                 double height = 0;
                 Vec3 force = Vec3::Zero();
-                run.work = [&](World& world) {
+                run.work = [&](FedWorld& world) {
                     const Vec3 now = world.readings(0).base_force;
                     const double z = world.rod(0).z[world.rod(0).n - 1];
                     const double work = 0.5 * (force + now).z() * (z - height);

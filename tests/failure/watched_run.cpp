@@ -15,19 +15,18 @@ namespace {
 constexpr int audit_period = 5;  // steps
 constexpr int points_per_edge = 4;
 
-WorldSetup prepared(WorldSetup setup, const Method& method, double dt)
+TestSetup prepared(TestSetup setup, const Method& method)
 {
     use(setup, method);
-    setup.dt = dt;
     return setup;
 }
 
 }  // namespace
 
-void use(WorldSetup& setup, const Method& method)
+void use(TestSetup& setup, const Method& method)
 {
     setup.integrator.scheme = method.scheme;
-    for (WireSetup& wire : setup.wires) {
+    for (TestWire& wire : setup.wires) {
         wire.contact.detection = method.detection;
         wire.contact.normal = method.normal;
         wire.contact.friction = method.friction;
@@ -41,8 +40,8 @@ Outcome Outcomes::outcome() const
     return worst;
 }
 
-WatchedRun::WatchedRun(WorldSetup setup, const Method& method, double dt, double static_indentation)
-    : world(prepared(std::move(setup), method, dt)), dt_(dt)
+WatchedRun::WatchedRun(TestSetup setup, const Method& method, double dt, double static_indentation)
+    : world(prepared(std::move(setup), method)), dt_(dt)
 {
     for (int w = 0; w < world.wire_count(); ++w) {
         FailureLimits limits;
@@ -76,7 +75,7 @@ WireReadings WatchedRun::at_start(int wire) const
 void WatchedRun::audit()
 {
     for (int w = 0; w < world.wire_count(); ++w) {
-        const WireSetup& setup = world.setup().wires[w];
+        const TestWire& setup = world.setup().wires[w];
         const RodView rod = world.rod(w);
         for (int j = 0; j + 1 < rod.n; ++j)
             for (int k = 0; k < points_per_edge; ++k) {
@@ -88,7 +87,7 @@ void WatchedRun::audit()
     }
 }
 
-void WatchedRun::run(int steps, const std::function<bool(World&)>& each)
+void WatchedRun::run(int steps, const std::function<bool(FedWorld&)>& each)
 {
     for (int k = 0; k < steps; ++k) {
         const StepReport report = step(world, dt_);
@@ -123,20 +122,20 @@ Outcomes WatchedRun::outcomes() const
     return result;
 }
 
-Outcomes watch(WorldSetup setup, const Method& method, double dt, int steps, double static_indentation)
+Outcomes watch(TestSetup setup, const Method& method, double dt, int steps, double static_indentation)
 {
     WatchedRun run(std::move(setup), method, dt, static_indentation);
     run.run(steps);
     return run.outcomes();
 }
 
-Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& method, double dt, int steps)
+Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method, double dt, int steps)
 {
     WatchedRun run(setup, method, dt);
     // a method that is jammed is not worth the hundreds of sub-steps with which it goes on: the third such step is its last
     int left = 3;
     run.run(steps,
-            [&](World& world) { return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0; });
+            [&](FedWorld& world) { return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0; });
     const Outcomes outcomes = run.outcomes();
     MESSAGE(std::string(row) << ", " << std::string(method.name) << ", dt " << 1e3 * dt << " ms: " << tell(outcomes));
     return outcomes;

@@ -34,7 +34,7 @@ inline constexpr Method at_nodes{"contact at nodes", Scheme::Newton, Detection::
 inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::Capsule, NormalLaw::HuntCrossley,
                                        FrictionLaw::StickSlip};
 
-void use(WorldSetup& setup, const Method& method);
+void use(TestSetup& setup, const Method& method);
 
 /// What a run came to: the verdict per wire, and what the fixture measured itself.
 struct Outcomes {
@@ -52,15 +52,15 @@ struct Outcomes {
 class WatchedRun {
 public:
     /// @param static_indentation  see FailureLimits; infinity where nothing static presses
-    WatchedRun(WorldSetup setup, const Method& method, double dt, double static_indentation = INFINITY);
+    WatchedRun(TestSetup setup, const Method& method, double dt, double static_indentation = INFINITY);
 
     /// @param each  after every step; returns false to end the run
-    void run(int steps, const std::function<bool(World&)>& each = {});
+    void run(int steps, const std::function<bool(FedWorld&)>& each = {});
     /// Work that the scene's loads, links or moving holds have done on wire 0 in the step just taken [J]; asked after every step.
-    std::function<double(World&)> work;
+    std::function<double(FedWorld&)> work;
 
     [[nodiscard]] Outcomes outcomes() const;
-    World world;
+    FedWorld world;
 
 private:
     void audit();
@@ -74,15 +74,15 @@ private:
     long steps_ = 0;
 };
 
-[[nodiscard]] Outcomes watch(WorldSetup setup, const Method& method, double dt, int steps, double static_indentation = INFINITY);
+[[nodiscard]] Outcomes watch(TestSetup setup, const Method& method, double dt, int steps, double static_indentation = INFINITY);
 
 /// One line: outcome, first steps of each failure, measured numbers.
 [[nodiscard]] std::string tell(const Outcomes& outcomes);
 
 /// Runs, a linearised method until it jams, and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
-[[nodiscard]] Outcomes watch_row(const char* row, const WorldSetup& setup, const Method& method, double dt, int steps);
+[[nodiscard]] Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method, double dt, int steps);
 
 /// Wall whose bed is `factor` times as stiff as the nominal 1 MPa one.
-inline void stiffen_wall(WorldSetup& setup, double factor) { setup.vessel.youngs *= factor; }
+inline void stiffen_wall(TestSetup& setup, double factor) { setup.vessel.youngs *= factor; }
 
 }  // namespace seldinger::test

@@ -80,7 +80,7 @@ struct CurvedWire : OneWire {
         for (int j = 0; j < rod.n - 1; ++j) {
             CAPTURE(j);
             const double h = rod.rest_length[j];
-            CHECK(h >= spec.min_edge * (1 - 1e-3));  // debts of rest length: (kappa h)^2/32 at most
+            CHECK(h >= spec.min_edge * (1 - 1e-3));  // surpluses of rest length: (kappa h)^2/32 at most
             CHECK(h <= spec.max_edge * (1 + 1e-3));
             if (j == 0) continue;
             const double ratio = h / rod.rest_length[j - 1];
@@ -183,7 +183,7 @@ TEST_SUITE("rod/adapt")
         demands.kept = kept;
         REQUIRE(wire.settle(demands) >= 0);
         REQUIRE(wire.rod.n < 200);  // others did go
-        // material_s moves by the debts, some micrometres
+        // material_s moves by the surpluses, some micrometres
         for (const double s : kept) CHECK(wire.nearest_node(s) < 1e-5);
         CHECK(wire.nearest_node(0.0305) < 1e-3);  // a node that was nearer than min_edge serves
         CurvedWire coarse(31, bend, {{0.0, 0.0345, soft}});
@@ -191,7 +191,7 @@ TEST_SUITE("rod/adapt")
         CHECK(coarse.nearest_node(0.0345) < 1e-5);
     }
 
-    TEST_CASE("property: a wire of constant length pays its debt exactly")
+    TEST_CASE("property: a wire of constant length gives its surplus back exactly")
     {
         CurvedWire wire(31, bend);
         const double length = wire.rod.material_s[30];

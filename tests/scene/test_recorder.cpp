@@ -3,8 +3,9 @@
 #include "core/error.h"
 #include "io/vtp_read.h"
 #include "scene/checkpoint.h"
-#include "scene/recorder.h"
 #include "io/vtp_write.h"
+#include "scene/recorder.h"
+#include "world.h"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -140,8 +141,8 @@ TEST_SUITE("scene/recorder")
         for (int k = 0; k < 4; ++k) {
             const StepReport report = step(world, scene.dt);
             REQUIRE_FALSE(report.failed());
-            if (k == 3) world.rod(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
-            recorder.stepped(world, report, 0.001);
+            if (k == 3) world.impl().rods.view(0).x[0] = std::numeric_limits<double>::quiet_NaN();  // behind the solver's back
+            recorder.stepped(world.output(), report, 0.001);
         }
         const auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Stopped, 0.1));
         const std::string table = read_file(folder.path / "run" / "wire.csv");
@@ -166,7 +167,7 @@ TEST_SUITE("scene/recorder")
         for (int k = 0; k < 10; ++k) {
             const StepReport report = step(world, scene.dt);
             REQUIRE_FALSE(report.failed());
-            recorder.stepped(world, report, 0.001);
+            recorder.stepped(world.output(), report, 0.001);
         }
         (void)recorder.finish(world, RunStatus::Done, 0.1);
         const std::string table = read_file(folder.path / "run" / "wire.csv");
@@ -182,7 +183,10 @@ TEST_SUITE("scene/recorder")
         World world(make_setup(scene));
         const RepairReport none;
         Recorder recorder(scene, none, world, folder.path / "run");
-        for (int k = 0; k < 10; ++k) recorder.stepped(world, step(world, scene.dt), 0.001);
+        for (int k = 0; k < 10; ++k) {
+            const StepReport report = step(world, scene.dt);
+            recorder.stepped(world.output(), report, 0.001);
+        }
         (void)recorder.finish(world, RunStatus::Done, 0.1);
         const std::string trace = read_file(folder.path / "run" / "trace.csv");
         CHECK(std::count(trace.begin(), trace.end(), '\n') == 4);  // header, steps 4, 8 and 10

@@ -27,16 +27,16 @@ WireSpec adaptive_wire(double length)
     return spec;
 }
 
-WorldSetup arc_setup(double speed, double until)
+TestSetup arc_setup(double speed, double until)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.005, 0.04);
     setup.wires = {fed_wire(adaptive_wire(0.3), {0.0005, 0, 0}, speed, 0, until)};
     return setup;
 }
 
 /// A step with or without its last stage, the change of nodes.
-void step_stages_of(World& world, double dt, bool adapt)
+void step_stages_of(FedWorld& world, double dt, bool adapt)
 {
     World::Impl& state = world.impl();
     StepReport report;
@@ -48,7 +48,7 @@ void step_stages_of(World& world, double dt, bool adapt)
     REQUIRE_FALSE(report.failed());
 }
 
-double mean_force(World& world, int steps, bool adapt)
+double mean_force(FedWorld& world, int steps, bool adapt)
 {
     double sum = 0;
     for (int k = 0; k < steps; ++k) {
@@ -80,7 +80,7 @@ TEST_SUITE("step/adapt_run")
     // it and going on from the same state without it.
     TEST_CASE("property: hand force over 20 ms is the same with and without a change of nodes, within max(1 %, 1 mN)")
     {
-        World world(arc_setup(0.1, 2)), twin(arc_setup(0.1, 2));
+        FedWorld world(arc_setup(0.1, 2)), twin(arc_setup(0.1, 2));
         int changes = 0;
         double largest = 0, worst = 0;
         for (int k = 0; k < 1400; ++k) {
@@ -111,7 +111,7 @@ TEST_SUITE("step/adapt_run")
 
     TEST_CASE("property: a run that is saved and restored while nodes come and go ends with the same bits")
     {
-        World world(arc_setup(0.2, 1)), again(arc_setup(0.2, 1));
+        FedWorld world(arc_setup(0.2, 1)), again(arc_setup(0.2, 1));
         for (int k = 0; k < 450; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
         again.restore_state(world.save_state());
         const int nodes = world.rod(0).n;
@@ -129,9 +129,9 @@ TEST_SUITE("step/adapt_run")
 
     TEST_CASE("property: pushed in, pulled out: nodes go again, and what is inside is what was fed")
     {
-        WorldSetup setup = arc_setup(0.1, 1);
+        TestSetup setup = arc_setup(0.1, 1);
         setup.wires[0].feed.keys = {{0, 0, 0}, {0.9, 0.09, 0}, {1.7, 0.01, 0}};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         int most = 0;
         for (int k = 0; k < 1700; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -140,15 +140,15 @@ TEST_SUITE("step/adapt_run")
         const RodView rod = world.rod(0);
         const FeedState& feed = world.impl().feeds[0];
         CHECK(most > 2 * rod.n);
-        CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.debt).epsilon(1e-9));
-        CHECK(std::abs(feed.debt) < 1e-6);  // drained by feeding either way
+        CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.surplus).epsilon(1e-9));
+        CHECK(std::abs(feed.surplus) < 1e-6);  // drained by feeding either way
     }
 
     TEST_CASE("property: a wire that is not fed keeps its length, its held node and its point load while it is refined")
     {
-        WorldSetup setup;
+        TestSetup setup;
         WireSpec spec = steel_wire(0.2, 0);
-        WireSetup wire = placed_wire(spec, {0, 0, 0});
+        TestWire wire = placed_wire(spec, {0, 0, 0});
         HoldSpec base, middle;
         base.position = base.direction = true;
         middle.at = {WirePoint::Kind::Distance, 0.12};
@@ -160,7 +160,7 @@ TEST_SUITE("step/adapt_run")
         wire.loads = {load};
         setup.wires = {wire};
         setup.integrator.damping_mass = 20;
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         const double held = world.impl().holds[0].held_distances()[0];
         const Vec3 at = world.rod(0).pos(world.impl().holds[0].node(1, world.rod(0)));
         int changes = 0;
@@ -171,7 +171,7 @@ TEST_SUITE("step/adapt_run")
             const RodView rod = world.rod(0);
             const int node = world.impl().holds[0].node(1, rod);
             CAPTURE(k);
-            REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the debt is some micrometres
+            REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the surplus is some micrometres
             REQUIRE((rod.pos(node) - at).norm() < 1e-12);
         }
         REQUIRE(changes > 10);
@@ -179,7 +179,7 @@ TEST_SUITE("step/adapt_run")
         check_edges(rod, spec, false);
         // paid to e^-t/0.05 s of the last change, and the last was long ago
         CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));
-        CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].debt) < 1e-12);
+        CHECK(std::abs(rod.material_s[rod.n - 1] - 0.2 - world.impl().feeds[0].surplus) < 1e-12);
         // the load bends its surroundings, the straight rest is left alone
         CHECK(*std::min_element(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1) < 0.7 * 0.004);
     }

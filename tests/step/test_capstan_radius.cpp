@@ -49,7 +49,7 @@ TEST_SUITE("step/capstan_radius")
     {
         Drum drum{1e-7, 0.01, 0.04445, 0.3, 0.3, 0};
         const double radius = drum.rho * drum.axis;
-        WorldSetup setup;
+        TestSetup setup;
         setup.gravity = Vec3::Zero();
         VesselSpec spec;
         spec.shape = VesselShape::Arc;
@@ -65,7 +65,7 @@ TEST_SUITE("step/capstan_radius")
         wire.shaft.mu_static = wire.shaft.mu_sliding = drum.mu;
         wire.place.shape = PlaceShape::Centreline;
         wire.place.from = 0.005;
-        WireSetup placed;
+        TestWire placed;
         placed.wire = wire;
         placed.contact.detection = Detection::Capsule;
         placed.contact.samples_per_edge = 2;
@@ -79,7 +79,7 @@ TEST_SUITE("step/capstan_radius")
         load.ramp = 0.05;
         placed.loads = {load};
         setup.wires = {placed};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         Vec3 pull = Vec3::Zero();
         for (int k = 1; k <= 300; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());

@@ -28,12 +28,12 @@ TEST_SUITE("step/drag_and_loop")
     {
         for (const bool beside : {false, true}) {  // along the line of vertices at the bottom, or over the facets beside it
             CAPTURE(beside);
-            WorldSetup setup;
+            TestSetup setup;
             VesselSpec spec = tube(0.003, 0.3, 35000);
             if (beside) spec.normal = Vec3(0, 0.05, 1).normalized();
             add_tube(setup, spec);
             CHECK(setup.mesh.triangles.size() == about(35000).epsilon(0.02));
-            WireSetup wire = placed_wire(steel_wire(0.15, 31), {0.05, 0, -0.003 + 0.4445e-3});
+            TestWire wire = placed_wire(steel_wire(0.15, 31), {0.05, 0, -0.003 + 0.4445e-3});
             LinkSpec rope;  // pulls along the tube, and leaves the wire to lie as it will
             rope.anchor = {0.05, 0, -0.003 + 0.4445e-3};
             rope.stiffness = 20;
@@ -41,7 +41,7 @@ TEST_SUITE("step/drag_and_loop")
             wire.links = {rope};
             setup.wires = {wire};
             setup.start_settled = true;
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             double least = 1, largest = 0, sum = 0;
             int count = 0;
@@ -68,7 +68,7 @@ TEST_SUITE("step/drag_and_loop")
     TEST_CASE("analytic: capstan")
     {
         constexpr double mu = 0.3, back = 0.05, bend = 1e-7, radius = 0.000178;
-        WorldSetup setup;
+        TestSetup setup;
         setup.gravity = Vec3::Zero();
         VesselSpec spec;
         spec.shape = VesselShape::Arc;
@@ -86,7 +86,7 @@ TEST_SUITE("step/drag_and_loop")
         wire.shaft.mu_static = wire.shaft.mu_sliding = mu;
         wire.place.shape = PlaceShape::Centreline;
         wire.place.from = 0.005;
-        WireSetup placed;
+        TestWire placed;
         placed.wire = wire;
         placed.contact.detection = Detection::Capsule;
         placed.contact.samples_per_edge = 2;
@@ -97,7 +97,7 @@ TEST_SUITE("step/drag_and_loop")
         load.ramp = 0.1;
         placed.loads = {load};
         setup.wires = {placed};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         Vec3 pull = Vec3::Zero();
         for (int k = 1; k <= 500; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -116,15 +116,15 @@ TEST_SUITE("step/drag_and_loop")
 
     TEST_CASE("property: push, pull, push: every cycle dissipates, and the force returns along its loop")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_bend(setup, 0.003, 0.03);
-        WireSetup wire = fed_wire(steel_wire(0.12, 49), {0.0005, 0, -0.0024}, 0);
+        TestWire wire = fed_wire(steel_wire(0.12, 49), {0.0005, 0, -0.0024}, 0);
         // 7 cm in, then three times 8 mm back and forth
         constexpr double speed = 0.05, inside = 0.07, stroke = 0.008, half = stroke / speed, start = inside / speed;
         wire.feed.keys = {{0, 0, 0}, {start, inside, 0}};
         for (int k = 1; k <= 6; ++k) wire.feed.keys.push_back({start + k * half, inside - (k % 2 ? stroke : 0), 0});
         setup.wires = {wire};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         constexpr double dt = 1e-3;
         for (int k = 0; k < std::lround(start / dt); ++k) REQUIRE_FALSE(step(world, dt).failed());
         const int steps = static_cast<int>(std::lround(2 * half / dt));
@@ -170,7 +170,7 @@ TEST_SUITE("step/drag_and_loop")
             // The references' tip is a point. A ball rolls by r times its turn, 5.6 mu, before it slips, which raises the strain
             // for small mu by some 13 r/L of it: a thin wire
             constexpr double length = 0.1, dt = 1e-3, radius = 1e-4;
-            WorldSetup setup;
+            TestSetup setup;
             setup.gravity = Vec3::Zero();
             VesselSpec plane;
             plane.shape = VesselShape::Plane;
@@ -187,7 +187,7 @@ TEST_SUITE("step/drag_and_loop")
             wire.place.base = {0, 0, length + radius};
             wire.place.direction = -Vec3::UnitZ();
             wire.place.normal = Vec3::UnitX();
-            WireSetup placed;
+            TestWire placed;
             placed.wire = wire;
             placed.contact.detection = Detection::Capsule;
             // slowly at first, so that the wire buckles gently, and in some air for what still swings
@@ -203,7 +203,7 @@ TEST_SUITE("step/drag_and_loop")
             lean.ramp = 0.1;
             placed.loads = {lean};
             setup.wires = {placed};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             double slipped = -1, since = 0;  // strain
             for (int k = 1, sliding = 0; k <= 700 && slipped < 0; ++k) {
                 REQUIRE_FALSE(step(world, dt).failed());

@@ -12,20 +12,20 @@ using namespace seldinger::test;
 namespace {
 
 /// The wire of the published experiments, fed at 2 cm/s.
-WireSetup published_wire(double advance)
+TestWire published_wire(double advance)
 {
     WireSpec spec = steel_wire(0.3, 61);
     spec.shaft.radius = 1e-3;
     spec.shaft.stretch_stiffness = 5e4;
-    WireSetup wire = fed_wire(spec, {0.0005, 0, -0.014548}, 0.02);
+    TestWire wire = fed_wire(spec, {0.0005, 0, -0.014548}, 0.02);
     for (FeedKey& key : wire.feed.keys) key.advance += advance;
     return wire;
 }
 
 /// It lies on the floor of a cylinder when `advance` is 10 cm.
-WorldSetup in_the_cylinder(double advance)
+TestSetup in_the_cylinder(double advance)
 {
-    WorldSetup setup;
+    TestSetup setup;
     VesselSpec cylinder = tube(0.018, 0.3, 8000);
     cylinder.youngs = 1e6;
     add_tube(setup, cylinder);
@@ -40,7 +40,7 @@ struct Ran {
     double kinetic = 0, made = 0, hand_force = 0;  // most
 };
 
-Ran run(World& world, int steps, double dt = 1e-3)
+Ran run(FedWorld& world, int steps, double dt = 1e-3)
 {
     Ran ran;
     for (; ran.steps < steps; ++ran.steps) {
@@ -65,11 +65,11 @@ TEST_SUITE("step/energy_audit")
     // measured against the rest length at its end is pressed by EA v h/l = 400 N.
     TEST_CASE("regression: energy-momentum steps feed a wire in free air without force")
     {
-        WorldSetup setup;
+        TestSetup setup;
         setup.gravity = Vec3::Zero();
         setup.wires = {published_wire(0)};
         setup.integrator.conserve = true;
-        World world(setup);
+        FedWorld world(setup);
         const Ran ran = run(world, 1000);
         CHECK(ran.steps == 1000);
         CHECK(world.readings(0).nodes > 3);  // splits included
@@ -79,13 +79,13 @@ TEST_SUITE("step/energy_audit")
 
     TEST_CASE("regression: the trapezoid in contact makes energy, which ends the run; backward Euler makes none")
     {
-        WorldSetup setup = in_the_cylinder(0.1);
-        World backward(setup);
+        TestSetup setup = in_the_cylinder(0.1);
+        FedWorld backward(setup);
         const Ran right = run(backward, 500);
         CHECK(right.steps == 500);
         CHECK((right.flags & (StepEnergy | StepHalved)) == 0);
         setup.integrator.newmark = true;
-        World trapezoid(setup);
+        FedWorld trapezoid(setup);
         const Ran wrong = run(trapezoid, 3000);
         CHECK(wrong.steps < 3000);
         CHECK((wrong.flags & StepEnergy) != 0);
@@ -97,11 +97,11 @@ TEST_SUITE("step/energy_audit")
 
     TEST_CASE("property: the audit goes on over a saved state, and has no say in what moves")
     {
-        const WorldSetup setup = in_the_cylinder(0.1);
-        World whole(setup), begun(setup);
+        const TestSetup setup = in_the_cylinder(0.1);
+        FedWorld whole(setup), begun(setup);
         (void)run(whole, 120);
         (void)run(begun, 60);
-        World resumed(setup);
+        FedWorld resumed(setup);
         resumed.restore_state(begun.save_state());
         CHECK(resumed.state_hash() == begun.state_hash());
         (void)run(resumed, 60);

@@ -11,18 +11,18 @@ TEST_SUITE("step/experiment1")
 {
     TEST_CASE("analytic: first touch at 3.0 cm, then friction grows by mu rho g A per metre")
     {
-        WorldSetup setup;
+        TestSetup setup;
         const VesselSpec spec = tube(0.018, 0.30, 35000);
         add_tube(setup, spec);
         WireSpec wire = steel_wire(0.30, 61);
         wire.shaft.radius = 1e-3;
         wire.shaft.stretch_stiffness = 5e4;
         // 2.452 mm above where the axis comes to rest: w L^4 / (8 B) of 3.0 cm
-        WireSetup fed = fed_wire(wire, {0.0005, 0, -0.014548}, 0.02, 0, 12);
+        TestWire fed = fed_wire(wire, {0.0005, 0, -0.014548}, 0.02, 0, 12);
         fed.contact.detection = Detection::Capsule;
         fed.contact.rolling = true;
         setup.wires = {fed};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         double first = 0, at_8 = 0, at_10 = 0;
         for (int k = 1; k <= 5000; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());

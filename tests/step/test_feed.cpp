@@ -29,9 +29,9 @@ double mean_force(const std::vector<Sample>& trace, std::size_t from, std::size_
     return sum / static_cast<double>(to - from);
 }
 
-WorldSetup bend_setup(double speed, int nodes)
+TestSetup bend_setup(double speed, int nodes)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.003, 0.03);
     setup.wires = {fed_wire(steel_wire(0.12, nodes), {0.0005, 0, -0.0024}, speed)};
     return setup;
@@ -41,11 +41,11 @@ WorldSetup bend_setup(double speed, int nodes)
 
 TEST_SUITE("step/feed")
 {
-    TEST_CASE("analytic: what is inside is what was fed, up to the debt; the hub stays where it is")
+    TEST_CASE("analytic: what is inside is what was fed, up to the surplus; the hub stays where it is")
     {
-        World world(bend_setup(0.1, 25));
+        FedWorld world(bend_setup(0.1, 25));
         const double edge = world.impl().feeds[0].edge;
-        double worst = 0, debt = 0;
+        double worst = 0, surplus = 0;
         for (int k = 1; k <= 700; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
             CHECK(world.readings(0).inserted == about(1e-4 * k).epsilon(1e-12));
@@ -55,8 +55,8 @@ TEST_SUITE("step/feed")
                 continue;
             }
             const RodView rod = world.rod(0);
-            worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.debt));
-            debt = std::max(debt, std::abs(feed.debt));
+            worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.surplus));
+            surplus = std::max(surplus, std::abs(feed.surplus));
             for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
             CHECK(rod.material_s[rod.n - 1] == about(length_inside(rod)).epsilon(1e-12));
             const double base = rod.rest_length[rod.n - 2];
@@ -65,13 +65,13 @@ TEST_SUITE("step/feed")
         }
         CHECK(worst <= 1e-12);  // sums of 700 additions of 1e-4
         // a birth slows the feed by phi^2/2, phi = kappa h/2, for some 25 ms; curvature stays below 1 / (bend radius)
-        CHECK(debt <= 0.1 * 0.025 * std::pow(edge / 0.03, 2) / 8);
+        CHECK(surplus <= 0.1 * 0.025 * std::pow(edge / 0.03, 2) / 8);
         REQUIRE(world.rod(0).n > 12);
     }
 
     TEST_CASE("property: neither hand force nor momentum jumps where the base edge is split")
     {
-        World world(bend_setup(0.05, 25));
+        FedWorld world(bend_setup(0.05, 25));
         std::vector<Sample> trace;
         for (int k = 0; k < 1500; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -104,7 +104,7 @@ TEST_SUITE("step/feed")
     {
         for (const double dt : {1e-3, 2.5e-4}) {
             CAPTURE(dt);
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.018, 0.1));
             WireSpec spec = steel_wire(0.1, 21);
             spec.shaft.radius = 0.001;
@@ -112,8 +112,7 @@ TEST_SUITE("step/feed")
             spec.shaft.stretch_stiffness = 5e4;
             spec.shaft.density = 7900;
             setup.wires = {fed_wire(spec, {0.0005, 0, -0.014548}, 0.02)};
-            setup.dt = dt;
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             double last = 0, step_before = 0, worst = 0, work = 0, inserted = 0;
             int births = 0, since = 1000;
             for (int k = 0; k < std::lround((dt < 5e-4 ? 1.6 : 3.6) / dt); ++k) {
@@ -141,12 +140,12 @@ TEST_SUITE("step/feed")
 
     TEST_CASE("property: pulled back below half an edge the wire is in its guide again, and comes out again")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_tube(setup, tube(0.003, 0.12));
-        WireSetup wire = fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0024}, 0);
+        TestWire wire = fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0024}, 0);
         wire.feed.keys = {{0, 0, 0}, {0.3, 0.03, 0}, {0.6, 0, 0}, {0.9, 0.03, 0}, {1.0, 0.03, 0}};
         setup.wires = {wire};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         bool was_inside = false, went_back = false;
         for (int k = 1; k <= 1000; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
@@ -173,10 +172,9 @@ TEST_SUITE("step/feed")
     TEST_CASE("property: more than an edge can be fed or pulled back in one step")
     {
         const auto end_of = [](double dt) {
-            WorldSetup setup = bend_setup(0, 49);
-            setup.dt = dt;
+            TestSetup setup = bend_setup(0, 49);
             setup.wires[0].feed.keys = {{0, 0, 0}, {0.1, 0.05, 0}, {0.16, 0.0275, 0}, {0.24, 0.0675, 0}, {1, 0.0675, 0}};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             const double edge = world.impl().feeds[0].edge;
             for (int k = 0; k < std::lround(0.6 / dt); ++k) {
                 const StepReport report = step(world, dt);
@@ -198,12 +196,12 @@ TEST_SUITE("step/feed")
     // A straight wire without friction, load or weight turns as a rigid shaft does: every section by the hub's angle.
     TEST_CASE("analytic: turning the hub of a free straight wire turns its tip by the same angle, and the torque dies away")
     {
-        WorldSetup setup;
+        TestSetup setup;
         setup.gravity = Vec3::Zero();
-        WireSetup wire = fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 0);
+        TestWire wire = fed_wire(steel_wire(0.1, 21), Vec3::Zero(), 0);
         wire.feed.keys = {{0, 0.08, 0}, {0.2, 0.08, 7.5}, {1, 0.08, 7.5}};  // more than a turn
         setup.wires = {wire};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         double largest = 0;
         for (int k = 1; k <= 400; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());

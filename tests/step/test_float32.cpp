@@ -11,9 +11,9 @@ using namespace seldinger::test;
 
 namespace {
 
-WorldSetup sliding_wire(Precision precision)
+TestSetup sliding_wire(Precision precision)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_tube(setup, tube(0.003, 0.12));
     setup.wires = {fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1, 2)};
     setup.wires[0].contact.precision = precision;
@@ -52,7 +52,7 @@ TEST_SUITE("step/float32")
     // um: forces are off by a thousandth at most, and each sample's in its own way.
     TEST_CASE("property: a wire fed along a tube is within 0.01 um of the one in double, and forces within a thousandth")
     {
-        World exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));
+        FedWorld exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));
         for (int k = 0; k < 400; ++k) {
             REQUIRE_FALSE(step(exact, 1e-3).failed());
             REQUIRE_FALSE(step(single, 1e-3).failed());
@@ -77,7 +77,7 @@ TEST_SUITE("step/float32")
     {
         long iterations[2] = {0, 0};
         for (const Precision precision : {Precision::Float64, Precision::Float32}) {
-            World world(sliding_wire(precision));
+            FedWorld world(sliding_wire(precision));
             for (int k = 0; k < 400; ++k) {
                 const StepReport report = step(world, 1e-3);
                 REQUIRE(report.flags == StepOk);
@@ -89,11 +89,11 @@ TEST_SUITE("step/float32")
 
     TEST_CASE("property: the same bits twice, and after save and restore")
     {
-        const auto after = [](World& world, int steps) {
+        const auto after = [](FedWorld& world, int steps) {
             for (int k = 0; k < steps; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
             return world.state_hash();
         };
-        World first(sliding_wire(Precision::Float32)), second(sliding_wire(Precision::Float32));
+        FedWorld first(sliding_wire(Precision::Float32)), second(sliding_wire(Precision::Float32));
         (void)after(first, 150);
         second.restore_state(first.save_state());
         CHECK(first.state_hash() == second.state_hash());
@@ -103,7 +103,7 @@ TEST_SUITE("step/float32")
     TEST_CASE("property: laws and detections without float32 are refused")
     {
         for (const bool layer : {false, true}) {
-            WorldSetup setup = sliding_wire(Precision::Float32);
+            TestSetup setup = sliding_wire(Precision::Float32);
             if (layer) setup.wires[0].contact.detection = Detection::Layer;
             else setup.wires[0].contact.normal = NormalLaw::Augmented;
             CHECK_THROWS_AS(World(std::move(setup)), const Error&);

@@ -36,9 +36,9 @@ LoadSpec load(const WirePoint& at, const Vec3& force)
 }
 
 /// A wire along +x whose last 3 cm are bent by nature, in air that slows it down.
-WorldSetup bent_tip()
+TestSetup bent_tip()
 {
-    WorldSetup setup;
+    TestSetup setup;
     setup.gravity = Vec3::Zero();
     setup.integrator.damping_mass = 100;
     WireSpec spec = steel_wire(length, nodes);
@@ -49,17 +49,17 @@ WorldSetup bent_tip()
     return setup;
 }
 
-WorldSetup turned_by_hold(double rate, double from)
+TestSetup turned_by_hold(double rate, double from)
 {
-    WorldSetup setup = bent_tip();
+    TestSetup setup = bent_tip();
     setup.wires[0].holds = {hold(WirePoint::Kind::Base, true, true, true)};
     setup.wires[0].holds[0].turn = {{from, 0}, {from + 10, 10 * rate}};
     return setup;
 }
 
-WorldSetup turned_by_feed(double rate, double from)
+TestSetup turned_by_feed(double rate, double from)
 {
-    WorldSetup setup = bent_tip();
+    TestSetup setup = bent_tip();
     FeedSpec& feed = setup.wires[0].feed;
     feed.on = true;
     feed.keys = {{0, length, 0}, {from, length, 0}, {from + 10, length, 10 * rate}};
@@ -74,26 +74,26 @@ double tip_angle(const World& world)
 }
 
 /// A quarter of a circle about (0, 0, R), stress-free as placed, at rest under a load.
-World loaded_arc(int edges, const std::vector<HoldSpec>& holds, const LoadSpec& pressed)
+FedWorld loaded_arc(int edges, const std::vector<HoldSpec>& holds, const LoadSpec& pressed)
 {
-    WorldSetup setup;
+    TestSetup setup;
     setup.gravity = Vec3::Zero();
     setup.integrator.scheme = Scheme::Static;
     setup.integrator.tolerance = 1e-9;
-    WireSetup wire = placed_wire(steel_wire(length, edges + 1), Vec3::Zero());
+    TestWire wire = placed_wire(steel_wire(length, edges + 1), Vec3::Zero());
     wire.wire.place.shape = PlaceShape::Arc;
     wire.wire.place.bend_radius = length / (pi / 2);
     wire.wire.place.rest_is_placed = true;
     wire.holds = holds;
     wire.loads = {pressed};
     setup.wires = {wire};
-    World world(std::move(setup));
+    FedWorld world(std::move(setup));
     REQUIRE_FALSE(settle(world).failed());
     return world;
 }
 
 /// Both ends pinned, pressed in its middle.
-World pinned_arch(int edges, const Vec3& force)
+FedWorld pinned_arch(int edges, const Vec3& force)
 {
     return loaded_arc(edges, {hold(WirePoint::Kind::Base, true, false, false), hold(WirePoint::Kind::Tip, true, false, false)},
                       load({WirePoint::Kind::Distance, length / 2}, force));
@@ -108,7 +108,7 @@ TEST_SUITE("step/hand_readings")
         const double rate = 2, from = 0.1;  // [rad/s], the tip has curled up before [s]
         for (const double sign : {1.0, -1.0}) {
             CAPTURE(sign);
-            World held(turned_by_hold(sign * rate, from)), fed(turned_by_feed(sign * rate, from));
+            FedWorld held(turned_by_hold(sign * rate, from)), fed(turned_by_feed(sign * rate, from));
             const double scale = length * 1e-6;  // a millionth: what the solver's tolerance (1e-6) leaves of a shape
             double apart = 0;
             for (int k = 0; k < 400; ++k) {
@@ -138,7 +138,7 @@ TEST_SUITE("step/hand_readings")
     TEST_CASE("analytic: the torque of a hold times the angle it turns is the energy that a twisted wire holds")
     {
         for (const WirePoint::Kind turned : {WirePoint::Kind::Base, WirePoint::Kind::Tip}) {
-            WorldSetup setup;
+            TestSetup setup;
             setup.gravity = Vec3::Zero();
             setup.integrator.tolerance = 1e-9;
             setup.wires = {placed_wire(steel_wire(length, nodes), Vec3::Zero())};
@@ -146,7 +146,7 @@ TEST_SUITE("step/hand_readings")
             const double angle = 3, time = 0.2, dt = 1e-3;
             HoldSpec& moving = setup.wires[0].holds[turned == WirePoint::Kind::Base ? 0 : 1];
             moving.turn = {{0, 0}, {time, angle}};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             double work = 0, before = 0;
             for (double t = 0; t < time - dt / 2; t += dt) {
                 REQUIRE_FALSE(step(world, dt).failed());
@@ -166,11 +166,11 @@ TEST_SUITE("step/hand_readings")
 
     TEST_CASE("property: a spin that a wire starts with is right-handed about the direction of insertion")
     {
-        WorldSetup setup = bent_tip();
+        TestSetup setup = bent_tip();
         setup.wires[0].wire.place.spin_rate = 2;
         setup.wires[0].wire.sections.clear();
         setup.integrator.damping_mass = 0;
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         for (int k = 0; k < 10; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
         const RodView rod = world.rod(0);
         const Vec3 t = rod.tangent(5), d1 = rod.ref_d1(5), d2 = t.cross(d1);
@@ -186,7 +186,7 @@ TEST_SUITE("step/hand_readings")
     {
         for (const int edges : {5, 10, 25, 50}) {
             CAPTURE(edges);
-            WorldSetup setup;
+            TestSetup setup;
             setup.gravity = Vec3::Zero();
             setup.integrator.scheme = Scheme::Static;
             setup.integrator.tolerance = 1e-9;
@@ -195,7 +195,7 @@ TEST_SUITE("step/hand_readings")
             setup.wires = {placed_wire(spec, Vec3::Zero())};
             setup.wires[0].holds = {hold(WirePoint::Kind::Base, true, true, true)};
             setup.wires[0].loads = {load({WirePoint::Kind::Tip, 0}, {-along, 0, across})};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             const double error = world.readings(0).hand_force - along;
             MESSAGE(edges << " edges: off by " << error / across << " of the load across");
@@ -211,7 +211,7 @@ TEST_SUITE("step/hand_readings")
         for (const int edges : {5, 20}) {
             CAPTURE(edges);
             const Vec3 force(0, 2e-4, 0);
-            World world = loaded_arc(edges, {hold(WirePoint::Kind::Base, true, true, true)}, load({WirePoint::Kind::Tip, 0}, force));
+            FedWorld world = loaded_arc(edges, {hold(WirePoint::Kind::Base, true, true, true)}, load({WirePoint::Kind::Tip, 0}, force));
             const WireReadings now = world.readings(0);
             const Vec3 tip = world.rod(0).pos(0);
             REQUIRE(tip.z() > 0.5 * length);
@@ -231,7 +231,7 @@ TEST_SUITE("step/hand_readings")
         double error[3];
         for (const int k : {0, 1, 2}) {
             const int edges = std::array{10, 20, 40}[k];
-            const World world = pinned_arch(edges, force), unloaded = pinned_arch(edges, Vec3::Zero());
+            const FedWorld world = pinned_arch(edges, force), unloaded = pinned_arch(edges, Vec3::Zero());
             const Vec3 reaction = world.readings(0).base_force;
             REQUIRE(reaction.norm() > 1e-5);
             // the bent arch's tangent: the circle's, turned by what the load turned the base edge (exact to that times h/L)

@@ -14,9 +14,9 @@ namespace {
 constexpr double speed = 0.02, length = 0.2, mu = 0.1;  // SI
 
 /// A wire that lies on a plane and is drawn along it by its base, from the first step on at `speed`.
-World dragged(Scheme scheme, FrictionLaw law)
+FedWorld dragged(Scheme scheme, FrictionLaw law)
 {
-    WorldSetup setup;
+    TestSetup setup;
     VesselSpec plane;
     plane.shape = VesselShape::Plane;
     plane.size = 0.5;
@@ -26,7 +26,7 @@ World dragged(Scheme scheme, FrictionLaw law)
     spec.shaft.mu_static = 1.2 * mu;
     spec.shaft.mu_sliding = mu;
     // base as deep in the wall as the rest of the wire, so that it carries no more than its share
-    WireSetup wire = placed_wire(spec, {-length / 2, 0, spec.shaft.radius - 0.4e-6});
+    TestWire wire = placed_wire(spec, {-length / 2, 0, spec.shaft.radius - 0.4e-6});
     wire.wire.place.velocity = Vec3(-speed, 0, 0);
     HoldSpec base;
     base.position = base.spin = true;
@@ -36,7 +36,7 @@ World dragged(Scheme scheme, FrictionLaw law)
     wire.contact.detection = Detection::Capsule;
     setup.wires = {wire};
     setup.integrator.scheme = scheme;
-    return World(std::move(setup));
+    return FedWorld(std::move(setup));
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ TEST_SUITE("step/linearised")
             for (const double dt : {1e-3, 5e-3, 1.0 / 60}) {
                 CAPTURE(static_cast<int>(law));
                 CAPTURE(dt);
-                World world = dragged(Scheme::Linearised, law);
+                FedWorld world = dragged(Scheme::Linearised, law);
                 const int steps = static_cast<int>(std::lround(0.4 / dt));
                 double least = 1, most = 0, normal = 0;
                 for (int k = 1; k <= steps; ++k) {
@@ -77,7 +77,7 @@ TEST_SUITE("step/linearised")
     TEST_CASE("property: fed through free air across a jump of stiffness, the hand feels what converged steps say")
     {
         const auto make = [](Scheme scheme) {
-            WorldSetup setup;
+            TestSetup setup;
             WireSpec spec = steel_wire(0.6, 101);
             spec.shaft.bend_stiffness = 5e-4;
             spec.shaft.twist_stiffness = 3.8e-4;
@@ -87,9 +87,9 @@ TEST_SUITE("step/linearised")
             spec.sections = {tip};
             setup.wires = {fed_wire(spec, Vec3::Zero(), speed)};
             setup.integrator.scheme = scheme;
-            return World(std::move(setup));
+            return FedWorld(std::move(setup));
         };
-        World one = make(Scheme::Linearised), converged = make(Scheme::Newton);
+        FedWorld one = make(Scheme::Linearised), converged = make(Scheme::Newton);
         double apart = 0, tip = 0;
         for (int k = 0; k < 3000; ++k) {
             REQUIRE_FALSE(step(one, 1e-3).failed());

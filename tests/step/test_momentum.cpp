@@ -41,11 +41,10 @@ struct Closed {
     double change = 0;   // worst difference between the balance's rate and the test's own, backward Euler [N]
 };
 
-Closed run_closed(WorldSetup setup, int steps)
+Closed run_closed(TestSetup setup, int steps, double dt = 1e-3)
 {
-    const double dt = setup.dt;
     const bool newmark = setup.integrator.newmark;
-    World world(std::move(setup));
+    FedWorld world(std::move(setup));
     Closed closed;
     for (int k = 0; k < steps; ++k) {
         const Vec3 before = momentum_of(world);
@@ -79,9 +78,9 @@ void check_closed(const Closed& closed)
     CHECK(closed.change <= 1e-11 * (1 + closed.largest));  // masses of 1e-4 kg times velocities, over 1 ms
 }
 
-WorldSetup fed_in_bend(const WireSpec& spec)
+TestSetup fed_in_bend(const WireSpec& spec)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.003, 0.03);
     setup.wires = {fed_wire(spec, {0.0005, 0, -0.0024}, 0.1, 3.0)};
     setup.wires[0].contact.rolling = true;
@@ -97,9 +96,9 @@ HoldSpec hold_at(WirePoint::Kind kind, double from_tip = 0)
 }
 
 // Base clamped and moved, middle held, tip tied to a moving spring; a force, a moment; on a floor; damped.
-WorldSetup held_on_floor()
+TestSetup held_on_floor()
 {
-    WorldSetup setup;
+    TestSetup setup;
     VesselSpec plane;
     plane.shape = VesselShape::Plane;
     plane.size = 0.4;
@@ -108,7 +107,7 @@ WorldSetup held_on_floor()
     setup.gravity = {0.5, -1, -9.6};
     setup.integrator.damping_mass = 2;
     setup.integrator.damping_stiffness = 1e-4;
-    WireSetup wire = placed_wire(steel_wire(0.1, 21), {-0.05, 0, 0.0005});
+    TestWire wire = placed_wire(steel_wire(0.1, 21), {-0.05, 0, 0.0005});
     HoldSpec base = hold_at(WirePoint::Kind::Base);
     base.direction = base.spin = true;
     base.velocity = {0.02, 0.01, 0};
@@ -146,7 +145,7 @@ TEST_SUITE("step/momentum")
 
     TEST_CASE("property: it closes for a wire that is pulled back out")
     {
-        WorldSetup setup = fed_in_bend(steel_wire(0.12, 25));
+        TestSetup setup = fed_in_bend(steel_wire(0.12, 25));
         setup.wires[0].feed.keys = {{0, 0, 0}, {0.4, 0.06, 0}, {0.8, 0.01, 0}};
         check_closed(run_closed(std::move(setup), 800));
     }
@@ -156,7 +155,7 @@ TEST_SUITE("step/momentum")
         enum class Stepping { BackwardEuler, Trapezoid, EnergyMomentum };
         for (const Stepping stepping : {Stepping::BackwardEuler, Stepping::Trapezoid, Stepping::EnergyMomentum}) {
             CAPTURE(static_cast<int>(stepping));
-            WorldSetup setup = held_on_floor();
+            TestSetup setup = held_on_floor();
             setup.integrator.newmark = stepping == Stepping::Trapezoid;
             setup.integrator.conserve = stepping == Stepping::EnergyMomentum;
             const Closed closed = run_closed(std::move(setup), 200);
@@ -167,22 +166,21 @@ TEST_SUITE("step/momentum")
 
     TEST_CASE("property: it closes through the impact of a free wire, steps halved")
     {
-        WorldSetup setup;
-        setup.dt = 1.0 / 60;
+        TestSetup setup;
         add_tube(setup, tube(0.005, 0.3, 6000));
         setup.wires = {placed_wire(steel_wire(0.1, 21), {0.08, 0, 0})};
         setup.wires[0].wire.place.velocity = {0, 0.6, -0.8};
-        const Closed closed = run_closed(std::move(setup), 30);
+        const Closed closed = run_closed(std::move(setup), 30, 1.0 / 60);
         check_closed(closed);
         CHECK(closed.halved > 0);
     }
 
     TEST_CASE("property: it closes at rest, where nothing moves")
     {
-        WorldSetup setup = held_on_floor();
+        TestSetup setup = held_on_floor();
         setup.integrator.scheme = Scheme::Static;
         setup.wires[0].holds[0].velocity.setZero();
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         REQUIRE_FALSE(settle(world).failed());
         const WireReadings now = world.readings(0);
         CHECK(now.momentum.rate.isZero());
@@ -199,11 +197,10 @@ TEST_SUITE("step/momentum")
         const double speed = 1;
         for (const int nodes : {41, 0}) {
             CAPTURE(nodes);
-            WorldSetup setup;
+            TestSetup setup;
             setup.gravity = Vec3::Zero();
-            setup.dt = 1e-4;
             setup.wires = {fed_wire(steel_wire(0.2, nodes), Vec3::Zero(), speed)};
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             const double flow = 7900 * std::numbers::pi * 0.4445e-3 * 0.4445e-3 * speed * speed;
             double held = 0, fed = 0, hand = 0;
             int inside = 0;

@@ -20,7 +20,7 @@ struct Counts {
     DeviceCounts device;
 };
 
-Counts count_steps(World& world, int warm, int steps, double dt = 1e-3)
+Counts count_steps(FedWorld& world, int warm, int steps, double dt = 1e-3)
 {
     for (int k = 0; k < warm; ++k) REQUIRE_FALSE(step(world, dt).failed());
     Counts counts;
@@ -50,9 +50,9 @@ Counts count_steps(World& world, int warm, int steps, double dt = 1e-3)
     return counts;
 }
 
-WorldSetup in_a_tube(int wires, int nodes)
+TestSetup in_a_tube(int wires, int nodes)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_tube(setup, tube(0.003, 0.12));
     for (int w = 0; w < wires; ++w) setup.wires.push_back(fed_wire(steel_wire(0.1, nodes), {0.0005, 1e-4 * w, -0.0025}, 0.1, 2));
     return setup;
@@ -93,7 +93,7 @@ TEST_SUITE("step/no_allocation")
         if (!allocations_are_counted()) return;
         for (const int wires : {1, 12}) {  // below and beyond what one thread takes by itself
             CAPTURE(wires);
-            World world(in_a_tube(wires, 41));
+            FedWorld world(in_a_tube(wires, 41));
             const Counts counts = count_steps(world, 150, 300);
             REQUIRE(counts.contacts > 10);
             REQUIRE(counts.nodes_end > counts.nodes_begin);  // edges were split at the hub meanwhile
@@ -106,13 +106,13 @@ TEST_SUITE("step/no_allocation")
     TEST_CASE("property: changing the nodes where the wire bends allocates nothing either")
     {
         if (!allocations_are_counted()) return;
-        WorldSetup setup;
+        TestSetup setup;
         add_bend(setup, 0.004, 0.03);
         WireSpec wire = steel_wire(0.12, 0);
         wire.min_edge = 0.001;
         wire.max_edge = 0.008;
         setup.wires = {fed_wire(wire, {0.0005, 0, 0}, 0.15)};
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         const Counts counts = count_steps(world, 250, 200);
         REQUIRE(counts.contacts > 3);
         REQUIRE(counts.nodes_end != counts.nodes_begin);

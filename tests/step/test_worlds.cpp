@@ -17,14 +17,14 @@ using namespace seldinger::test;
 namespace {
 
 // three wires of different lengths, sections and feeds; the vessel is empty
-WorldSetup three_wires(Detection detection)
+TestSetup three_wires(Detection detection)
 {
-    WorldSetup setup;
+    TestSetup setup;
     add_bend(setup, 0.003, 0.05);
     for (int w = 0; w < 3; ++w) {
         WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
         spec.shaft.bend_stiffness *= 1 + w;
-        WireSetup wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, {});
+        TestWire wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, {});
         if (w == 2) {  // lies along the whole bend, and springs against its outer wall
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
@@ -40,7 +40,7 @@ WorldSetup three_wires(Detection detection)
     return setup;
 }
 
-std::vector<double> state_of(World& world, int wire)
+std::vector<double> state_of(FedWorld& world, int wire)
 {
     std::vector<double> all;
     for (const std::span<double>& array : world.impl().rods.arrays(wire)) all.insert(all.end(), array.begin(), array.end());
@@ -53,7 +53,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b)
 }
 
 // the published layer may fail to converge; which wires it fails for must not matter to the others either
-void run(World& world, int steps)
+void run(FedWorld& world, int steps)
 {
     for (int k = 0; k < steps; ++k) {
         const bool failed = step(world, 1e-3).failed();
@@ -70,14 +70,14 @@ TEST_SUITE("step/worlds")
         for (const Detection detection : {Detection::Swept, Detection::Layer, Detection::Nodes}) {
             CAPTURE(static_cast<int>(detection));
             const int steps = detection == Detection::Layer ? 110 : 250;  // its half steps take long
-            World together(three_wires(detection));
+            FedWorld together(three_wires(detection));
             run(together, steps);
             int contacts = 0;
             for (int w = 0; w < 3; ++w) {
                 CAPTURE(w);
-                WorldSetup setup = three_wires(detection);
+                TestSetup setup = three_wires(detection);
                 setup.wires = {setup.wires[w]};
-                World alone(std::move(setup));
+                FedWorld alone(std::move(setup));
                 run(alone, steps);
                 CHECK(same_bits(state_of(alone, 0), state_of(together, w)));
                 std::vector<ContactRow> rows;
@@ -103,22 +103,21 @@ TEST_SUITE("step/worlds")
         "property: wires that converge after different numbers of iterations give the bits that each gives alone, at 1/60 s")
     {
         const auto five = [] {
-            WorldSetup setup;
+            TestSetup setup;
             add_bend(setup, 0.003, 0.05);
             for (int w = 0; w < 5; ++w) {
                 WireSpec spec = steel_wire(0.08, 25);
                 spec.shaft.bend_stiffness *= 0.2 * (1 + w);
                 setup.wires.push_back(fed_wire(spec, {0.0005, 1e-4 * w, -0.0024 + 2e-4 * w}, 0.03 + 0.01 * w));
             }
-            setup.dt = 1.0 / 60;
             return setup;
         };
-        World together(five());
-        std::vector<std::unique_ptr<World>> alone;
+        FedWorld together(five());
+        std::vector<std::unique_ptr<FedWorld>> alone;
         for (int w = 0; w < 5; ++w) {
-            WorldSetup setup = five();
+            TestSetup setup = five();
             setup.wires = {setup.wires[w]};
-            alone.push_back(std::make_unique<World>(std::move(setup)));
+            alone.push_back(std::make_unique<FedWorld>(std::move(setup)));
         }
         int mixed = 0, contacts = 0;  // steps in which some wires were done before others
         for (int k = 0; k < 60; ++k) {
@@ -142,7 +141,7 @@ TEST_SUITE("step/worlds")
     TEST_CASE("property: twenty wires give the same bits on one thread and on several, and each its own hash")
     {
         const auto twenty = [] {
-            WorldSetup setup;
+            TestSetup setup;
             add_tube(setup, tube(0.003, 0.12));
             for (int w = 0; w < 20; ++w) {
                 WireSpec spec = steel_wire(0.1, 41);
@@ -155,15 +154,15 @@ TEST_SUITE("step/worlds")
         for (const int threads : {1, 2, 5}) {
             set_thread_count(threads);
             REQUIRE(thread_count() == threads);
-            World world(twenty());
+            FedWorld world(twenty());
             run(world, 120);
             REQUIRE(world.readings(19).contacts > 0);
             hashes.push_back(world.state_hash());
             if (threads > 1) continue;
             for (const int w : {0, 7, 19}) {
-                WorldSetup alone = twenty();
+                TestSetup alone = twenty();
                 alone.wires = {alone.wires[w]};
-                World own(std::move(alone));
+                FedWorld own(std::move(alone));
                 run(own, 120);
                 CHECK(world.state_hash(w) == own.state_hash());
                 CHECK(world.state_hash(w) == own.state_hash(0));
@@ -178,7 +177,7 @@ TEST_SUITE("step/worlds")
     {
         for (const Detection detection : {Detection::Swept, Detection::Layer}) {
             CAPTURE(static_cast<int>(detection));
-            World all(three_wires(detection)), fewer(three_wires(detection));
+            FedWorld all(three_wires(detection)), fewer(three_wires(detection));
             run(all, 60);
             run(fewer, 60);
             fewer.retire(2);
@@ -203,7 +202,7 @@ TEST_SUITE("step/worlds")
             for (const int at : {1, 47}) {
                 CAPTURE(static_cast<int>(detection));
                 CAPTURE(at);
-                World world(three_wires(detection));
+                FedWorld world(three_wires(detection));
                 run(world, at);
                 const std::vector<std::uint8_t> saved = world.save_state();
                 const std::string then = world.state_hash();
@@ -215,7 +214,7 @@ TEST_SUITE("step/worlds")
                 CHECK(world.step_count() == at);
                 run(world, 60);
                 CHECK(world.state_hash() == hash);
-                World other(three_wires(detection));
+                FedWorld other(three_wires(detection));
                 other.restore_state(saved);
                 run(other, 60);
                 CHECK(other.state_hash() == hash);
@@ -225,14 +224,14 @@ TEST_SUITE("step/worlds")
 
     TEST_CASE("property: a state of another scene, or cut short, is refused")
     {
-        World world(three_wires(Detection::Swept));
+        FedWorld world(three_wires(Detection::Swept));
         run(world, 5);
         std::vector<std::uint8_t> bytes = world.save_state();
         bytes.pop_back();
         CHECK_THROWS_AS(World(three_wires(Detection::Swept)).restore_state(bytes), Error);
         bytes.resize(bytes.size() + 2);
         CHECK_THROWS_AS(World(three_wires(Detection::Swept)).restore_state(bytes), Error);
-        WorldSetup setup = three_wires(Detection::Swept);
+        TestSetup setup = three_wires(Detection::Swept);
         setup.wires.pop_back();
         CHECK_THROWS_AS(World(std::move(setup)).restore_state(world.save_state()), Error);
     }
@@ -241,11 +240,11 @@ TEST_SUITE("step/worlds")
     {
         for (const double stiffer : {1.0, 0.1, 10.0}) {
             CAPTURE(stiffer);
-            WorldSetup setup;
+            TestSetup setup;
             add_bend(setup, 0.006, 0.04);
             WireSpec spec = steel_wire(0.08, 25);
             spec.shaft.bend_stiffness *= stiffer;
-            WireSetup wire = placed_wire(spec, {});
+            TestWire wire = placed_wire(spec, {});
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
             HoldSpec hold;
@@ -253,7 +252,7 @@ TEST_SUITE("step/worlds")
             wire.holds = {hold};
             setup.wires = {wire};
             setup.start_settled = true;
-            World world(std::move(setup));
+            FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
             const WireReadings& at_rest = world.readings(0);
             CHECK(at_rest.contacts > 0);
@@ -267,9 +266,9 @@ TEST_SUITE("step/worlds")
     TEST_CASE(
         "failure: a linearised step that may not go all the way takes half steps, and a moved base is where it was told to be")
     {
-        WorldSetup setup;
+        TestSetup setup;
         add_bend(setup, 0.006, 0.04);
-        WireSetup wire = placed_wire(steel_wire(0.05, 25), {});
+        TestWire wire = placed_wire(steel_wire(0.05, 25), {});
         wire.wire.place.shape = PlaceShape::Centreline;
         wire.wire.place.from = 0.002;
         wire.wire.place.rest_is_placed = true;
@@ -280,7 +279,7 @@ TEST_SUITE("step/worlds")
         wire.contact.detection = Detection::Swept;
         setup.wires = {wire};
         setup.integrator.scheme = Scheme::Linearised;
-        World world(std::move(setup));
+        FedWorld world(std::move(setup));
         const RodView rod = world.impl().rods.view(0);
         const Vec3 base = rod.pos(rod.n - 1);
         int halved = 0;

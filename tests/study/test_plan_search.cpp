@@ -52,35 +52,35 @@ struct Law {
     std::function<double(const Model&)> share = [](const Model&) { return 1.0; };
 };
 
-class MadeUpPilots final : public PilotSource {
+class MadeUpTrialRuns final : public TrialRunSource {
 public:
-    MadeUpPilots(Law law, double limit) : law_(std::move(law)), limit_(limit) {}
-    const Pilot* look_at(const Model& model) override
+    MadeUpTrialRuns(Law law, double limit) : law_(std::move(law)), limit_(limit) {}
+    const TrialRun* look_at(const Model& model) override
     {
         const auto [at, fresh] = known_.try_emplace(label(model));
         if (!fresh) return &at->second;
-        Pilot& pilot = at->second;
-        pilot.model = model;
-        pilot.complete = pilot.sound = true;
+        TrialRun& trial = at->second;
+        trial.model = model;
+        trial.complete = trial.sound = true;
         const double edges = model.nodes.value_or(0) > 0 ? *model.nodes - 1 : 60;  // adaptive: as good as 60, as dear as 40
-        pilot.error = 1e-4 * law_.a / (edges * edges) + law_.b * *model.dt + law_.extra_error(model);
-        pilot.seconds = 1e-6 * (law_.fixed + (model.nodes == 0 ? 40 : edges)) / *model.dt * law_.share(model);
-        pilot.meets = pilot.error <= limit_;
-        return &pilot;
+        trial.error = 1e-4 * law_.a / (edges * edges) + law_.b * *model.dt + law_.extra_error(model);
+        trial.seconds = 1e-6 * (law_.fixed + (model.nodes == 0 ? 40 : edges)) / *model.dt * law_.share(model);
+        trial.meets = trial.error <= limit_;
+        return &trial;
     }
     double limit() const override { return limit_; }
     std::size_t count() const { return known_.size(); }
     std::vector<Model> models() const
     {
         std::vector<Model> all;
-        for (const auto& [key, pilot] : known_) all.push_back(pilot.model);
+        for (const auto& [key, trial] : known_) all.push_back(trial.model);
         return all;
     }
 
 private:
     Law law_;
     double limit_;
-    std::map<std::string, Pilot> known_;
+    std::map<std::string, TrialRun> known_;
 };
 
 PlanReference reference_with(int nodes, double dt)
@@ -102,7 +102,7 @@ Model start_model(int nodes, double dt)
 }
 
 /// The cheapest of all places of the grid, in one family.
-double cheapest(MadeUpPilots pilots, const SearchGrid& grid, const Model& family)
+double cheapest(MadeUpTrialRuns trials, const SearchGrid& grid, const Model& family)
 {
     double least = INFINITY;
     for (const int nodes : grid.nodes)
@@ -110,8 +110,8 @@ double cheapest(MadeUpPilots pilots, const SearchGrid& grid, const Model& family
             Model model = family;
             model.nodes = nodes;
             model.dt = dt;
-            const Pilot* pilot = pilots.look_at(model);
-            if (pilot->meets) least = std::min(least, pilot->seconds);
+            const TrialRun* trial = trials.look_at(model);
+            if (trial->meets) least = std::min(least, trial->seconds);
         }
     return least;
 }
@@ -163,7 +163,7 @@ TEST_SUITE("study/plan_search")
     {
         const Scene scene = small_scene();
         int cases = 0;
-        std::size_t most_pilots = 0;
+        std::size_t most_trials = 0;
         for (const double interval : {0.1, 1.0 / 30})
             for (const double a : {0.4, 4.0, 40.0, 400.0})
                 for (const double b : {1e-3, 5e-3, 2e-2, 2e-1})
@@ -180,21 +180,21 @@ TEST_SUITE("study/plan_search")
                                            : 100.0;
                             };
                             const Model family = start_model(385, interval / 384);
-                            const double least = cheapest(MadeUpPilots(law, limit), grid, family);
+                            const double least = cheapest(MadeUpTrialRuns(law, limit), grid, family);
                             if (!std::isfinite(least)) continue;
                             ++cases;
                             INFO("interval " << interval << " a " << a << " b " << b << " fixed " << fixed << " limit " << limit);
-                            MadeUpPilots pilots(law, limit);
+                            MadeUpTrialRuns trials(law, limit);
                             const SearchResult found =
-                                search_models(scene, start_model(577, interval / 384), grid, false, pilots, always);
+                                search_models(scene, start_model(577, interval / 384), grid, false, trials, always);
                             CHECK(found.complete);
                             REQUIRE(found.best);
-                            CHECK(pilots.look_at(*found.best)->seconds <= 1.1 * least);
-                            most_pilots = std::max(most_pilots, pilots.count());
+                            CHECK(trials.look_at(*found.best)->seconds <= 1.1 * least);
+                            most_trials = std::max(most_trials, trials.count());
                         }
         CHECK(cases > 200);
-        MESSAGE("at most " << most_pilots << " pilots");
-        CHECK(most_pilots < 100);  // a fifth of the grid's places
+        MESSAGE("at most " << most_trials << " trials");
+        CHECK(most_trials < 100);  // a fifth of the grid's places
     }
 
     TEST_CASE("property: a coarser tolerance is never answered with a dearer model")
@@ -207,10 +207,10 @@ TEST_SUITE("study/plan_search")
                 const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
                 double finer = INFINITY;
                 for (const double limit : {5e-5, 1e-4, 2e-4, 1e-3, 1e-2}) {
-                    MadeUpPilots pilots({a, b, 30}, limit);
-                    const SearchResult found = search_models(scene, start_model(577, 2.6e-4), grid, true, pilots, always);
+                    MadeUpTrialRuns trials({a, b, 30}, limit);
+                    const SearchResult found = search_models(scene, start_model(577, 2.6e-4), grid, true, trials, always);
                     if (!found.best) continue;
-                    const double cost = pilots.look_at(*found.best)->seconds;
+                    const double cost = trials.look_at(*found.best)->seconds;
                     CHECK(cost <= 1.1 * finer);  // each is within 1.1 of the cheapest, see above
                     finer = std::min(finer, cost);
                 }
@@ -229,8 +229,8 @@ TEST_SUITE("study/plan_search")
         law.extra_error = [](const Model& m) {
             return (m.detection == Detection::Capsule ? 1e-5 : 0.0) + (m.detection == Detection::Nodes ? 1.0 : 0.0);
         };
-        MadeUpPilots pilots(law, 2e-4);
-        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        MadeUpTrialRuns trials(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
         CHECK(found.best->detection == Detection::Capsule);
         CHECK(found.best->rolling == false);
@@ -246,10 +246,10 @@ TEST_SUITE("study/plan_search")
             return (m.detection == Detection::Layer ? 0.5 : 1.0) * (m.precision == Precision::Float32 ? 0.5 : 1.0) *
                    (m.scheme == Scheme::Linearised ? 0.5 : 1.0) * (m.normal == NormalLaw::Impulse ? 0.5 : 1.0);
         };
-        MadeUpPilots pilots(law, 2e-4);
-        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        MadeUpTrialRuns trials(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
-        for (const Model& model : pilots.models()) {
+        for (const Model& model : trials.models()) {
             CAPTURE(label(model));
             CHECK(why_not(model, scene) == "");
         }
@@ -261,12 +261,12 @@ TEST_SUITE("study/plan_search")
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law;
         law.share = [](const Model& m) { return m.nodes == 0 ? 100.0 : 1.0; };
-        MadeUpPilots pilots(law, 2e-4);
-        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        MadeUpTrialRuns trials(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
         CHECK(found.best->rolling == false);
         law.extra_error = [](const Model& m) { return m.rolling == false ? 4e-5 : 0.0; };
-        MadeUpPilots rolls(law, 2e-4);
+        MadeUpTrialRuns rolls(law, 2e-4);
         const SearchResult kept = search_models(scene, start_model(385, 2.6e-4), grid, true, rolls, always);
         REQUIRE(kept.best);
         CHECK(kept.best->rolling != false);
@@ -281,8 +281,8 @@ TEST_SUITE("study/plan_search")
         law.extra_error = [b = law.b](const Model& m) {
             return m.detection == Detection::Capsule ? b * *m.dt : 0.0;
         };  // twice the error of steps
-        MadeUpPilots pilots(law, 2e-4);
-        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        MadeUpTrialRuns trials(law, 2e-4);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
         CHECK(found.best->detection == Detection::Capsule);
     }
@@ -297,11 +297,11 @@ TEST_SUITE("study/plan_search")
         };
         for (const bool touches : {true, false}) {
             CAPTURE(touches);
-            MadeUpPilots pilots(law, 2e-4);
-            const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, touches, pilots, always);
+            MadeUpTrialRuns trials(law, 2e-4);
+            const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, touches, trials, always);
             REQUIRE(found.best);
             CHECK(found.best->trapezoid.value_or(false) == !touches);  // it swings freely: nothing is wrong with it there
-            for (const Model& model : pilots.models()) {
+            for (const Model& model : trials.models()) {
                 CHECK(model.scheme != Scheme::Linearised);
                 if (touches) CHECK_FALSE(model.trapezoid.value_or(false));
             }
@@ -328,8 +328,8 @@ TEST_SUITE("study/plan_search")
         const Scene scene = small_scene();
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
         Law law{720, 2e-3, 3};  // edges matter: a uniform wire needs some 60
-        MadeUpPilots pilots(law, 2.2e-5 + 2e-3 / 30);
-        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always);
+        MadeUpTrialRuns trials(law, 2.2e-5 + 2e-3 / 30);
+        const SearchResult found = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always);
         REQUIRE(found.best);
         CHECK(found.best->nodes == 0);
     }
@@ -338,36 +338,36 @@ TEST_SUITE("study/plan_search")
     {
         const Scene scene = small_scene();
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
-        MadeUpPilots pilots(Law{}, 2e-4);
+        MadeUpTrialRuns trials(Law{}, 2e-4);
         int asked = 0;
-        const SearchResult cut = search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, [&] { return ++asked <= 5; });
+        const SearchResult cut = search_models(scene, start_model(385, 2.6e-4), grid, true, trials, [&] { return ++asked <= 5; });
         CHECK_FALSE(cut.complete);
         REQUIRE(cut.best);
-        CHECK(pilots.look_at(*cut.best)->meets);
+        CHECK(trials.look_at(*cut.best)->meets);
     }
 
     TEST_CASE("property: nothing that meets the goals is nothing, not the nearest")
     {
         const Scene scene = small_scene();
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
-        MadeUpPilots pilots(Law{}, 1e-9);
-        CHECK_FALSE(search_models(scene, start_model(385, 2.6e-4), grid, true, pilots, always).best);
+        MadeUpTrialRuns trials(Law{}, 1e-9);
+        CHECK_FALSE(search_models(scene, start_model(385, 2.6e-4), grid, true, trials, always).best);
     }
 
     TEST_CASE("property: what meets a rate is the most accurate that does")
     {
         const SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
-        MadeUpPilots pilots(Law{}, 2e-4);
+        MadeUpTrialRuns trials(Law{}, 2e-4);
         const Model from = start_model(385, 2.6e-4);
         const double rate = 0.02;  // seconds per second
-        REQUIRE(pilots.look_at(from)->seconds > rate);
-        const std::optional<Model> fast = search_rate(from, grid, rate, pilots, always);
+        REQUIRE(trials.look_at(from)->seconds > rate);
+        const std::optional<Model> fast = search_rate(from, grid, rate, trials, always);
         REQUIRE(fast);
-        CHECK(pilots.look_at(*fast)->seconds <= rate);
+        CHECK(trials.look_at(*fast)->seconds <= rate);
         Model coarsest = from;
         coarsest.nodes = grid.nodes.back();
         coarsest.dt = grid.steps.back();
-        CHECK(pilots.look_at(*fast)->error < 0.2 * pilots.look_at(coarsest)->error);
-        CHECK_FALSE(search_rate(from, grid, 1e-9, pilots, always));
+        CHECK(trials.look_at(*fast)->error < 0.2 * trials.look_at(coarsest)->error);
+        CHECK_FALSE(search_rate(from, grid, 1e-9, trials, always));
     }
 }

@@ -2,6 +2,7 @@
 // Worlds for tests: wires in a tube or over a plane, fed or placed.
 
 #include "support/approx.h"
+#include "support/fed_world.h"
 #include "vessel/shapes.h"
 #include "world.h"
 
@@ -26,7 +27,7 @@ inline WireSpec steel_wire(double length, int nodes)
     return spec;
 }
 
-inline void add_vessel(WorldSetup& setup, const GeneratedVessel& vessel, const VesselSpec& spec)
+inline void add_vessel(TestSetup& setup, const GeneratedVessel& vessel, const VesselSpec& spec)
 {
     setup.vessel = spec;
     setup.mesh = vessel.mesh;
@@ -43,10 +44,10 @@ inline VesselSpec tube(double radius, double length, int triangles = 4000)
     return spec;
 }
 
-inline void add_tube(WorldSetup& setup, const VesselSpec& spec) { add_vessel(setup, make_tube(spec), spec); }
+inline void add_tube(TestSetup& setup, const VesselSpec& spec) { add_vessel(setup, make_tube(spec), spec); }
 
 /// A tube that turns through 90 degrees, upwards: contact with sliding, and moments at the base.
-inline void add_bend(WorldSetup& setup, double radius, double bend_radius, int triangles = 6000)
+inline void add_bend(TestSetup& setup, double radius, double bend_radius, int triangles = 6000)
 {
     VesselSpec spec;
     spec.shape = VesselShape::Arc;
@@ -60,9 +61,9 @@ inline void add_bend(WorldSetup& setup, double radius, double bend_radius, int t
 }
 
 /// Fed from `point` along x at `speed`; turned at `turn_rate`.
-inline WireSetup fed_wire(const WireSpec& spec, const Vec3& point, double speed, double turn_rate = 0, double time = 10)
+inline TestWire fed_wire(const WireSpec& spec, const Vec3& point, double speed, double turn_rate = 0, double time = 10)
 {
-    WireSetup wire;
+    TestWire wire;
     wire.wire = spec;
     wire.feed.on = true;
     wire.feed.point = point;
@@ -71,9 +72,9 @@ inline WireSetup fed_wire(const WireSpec& spec, const Vec3& point, double speed,
 }
 
 /// Straight along +x from `base`, free.
-inline WireSetup placed_wire(const WireSpec& spec, const Vec3& base)
+inline TestWire placed_wire(const WireSpec& spec, const Vec3& base)
 {
-    WireSetup wire;
+    TestWire wire;
     wire.wire = spec;
     wire.wire.place.base = base;
     return wire;

@@ -1,4 +1,4 @@
-#include "study/plan_pilots.h"
+#include "study/plan_trials.h"
 
 #include "study/frechet.h"
 
@@ -9,11 +9,11 @@
 namespace seldinger {
 namespace {
 
-// A pilot is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
+// A trial is broken off when what it is wrong by so far would make it miss the tolerance by this factor even if it were right
 // from there on. Above 1, so that the search can tell a near miss from a hopeless one.
 constexpr double plainly_wrong = 2;
 // Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does
-// other things makes a pilot look several times slower than it is.
+// other things makes a trial look several times slower than it is.
 constexpr double plainly_dear = 8, least_patience = 1;
 
 double square(double x) { return x * x; }
@@ -30,14 +30,14 @@ CostRule::CostRule(int device_index)
                                     [](const DeviceInfo& d) { return d.type.find("CPU") != std::string::npos; });
 }
 
-Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
                const CostRule& cost, RunStore& store, std::function<double()> seconds_left)
     : scene_(scene),
       plan_(plan),
       reference_(reference),
       cost_(cost),
       store_(store),
-      // pilots that were broken off say nothing about another tolerance
+      // trials that were broken off say nothing about another tolerance
       name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n")),
       seconds_left_(std::move(seconds_left))
 {
@@ -48,7 +48,7 @@ Pilots::Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference
                        at(reference.uncertainty, Observable::HandForce);
 }
 
-RunPlan Pilots::watched(double& shape_sum, double& force_sum) const
+RunPlan TrialRuns::watched(double& shape_sum, double& force_sum) const
 {
     RunPlan plan = plan_;
     const double n = static_cast<double>(reference_.values.samples.size());
@@ -62,35 +62,35 @@ RunPlan Pilots::watched(double& shape_sum, double& force_sum) const
     return plan;
 }
 
-Pilot Pilots::judge(const Model& model, const RunRecord& run, const Trajectory& values) const
+TrialRun TrialRuns::judge(const Model& model, const RunRecord& run, const Trajectory& values) const
 {
-    Pilot pilot;
-    pilot.model = model;
-    pilot.complete = run.complete;
-    pilot.too_dear = run.over_limit;
-    pilot.outcome = run.outcome;
-    pilot.jitter = run.readings.jitter;
-    pilot.nodes = run.nodes;
-    pilot.seconds = cost_.seconds(run.cost.wall, run.cost.cpu);
+    TrialRun trial;
+    trial.model = model;
+    trial.complete = run.complete;
+    trial.too_dear = run.over_limit;
+    trial.outcome = run.outcome;
+    trial.jitter = run.readings.jitter;
+    trial.nodes = run.nodes;
+    trial.seconds = cost_.seconds(run.cost.wall, run.cost.cpu);
     const Errors errors = trajectory_errors(values, reference_.values);
-    pilot.error = at(errors.rms, Observable::Shape);
-    pilot.force_error = at(errors.rms, Observable::HandForce);
-    pilot.worst = at(errors.worst, Observable::Shape);
+    trial.error = at(errors.rms, Observable::Shape);
+    trial.force_error = at(errors.rms, Observable::HandForce);
+    trial.worst = at(errors.worst, Observable::Shape);
     if (!run.complete) {  // as if it were right from there on
         const double share =
             std::sqrt(static_cast<double>(errors.samples) / static_cast<double>(reference_.values.samples.size()));
-        pilot.error *= share;
-        pilot.force_error *= share;
-        return pilot;
+        trial.error *= share;
+        trial.force_error *= share;
+        return trial;
     }
     // a hand that is asked to be right may not jitter, unless it does in the reference too
     const bool jitters = run.outcome == Outcome::Jitter && std::isfinite(force_limit_) && !reference_.jitters;
-    pilot.sound = (run.outcome == Outcome::Hold || run.outcome == Outcome::Jitter) && !jitters;
-    pilot.meets = pilot.sound && pilot.error <= shape_limit_ && pilot.force_error <= force_limit_;
-    return pilot;
+    trial.sound = (run.outcome == Outcome::Hold || run.outcome == Outcome::Jitter) && !jitters;
+    trial.meets = trial.sound && trial.error <= shape_limit_ && trial.force_error <= force_limit_;
+    return trial;
 }
 
-const Pilot* Pilots::look_at(const Model& model)
+const TrialRun* TrialRuns::look_at(const Model& model)
 {
     const std::string key = label(model);
     if (const auto found = known_.find(key); found != known_.end()) return &found->second;
@@ -103,14 +103,14 @@ const Pilot* Pilots::look_at(const Model& model)
         stopped_ = true;
         return nullptr;
     }
-    const Pilot& pilot = known_[key] = judge(model, *run, values);
-    if (pilot.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
-    return &pilot;
+    const TrialRun& trial = known_[key] = judge(model, *run, values);
+    if (trial.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
+    return &trial;
 }
 
-double Pilots::time_again(const Model& model, int repeats)
+double TrialRuns::time_again(const Model& model, int repeats)
 {
-    Pilot& pilot = known_.at(label(model));
+    TrialRun& trial = known_.at(label(model));
     std::vector<double> seconds, slowest;
     for (int k = 0; k < repeats; ++k) {
         double last_wall = 0, last_cpu = 0, worst = 0;
@@ -131,7 +131,7 @@ double Pilots::time_again(const Model& model, int repeats)
     }
     std::sort(seconds.begin(), seconds.end());
     std::sort(slowest.begin(), slowest.end());
-    pilot.seconds = seconds[seconds.size() / 2];
+    trial.seconds = seconds[seconds.size() / 2];
     return slowest[slowest.size() / 2];
 }
 

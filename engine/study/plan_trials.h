@@ -1,5 +1,5 @@
 #pragma once
-// Pilots of a plan: one model run over the scene's whole path and compared with the reference as it goes.
+// Trial runs of a plan: one model run over the scene's whole path and compared with the reference as it goes.
 
 #include "study/plan_reference.h"
 
@@ -16,13 +16,13 @@ struct PlanGoals {
     double rate = 0;                // steps per second of real time, at least; 0: not asked
 };
 
-struct Pilot {
+struct TrialRun {
     Model model;
     bool complete = false;  // false: broke off, or was plainly too wrong
     bool sound = false;     // complete, and the wire stayed in one piece and inside
     bool too_dear = false;  // broken off because it took many times as long as one that meets the goals, or the budget ended
     bool meets = false;     // sound, and within the goals by more than the reference's uncertainty
-    double error = 0, worst = 0;  // shape [m]; of a pilot that was broken off a lower bound
+    double error = 0, worst = 0;  // shape [m]; of a trial that was broken off a lower bound
     double force_error = 0;       // [N]
     double seconds = 0;           // of computation per simulated second (static: per solution)
     int nodes = 0;
@@ -41,35 +41,35 @@ private:
     bool on_processor_ = true;
 };
 
-/// Where a search gets its pilots from.
-class PilotSource {
+/// Where a search gets its trials from.
+class TrialRunSource {
 public:
-    virtual ~PilotSource() = default;
+    virtual ~TrialRunSource() = default;
     /// Runs the model unless it has been run, here or in an earlier call. Null when it was told to stop. Valid as long as the
     /// source.
-    [[nodiscard]] virtual const Pilot* look_at(const Model& model) = 0;
-    [[nodiscard]] virtual double limit() const = 0;  // what a pilot's error may be [m]
+    [[nodiscard]] virtual const TrialRun* look_at(const Model& model) = 0;
+    [[nodiscard]] virtual double limit() const = 0;  // what a trial's error may be [m]
 };
 
-class Pilots final : public PilotSource {
+class TrialRuns final : public TrialRunSource {
 public:
     /// @param plan  samples and stop, as the reference was run
-    /// @param seconds_left  of the budget: a pilot that takes longer is broken off [s]
-    Pilots(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
+    /// @param seconds_left  of the budget: a trial that takes longer is broken off [s]
+    TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
            const CostRule& cost, RunStore& store, std::function<double()> seconds_left);
 
-    [[nodiscard]] const Pilot* look_at(const Model& model) override;
-    /// Times a complete pilot again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0
+    [[nodiscard]] const TrialRun* look_at(const Model& model) override;
+    /// Times a complete trial again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0
     /// when stopped
     double time_again(const Model& model, int repeats);
 
-    [[nodiscard]] const std::map<std::string, Pilot>& all() const { return known_; }
+    [[nodiscard]] const std::map<std::string, TrialRun>& all() const { return known_; }
     [[nodiscard]] double limit() const override { return shape_limit_; }
     [[nodiscard]] bool stopped() const { return stopped_; }
 
 private:
     [[nodiscard]] RunPlan watched(double& shape_sum, double& force_sum) const;
-    [[nodiscard]] Pilot judge(const Model& model, const RunRecord& run, const Trajectory& values) const;
+    [[nodiscard]] TrialRun judge(const Model& model, const RunRecord& run, const Trajectory& values) const;
 
     const StudyScene& scene_;
     RunPlan plan_;
@@ -79,8 +79,8 @@ private:
     std::string name_;
     double shape_limit_ = 0, force_limit_ = 0;
     std::function<double()> seconds_left_;
-    double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest pilot that met the goals [s]
-    std::map<std::string, Pilot> known_;
+    double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest trial that met the goals [s]
+    std::map<std::string, TrialRun> known_;
     bool stopped_ = false;
 };
 

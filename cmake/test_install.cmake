@@ -1,0 +1,26 @@
+# Installs the engine into a folder of the build, builds docs/example against it as a user would, and runs it.
+# In: BUILD (the engine's build folder), SOURCE (its source folder), GENERATOR, COMPILER.
+set(prefix ${BUILD}/test-install)
+file(REMOVE_RECURSE ${prefix} ${BUILD}/test-example)
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE failed OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  message("${text}")
+  if(failed)
+    message(FATAL_ERROR "failed: ${ARGV}")
+  endif()
+endfunction()
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+# nothing that names OpenCL, no instruction set and no private header may be among what is installed
+file(GLOB_RECURSE headers ${prefix}/include/*.h)
+list(LENGTH headers count)
+foreach(header IN LISTS headers)
+  file(READ ${header} text)
+  if(text MATCHES "cl_|CL/|immintrin|__AVX")
+    message(FATAL_ERROR "${header}: names OpenCL or an instruction set")
+  endif()
+endforeach()
+message("${count} public headers")
+run(${CMAKE_COMMAND} -S ${SOURCE}/docs/example -B ${BUILD}/test-example -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${BUILD}/test-example)
+run(${CMAKE_COMMAND} -E env POCL_CACHE_DIR=${BUILD}/pocl-cache ${BUILD}/test-example/careful_hand)

@@ -1,0 +1,34 @@
+// Gathers what is asked of each hub.
+
+#include "control.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+
+Control::Hub& Control::hub(int instrument)
+{
+    if (instrument < 0)
+        throw Error(ExitCode::BadScene, fmt::format("control: instrument {}: expected an index of WorldSetup::wires", instrument));
+    if (hubs_.size() <= static_cast<std::size_t>(instrument)) hubs_.resize(static_cast<std::size_t>(instrument) + 1);
+    return hubs_[static_cast<std::size_t>(instrument)];
+}
+
+Control& Control::move_to(int instrument, double advance, double turn)
+{
+    hub(instrument) = {Hub::Kind::MoveTo, advance, turn, {}};
+    return *this;
+}
+
+Control& Control::follow(int instrument, std::span<const FeedKey> keys)
+{
+    if (keys.empty())
+        throw Error(ExitCode::BadScene,
+                    fmt::format("control: instrument {}: a way without keys; expected one at least", instrument));
+    hub(instrument) = {Hub::Kind::Follow, 0, 0, keys};
+    return *this;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,87 @@
+#pragma once
+// What can be read of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
+
+#include "contact/contact_row.h"
+#include "core/stage_times.h"
+#include "solve/momentum_balance.h"
+
+#include <vector>
+
+namespace seldinger {
+
+/// Flags of a step; each says which setting to change.
+enum StepFlag : unsigned {
+    StepOk = 0,
+    StepHalved = 1u << 0,        // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
+    StepNotConverged = 1u << 1,  // no state could be found even for the smallest sub-step; the state before it was kept
+    StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
+    StepNonFinite = 1u << 4,        // a value is not finite; the state before the step was kept
+    StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
+    StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
+                               // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+};
+
+/// How one instrument fared in a step.
+struct WireReport {
+    unsigned flags = StepOk;
+    int newton_iterations = 0;  // of the worst sub-step
+    int sub_steps = 1;
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
+};
+
+/// The worst of all instruments, all flags together.
+struct StepReport {
+    unsigned flags = StepOk;
+    int newton_iterations = 0;
+    int sub_steps = 1;
+    StageTimes times;
+    [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
+};
+
+/// Numbers of one instrument in the accepted state.
+struct WireReadings {
+    double inserted = 0;  // advance since the start [m]
+    double turned = 0;    // by the feed, right-handed about the direction of insertion [rad]
+    int nodes = 0, contacts = 0;
+    double contact_length = 0;                                   // metres of wire in contact
+    double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
+    double rolling = 0;                                          // sum of |moment| [N m]
+    double hand_force = 0, hand_torque = 0;  // its work per length pushed in [N], per angle turned as `turned` is [N m]
+    Vec3 base_force = Vec3::Zero();
+    double overlap = 0;                                  // deepest overlap [m] >= 0
+    double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0
+    double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
+    double remesh_energy = 0;                            // accumulated [J]
+    double energy_made = 0;                              // most that came from nowhere so far (energy_balance.h) [J]
+    double force_residual = 0;                           // largest left on a free node [N]
+    MomentumBalance momentum;                            // of the last sub-step
+};
+
+/// One instrument, copied. Arrays are per node, tip first.
+struct WireOutput {
+    WireReadings readings;
+    WireReport report;
+    double time = 0;                    // where it stands; of one that failed or was retired, where it stopped [s]
+    bool at_rest = false, retired = false;
+    Vec3 tip = Vec3::Zero();            // [m]
+    // Output::Shape
+    std::vector<double> material_s;     // arc length from the tip along the unstressed wire [m]
+    std::vector<double> radius;         // of the edge that begins there [m]
+    std::vector<double> curvature;      // |kb| per Voronoi length, 0 at the ends [1/m]
+    std::vector<double> spin;           // of the material frame, right-handed about the direction of insertion [rad]
+    std::vector<Vec3> position;         // [m]
+    std::vector<Vec3> velocity;         // [m/s]
+    std::vector<Vec3> contact_force;    // [N]
+};
+
+/// A copy of what can be read, independent of the world it was read from: for a recorder, a picture, another thread.
+struct Output {
+    enum Parts : unsigned { Numbers = 0, Shape = 1u << 0, Contacts = 1u << 1, Everything = Shape | Contacts };
+    double time = 0;  // [s]
+    long step = 0;
+    unsigned parts = Numbers;          // that were read
+    std::vector<WireOutput> wires;     // in the order of WorldSetup::wires
+    std::vector<ContactRow> contacts;  // Contacts; sorted by (wire, edge, triangle)
+};
+
+}  // namespace seldinger

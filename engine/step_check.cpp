@@ -1,0 +1,63 @@
+// The check stage: non-finite values, and axis points beyond the wall that detection could not see.
+
+#include "step_stages.h"
+#include "vessel/repair.h"
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+// Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
+// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// it (a sample that passes the wall has touched it before, and says so).
+bool needs_audit(World::Impl& state, int wire, double dt)
+{
+    const Detection detection = state.setup.wires[wire].contact.detection;
+    if (!state.contact || detection == Detection::Swept || !state.is_solved(wire)) return false;
+    if (detection != Detection::Capsule) return state.steps % 10 == 0;
+    const RodView rod = state.rods.view(wire);
+    double fastest = 0;
+    for (int i = 0; i < rod.n; ++i) fastest = std::max(fastest, rod.vel(i).norm());
+    return fastest * dt > 0.5 * rod.radius[0];
+}
+
+void audit_outside(World::Impl& state, int wire)
+{
+    if (!state.lumen) {
+        const bool open = state.setup.vessel.shape != VesselShape::Plane;  // a plane's edge is no opening
+        state.lumen =
+            std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
+    }
+    const RodView rod = state.rods.view(wire);
+    double& outside = state.results[wire].contact.outside;
+    const auto look = [&](const Vec3& p) {
+        const LumenPlace place = state.lumen->locate(p);
+        if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
+    };
+    for (int j = 0; j + 1 < rod.n; ++j) {
+        look(rod.pos(j));
+        look((rod.pos(j) + rod.pos(j + 1)) / 2);
+    }
+}
+
+}  // namespace
+
+void check_state(World::Impl& state, double dt, StepReport& report)
+{
+    state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (state.retired[w]) continue;
+        const RodView rod = state.rods.view(w);
+        for (int i = 0; i < rod.n; ++i)
+            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
+                note(state, report, w, StepNonFinite);
+        if (needs_audit(state, w, dt)) audit_outside(state, w);
+        if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
+    }
+}
+
+}  // namespace seldinger

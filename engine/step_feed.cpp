@@ -1,0 +1,112 @@
+// The feed stage: what a control asks of the hubs, and what holds, loads and links ask of the rest of the wire.
+
+#include "core/parallel.h"
+#include "step_stages.h"
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double most_feed_parts = 4096;
+
+/// From where the hub is, steadily to where it is asked to be; and on at that speed, as far as anyone knows.
+HubRequest steady(const FeedState& feed, double now, double dt, double advance, double turn)
+{
+    HubRequest request;
+    const double fed = advance - feed.advance, turned = turn - feed.turn;
+    request.own = {FeedKey{now, feed.advance, feed.turn}, FeedKey{now + dt, advance, turn},
+                   FeedKey{now + 2 * dt, std::max(0.0, advance + fed), turn + turned}};
+    return request;
+}
+
+int parts_of(World::Impl& state, int w, double dt)
+{
+    const FeedState& feed = state.feeds[w];
+    if (!feed.on) return 1;
+    const HubPath hub = state.hub_requests[w].path();
+    const double t = state.wire_time[w];
+    const double pushed = hub.travel(t, t + dt, +1), pulled = hub.travel(t, t + dt, -1);
+    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const RodView rod = state.rods.view(w);
+    // a pull by more than half of the base edge takes it out in time where it is known beforehand
+    const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
+    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (base / 2)) - 1e-9);
+    return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
+}
+
+void constrain(World::Impl& state, int w, double t)
+{
+    const RodView rod = state.rods.view(w);
+    state.holds[w].fill(t, rod, state.constraints[w]);
+    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+}
+
+}  // namespace
+
+void take_control(World::Impl& state, const Control& control, double dt)
+{
+    const std::span<const Control::Hub> hubs = control.hubs();
+    for (int w = 0; w < state.wire_count(); ++w) {
+        const FeedState& feed = state.feeds[w];
+        const Control::Hub hub = static_cast<std::size_t>(w) < hubs.size() ? hubs[w] : Control::Hub{};
+        HubRequest& request = state.hub_requests[w];
+        switch (hub.kind) {
+            case Control::Hub::Kind::Stay:
+                request = steady(feed, state.wire_time[w], dt, feed.advance, feed.turn);
+                break;
+            case Control::Hub::Kind::MoveTo:
+                request = steady(feed, state.wire_time[w], dt, hub.advance, hub.turn);
+                break;
+            case Control::Hub::Kind::Follow:
+                request.keys = hub.keys;
+                break;
+        }
+    }
+}
+
+std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& report)
+{
+    std::vector<int>& parts = state.parts;
+    for (int s = 0; s < state.system_count(); ++s) {
+        int most = 1;
+        for (const int w : state.wires_of(s)) most = std::max(most, parts_of(state, w, dt));
+        for (const int w : state.wires_of(s)) {
+            parts[w] = most;
+            if (!state.retired[w]) note(state, report, w, StepOk, 0, most);
+        }
+    }
+    return parts;
+}
+
+void feed_hubs(World::Impl& state, const SubStep& sub)
+{
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        if (!sub.wires[w]) return;
+        state.momentum_start[w] = {momentum(state.rods.view(w)), Vec3::Zero()};
+        audit_remeshing(state, w);
+        if (!state.feeds[w].on) return;
+        FeedingAudit feeding(state, w);
+        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + sub.h);
+        feed_to(state.feeds[w], end, state.setup.wires[w].wire, state.rods, w, sub.h);
+        feeding.after(state);
+    });
+}
+
+void hold_and_load(World::Impl& state, const SubStep& sub)
+{
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        state.live[w] = state.active[w] = sub.wires[w] && state.is_solved(w);
+        if (!sub.wires[w]) return;
+        constrain(state, w, state.wire_time[w] + sub.h);
+        MomentumStart& start = state.momentum_start[w];
+        start.fed = momentum(state.rods.view(w)) - start.momentum;
+    });
+}
+
+void constrain_now(World::Impl& state, int w) { constrain(state, w, state.wire_time[w]); }
+
+}  // namespace seldinger

@@ -1,0 +1,198 @@
+// Static equilibrium of all systems: a continuation path along which holds and links are moved, and nodes that come and go until
+// none has to.
+
+#include "step_stages.h"
+#include "world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+namespace seldinger {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int most_static_halvings = 6;
+constexpr int most_adapt_rounds = 60;  // of one equilibrium; each takes out a few nodes at most
+
+/// How a system comes to its equilibrium. Holds and links that move are followed in parts (solve/constraints.h), so that it ends
+/// on the branch that it is on: a wire wound up and then pushed together has others. A part that does not converge is halved.
+struct ContinuationPath {
+    std::vector<double> times;  // [s] to be reached, one after the other
+    std::size_t next = 0;
+    double reached = 0, target = 0;
+    double end = 0;  // when the last move ends, which infinity stands for
+    int halvings = 0, rounds = 0;
+    bool adapting = false;  // at times[next], with nodes that have changed
+    [[nodiscard]] bool done() const { return next == times.size(); }
+};
+
+ContinuationPath path_of(const World::Impl& state, int system)
+{
+    ContinuationPath path;
+    for (const int w : state.wires_of(system)) {
+        const bool is_static = state.setup.integrator.scheme == Scheme::Static;
+        const std::vector<double> own =
+            is_static ? state.holds[w].path(state.setup.wires[w].wire.length) : std::vector<double>{state.wire_time[w]};
+        path.times.insert(path.times.end(), own.begin(), own.end());
+        path.end = std::max(path.end, state.holds[w].moving_until());
+    }
+    std::sort(path.times.begin(), path.times.end());
+    path.times.erase(std::unique(path.times.begin(), path.times.end()), path.times.end());
+    path.target = path.times[0];
+    return path;
+}
+
+/// Equilibrium of the wires of the mask at their paths' targets. @param settling  0 or SEL_SETTLE_*
+/// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
+/// where they were
+WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, uint settling,
+                 double farthest = INFINITY)
+{
+    std::optional<RodArrays> placed;
+    if (std::isfinite(farthest)) placed = state.rods;
+    const auto too_far = [&](int w) {
+        if (!placed) return false;
+        const RodView now = state.rods.view(w), then = placed->view(w);
+        double most = 0;
+        for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
+        return most > farthest * now.radius[0];
+    };
+    if (state.contact) {
+        state.contact->set_settling(settling);
+        state.contact->begin_step(state.rods);
+    }
+    for (int w = 0; w < state.wire_count(); ++w) {
+        state.live[w] = state.active[w] = mask[w] && state.is_solved(w);
+        const RodView rod = state.rods.view(w);
+        state.holds[w].fill(paths[state.system_of[w]].target, rod, state.constraints[w]);
+        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+    }
+    if (state.contact) state.contact->prepare(state.rods, state.live);
+    const auto start = Clock::now();
+    state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
+    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
+    WireMask done = mask, failed(mask.size(), 0);
+    for (int w = 0; w < state.wire_count(); ++w) failed[w] = state.active[w] && (!state.reports[w].converged || too_far(w));
+    state.spread_over_systems(mask, failed);
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!failed[w]) continue;
+        done[w] = 0;
+        state.restore_wire(w);
+    }
+    if (state.contact) {
+        state.contact->commit(done);
+        state.contact->set_settling(0);
+    }
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (done[w]) {
+            state.save_wire(w);
+            state.read_results(w, 0);
+        }
+    return failed;
+}
+
+/// Nodes of a wire at rest, the rest length that they made taken out at once. @return whether any came or went
+bool adapt_wire_at_rest(World::Impl& state, int w)
+{
+    constexpr int at_once = 8;
+    bool changed = false;
+    for (int k = 0; k < at_once; ++k) {
+        const int n = state.rods.node_count(w);
+        if (!adapt_wire(state, w, INFINITY, true)) break;
+        changed = true;
+        if (state.rods.node_count(w) > n) break;  // moments beside a new node are off until it is at rest
+    }
+    if (!state.feeds[w].on) fade_surplus_of(state, w, INFINITY);
+    return changed;
+}
+
+/// Nodes of an equilibrium until none has to come or go. @return whether any did: the equilibrium is to be found anew
+bool adapt_at_rest(World::Impl& state, int system, ContinuationPath& path)
+{
+    const auto adapts = [&](int w) { return state.adapters[w].on && state.is_solved(w); };
+    const auto wires = state.wires_of(system);
+    if (std::none_of(wires.begin(), wires.end(), adapts) || ++path.rounds > most_adapt_rounds) return false;
+    bool changed = false;
+    for (const int w : wires) changed = (adapts(w) && adapt_wire_at_rest(state, w)) || changed;
+    return changed;
+}
+
+/// Takes in what became of the system's part: the next one, or its nodes, or half of it. @return false: there is no equilibrium
+bool go_on(World::Impl& state, int system, ContinuationPath& path, bool failed)
+{
+    if (failed) {
+        if (path.adapting) {  // the nodes it had will do
+            path.adapting = false;
+            ++path.next;
+            return true;
+        }
+        path.target = 0.5 * (path.reached + std::min(path.target, path.end));
+        return path.target > path.reached && ++path.halvings <= most_static_halvings;
+    }
+    path.reached = path.target;
+    if (path.target == path.times[path.next]) {
+        path.adapting = adapt_at_rest(state, system, path);
+        if (path.adapting) return true;
+        path.rounds = path.halvings = 0;
+        ++path.next;
+    }
+    if (!path.done()) path.target = path.times[path.next];
+    return true;
+}
+
+/// Solver iterations of the wires of the mask into their reports.
+void note_solves(World::Impl& state, StepReport& report, const WireMask& mask)
+{
+    for (int w = 0; w < state.wire_count(); ++w)
+        if (mask[w] && state.active[w]) note(state, report, w, StepOk, state.reports[w].iterations);
+}
+
+/// The first equilibrium of wires that start settled: all contacts stuck. @return wires that found none
+WireMask balance_stuck(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, StepReport& report)
+{
+    WireMask failed = balance(state, paths, mask, SEL_SETTLE_STUCK, 1);
+    note_solves(state, report, mask);
+    if (!failed.any()) return failed;
+    // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
+    // way there. It slides to rest instead, and holds from there on.
+    WireMask rested = failed;
+    failed = balance(state, paths, failed, SEL_SETTLE_SLIDING);
+    note_solves(state, report, rested);
+    for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
+    if (rested.any()) {
+        (void)balance(state, paths, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
+        note_solves(state, report, rested);
+    }
+    return failed;
+}
+
+}  // namespace
+
+void find_equilibrium(World::Impl& state, StepReport& report)
+{
+    WireMask going = everyone(state);
+    std::vector<ContinuationPath> paths;
+    for (int s = 0; s < state.system_count(); ++s) paths.push_back(path_of(state, s));
+    bool stuck = state.setup.start_settled && state.steps == 0;
+    while (going.any()) {
+        const WireMask failed = stuck ? balance_stuck(state, paths, going, report) : balance(state, paths, going, 0);
+        if (!stuck) note_solves(state, report, going);
+        stuck = false;
+        for (int s = 0; s < state.system_count(); ++s) {
+            const auto wires = state.wires_of(s);
+            if (!going[wires.front()]) continue;
+            const bool any_failed = std::any_of(wires.begin(), wires.end(), [&](int w) { return failed[w]; });
+            const bool found = go_on(state, s, paths[s], any_failed);
+            for (const int w : wires) {
+                if (!found) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+                going[w] = found && !paths[s].done();
+            }
+        }
+    }
+}
+
+}  // namespace seldinger

@@ -1,0 +1,176 @@
+// From the start of a step to the states that are accepted: what a failed attempt returns to, detection, Newton, and what is done
+// about systems that do not converge.
+
+#include "core/parallel.h"
+#include "core/prefetch.h"
+#include "step_stages.h"
+#include "world.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace seldinger {
+
+namespace {
+
+constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length
+
+using Clock = std::chrono::steady_clock;
+
+/// What a loop over the wires comes to next: the arrays of the wire after this one.
+void prefetch_after(World::Impl& state, int w)
+{
+    if (w + 1 >= state.wire_count()) return;
+    for (const std::span<double>& array : state.rods.arrays(w + 1)) prefetch(array.data(), array.size_bytes());
+}
+
+// Newmark's first step needs the acceleration at its start: that of the forces on the wire as placed.
+void start_acceleration(World::Impl& state)
+{
+    for (int w = 0; w < state.wire_count(); ++w) {
+        state.live[w] = state.active[w] = state.is_solved(w);
+        constrain_now(state, w);
+    }
+    if (state.contact) {
+        state.contact->begin_step(state.rods);
+        state.contact->prepare(state.rods, state.live);
+    }
+    state.solver->initialise_acceleration(state.constraints, state.contact.get(), state.active);
+}
+
+bool audited(const World::Impl& state) { return state.setup.integrator.scheme != Scheme::Static; }
+
+/// What became of the systems that were solved.
+struct Outcomes {
+    WireMask failed;  // did not converge
+    WireMask ended;   // converged to a state of more energy than was put in, in short sub-steps too
+};
+
+Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
+{
+    const std::size_t count = sub.wires.size();
+    Outcomes to{WireMask(count), WireMask(count)};
+    WireMask adds_up(count, 1);
+    if (audited(state))
+        for_each_item(state.wire_count(), wire_grain, [&](int w) {
+            if (state.active[w] && state.reports[w].converged) adds_up[w] = energy_adds_up(state, w, sub.h);
+        });
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!state.active[w]) continue;
+        const SolveReport& solved = state.reports[w];
+        note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
+        if (solved.converged && adds_up[w]) continue;
+        (solved.converged && sub.halvings >= most_energy_halvings ? to.ended : to.failed)[w] = 1;
+    }
+    state.spread_over_systems(sub.wires, to.ended);
+    for (std::size_t w = 0; w < count; ++w) to.failed[w] = to.failed[w] && !to.ended[w];
+    state.spread_over_systems(sub.wires, to.failed);
+    return to;
+}
+
+}  // namespace
+
+WireMask everyone(const World::Impl& state)
+{
+    WireMask mask(state.wire_count());
+    for (int w = 0; w < state.wire_count(); ++w) mask[w] = !state.retired[w];
+    return mask;
+}
+
+void clear_timers(World::Impl& state)
+{
+    state.solve_time = state.adapt_time = 0;
+    if (state.contact) state.contact->times = {};
+}
+
+void collect_timers(World::Impl& state, StepReport& report)
+{
+    if (state.contact) report.times = state.contact->times;
+    // the solver's own share: what it took less what contact took inside it
+    report.times.solve = std::max(0.0, state.solve_time - (state.contact ? state.contact_in_solve : 0.0));
+    report.times.adapt = state.adapt_time;
+}
+
+void note(World::Impl& state, StepReport& report, int wire, unsigned flags, int newton_iterations, int sub_steps)
+{
+    const auto add_to = [&](auto& to) {
+        to.flags |= flags;
+        to.newton_iterations = std::max(to.newton_iterations, newton_iterations);
+        to.sub_steps = std::max(to.sub_steps, sub_steps);
+    };
+    add_to(state.wire_reports[wire]);
+    add_to(report);
+}
+
+void begin_step(World::Impl& state)
+{
+    if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
+    // what touches as placed is not known yet: there energies are counted from the end of the first step
+    for (int w = 0; w < state.wire_count() && state.steps == 0 && !state.contact; ++w) {
+        if (state.audits[w].known || !state.is_solved(w)) continue;
+        constrain_now(state, w);
+        begin_audit(state, w, true);
+    }
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(state, w);
+        state.save_wire(w);
+    });
+    state.contact_in_solve = 0;
+    state.wire_reports.assign(state.wire_count(), WireReport{});
+}
+
+void begin_sub_step(World::Impl& state, const SubStep& sub)
+{
+    for (int w = 0; w < state.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
+        if (!sub.wires[w]) continue;
+        if (sub.after == SubStep::After::Part) adapt_nodes_of(state, w, sub.h);
+        state.save_wire(w);
+    }
+    if (state.contact) state.contact->begin_step(state.rods);
+}
+
+void find_contacts(World::Impl& state)
+{
+    if (state.contact) state.contact->prepare(state.rods, state.live);
+}
+
+void solve(World::Impl& state, const SubStep& sub)
+{
+    const auto start = Clock::now();
+    const StageTimes before = state.contact ? state.contact->times : StageTimes{};
+    state.solver->set_best_effort(sub.halvings == most_halvings);
+    state.solver->step(sub.h, state.constraints, state.contact.get(), state.active, state.reports);
+    state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
+    if (state.contact) {
+        const StageTimes& after = state.contact->times;
+        state.contact_in_solve += after.detect - before.detect + after.evaluate - before.evaluate + after.reduce - before.reduce;
+    }
+}
+
+void accept(World::Impl& state, const SubStep& sub, StepReport& report)
+{
+    Outcomes outcomes = judge(state, sub, report);
+    WireMask done = sub.wires;
+    for (int w = 0; w < state.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
+    if (state.contact) state.contact->commit(done);
+    for_each_item(state.wire_count(), wire_grain, [&](int w) {
+        prefetch_after(state, w);
+        if (!done[w]) return;
+        state.wire_time[w] += sub.h;
+        if (state.active[w] && audited(state)) accept_energy(state, w, sub.h);
+        state.read_results(w, sub.h);
+    });
+    const bool shortest = sub.halvings == most_halvings;
+    for (int w = 0; w < state.wire_count(); ++w) {
+        if (!outcomes.failed[w] && !outcomes.ended[w]) continue;
+        state.restore_wire(w);
+        if (outcomes.ended[w]) note(state, report, w, StepEnergy);
+        else if (shortest) note(state, report, w, state.reports[w].non_finite ? StepNonFinite : StepNotConverged);
+        else note(state, report, w, StepHalved, 0, 2 << sub.halvings);
+    }
+    state.pending.lose(outcomes.ended);
+    if (shortest) state.pending.lose(outcomes.failed);
+    else state.pending.halve(outcomes.failed);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,172 @@
+// What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
+
+#include "core/error.h"
+#include "world.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <string_view>
+
+namespace seldinger {
+
+namespace {
+
+[[noreturn]] void refuse(std::string_view where, std::string_view what)
+{
+    throw Error(ExitCode::BadScene, fmt::format("{}: {}", where, what));
+}
+
+void need_positive(double value, const std::string& where)
+{
+    if (!(value > 0) || !std::isfinite(value)) refuse(where, fmt::format("is {}, expected a finite number greater than 0", value));
+}
+
+void need_not_negative(double value, const std::string& where)
+{
+    if (!(value >= 0) || !std::isfinite(value)) refuse(where, fmt::format("is {}, expected a finite number, 0 or greater", value));
+}
+
+void need_finite(const Vec3& value, const std::string& where)
+{
+    if (!value.allFinite())
+        refuse(where, fmt::format("is [{}, {}, {}], expected finite numbers", value.x(), value.y(), value.z()));
+}
+
+void check_section(const WireSection& s, const std::string& where)
+{
+    need_positive(s.radius, where + ".radius");
+    need_positive(s.density, where + ".density");
+    need_positive(s.bend_stiffness, where + ".bend_stiffness");
+    need_positive(s.twist_stiffness, where + ".twist_stiffness");
+    need_positive(s.stretch_stiffness, where + ".stretch_stiffness");
+    need_not_negative(s.mu_sliding, where + ".mu_sliding");
+    need_not_negative(s.mu_static, where + ".mu_static");
+    if (s.mu_static < s.mu_sliding)
+        refuse(where + ".mu_static", fmt::format("is {}, expected at least mu_sliding, {}", s.mu_static, s.mu_sliding));
+}
+
+void check_wire(const WireSpec& wire, const std::string& where)
+{
+    need_positive(wire.length, where + ".length");
+    if (wire.nodes != 0 && wire.nodes < 2)
+        refuse(where + ".nodes", fmt::format("is {}, expected 2 or more, or 0 for nodes that come and go", wire.nodes));
+    if (wire.nodes == 0) {
+        need_positive(wire.min_edge, where + ".min_edge");
+        need_positive(wire.edge_error, where + ".edge_error");
+        if (!(wire.max_edge >= wire.min_edge))
+            refuse(where + ".max_edge", fmt::format("is {}, expected at least min_edge, {}", wire.max_edge, wire.min_edge));
+    }
+    check_section(wire.shaft, where + ".shaft");
+    for (std::size_t k = 0; k < wire.sections.size(); ++k) {
+        const WireSectionRange& range = wire.sections[k];
+        const std::string section = fmt::format("{}.sections[{}]", where, k);
+        if (!(range.begin < range.end)) refuse(section, fmt::format("begins at {} and ends at {}", range.begin, range.end));
+        check_section(range.section, section + ".section");
+    }
+}
+
+void check_feed(const WireSetup& wire, const std::string& where)
+{
+    if (!wire.feed.on) return;
+    need_finite(wire.feed.point, where + ".point");
+    need_finite(wire.feed.direction, where + ".direction");
+    if (wire.feed.direction.isZero(0)) refuse(where + ".direction", "is zero, expected the way that the wire enters");
+    if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
+        refuse(where + ".advance",
+               fmt::format("is {} m, expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));
+    if (!std::isfinite(wire.feed.turn)) refuse(where + ".turn", "is not a finite number");
+}
+
+/// One set of launches serves all wires of a world.
+void check_agreement(const ContactSpec& contact, const ContactSpec& first, const std::string& where)
+{
+    const auto differs = [&](const char* member) {
+        refuse(where + member, "differs from that of wires[0]; expected the same for all wires of a world (make two worlds)");
+    };
+    if (contact.detection != first.detection) differs(".detection");
+    if (contact.normal != first.normal) differs(".normal");
+    if (contact.friction != first.friction) differs(".friction");
+    if (contact.precision != first.precision) differs(".precision");
+}
+
+void check_systems(const WorldSetup& setup)
+{
+    if (setup.systems.empty()) return;
+    for (std::size_t s = 0; s < setup.systems.size(); ++s)
+        if (setup.systems[s] < 1)
+            refuse(fmt::format("systems[{}]", s), fmt::format("is {}, expected one instrument at least", setup.systems[s]));
+    const auto in_all = std::accumulate(setup.systems.begin(), setup.systems.end(), std::int64_t{0});
+    if (in_all != static_cast<std::int64_t>(setup.wires.size()))
+        refuse("systems", fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all,
+                                      setup.wires.size()));
+}
+
+void check_wall(const WorldSetup& setup)
+{
+    if (setup.vessel.shape == VesselShape::None && setup.mesh.triangles.empty()) return;
+    if (setup.mesh.triangles.empty())
+        refuse("mesh", "has no triangles, expected the vessel's wall, repaired (or vessel.shape None)");
+    const auto vertices = static_cast<std::int64_t>(setup.mesh.vertices.size());
+    for (std::size_t t = 0; t < setup.mesh.triangles.size(); ++t)
+        for (const std::int32_t v : setup.mesh.triangles[t])
+            if (v < 0 || v >= vertices)
+                refuse(fmt::format("mesh.triangles[{}]", t),
+                       fmt::format("names vertex {}, expected 0 to {}", v, vertices - 1));
+    for (std::size_t v = 0; v < setup.mesh.vertices.size(); ++v)
+        if (!setup.mesh.vertices[v].allFinite()) need_finite(setup.mesh.vertices[v], fmt::format("mesh.vertices[{}]", v));
+    need_positive(setup.vessel.youngs, "vessel.youngs");
+    need_positive(setup.vessel.thickness, "vessel.thickness");
+}
+
+void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub)
+{
+    if (hub.kind == Control::Hub::Kind::Stay) return;
+    const std::string where = fmt::format("control: instrument {}", instrument);
+    if (instrument >= state.wire_count())
+        refuse(where, fmt::format("is not there, expected an index below {}", state.wire_count()));
+    if (!state.feeds[instrument].on) refuse(where, "is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
+    const double length = state.setup.wires[instrument].wire.length;
+    const auto check = [&](double advance, double turn) {
+        if (!(advance >= 0 && advance <= length))
+            refuse(where, fmt::format("advance is {} m, expected 0 to the wire's length, {} m", advance, length));
+        if (!std::isfinite(turn)) refuse(where, fmt::format("turn is {} rad, expected a finite number", turn));
+    };
+    if (hub.kind == Control::Hub::Kind::MoveTo) return check(hub.advance, hub.turn);
+    for (std::size_t k = 0; k < hub.keys.size(); ++k) {
+        check(hub.keys[k].advance, hub.keys[k].turn);
+        if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
+            refuse(where, fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
+    }
+}
+
+}  // namespace
+
+void check_setup(const WorldSetup& setup)
+{
+    if (setup.wires.empty()) refuse("wires", "a world needs at least one wire");
+    need_finite(setup.gravity, "gravity");
+    need_positive(setup.integrator.tolerance, "integrator.tolerance");
+    need_not_negative(setup.integrator.damping_mass, "integrator.damping_mass");
+    need_not_negative(setup.integrator.damping_stiffness, "integrator.damping_stiffness");
+    check_systems(setup);
+    for (std::size_t w = 0; w < setup.wires.size(); ++w) {
+        const WireSetup& wire = setup.wires[w];
+        const std::string where = fmt::format("wires[{}]", w);
+        check_wire(wire.wire, where + ".wire");
+        check_feed(wire, where + ".feed");
+        check_agreement(wire.contact, setup.wires[0].contact, where + ".contact");
+    }
+    check_wall(setup);
+}
+
+void check_request(const World::Impl& state, const Control& control, double dt)
+{
+    if (!(dt > 0) || !std::isfinite(dt))
+        refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));
+    for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k]);
+}
+
+}  // namespace seldinger

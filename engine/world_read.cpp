@@ -1,0 +1,271 @@
+// Reading a world: what is taken off the accepted state of a sub-step, and how it is shown.
+
+#include "rod/curvature.h"
+#include "rod/place.h"
+#include "world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length: what a clamp prescribes, else the edge's
+/// own, which is that of its middle, turned on by half an edge of the curvature next to it.
+Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
+{
+    const int hub = rod.n - 1;
+    for (const RodClamp& clamp : clamps)
+        if (clamp.node == hub && clamp.direction) return clamp.tangent;
+    const Vec3 last = rod.tangent(hub - 1);
+    if (rod.n < 3) return last;
+    const double onward = 0.5 * rod.rest_length[hub - 1] / rod.voronoi_length(hub - 1);
+    return (last + onward * (last - rod.tangent(hub - 2))).normalized();
+}
+
+}  // namespace
+
+void World::Impl::read_results(int wire, double h)
+{
+    WireResult& result = results[wire];
+    const RodView rod = rods.view(wire);
+    std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
+    result.contact = {};
+    if (feeds[wire].on && !feeds[wire].inside) {
+        result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
+        result.base_force = Vec3::Zero();
+        result.momentum = {};
+        return;
+    }
+    if (contact) {
+        result.contact = contact->totals(wire);
+        contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
+    }
+    const int hub = rod.n - 1;
+    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, 4 * hub + k);
+    const std::vector<RodClamp>& clamps = constraints[wire].clamps;
+    result.hand_torque = 0;
+    for (std::size_t c = 0; c < clamps.size(); ++c)
+        if (clamps[c].node == hub && clamps[c].spin)
+            result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
+    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
+                                             solver->base_tension_excess(wire)
+                                       : -result.base_force.dot(hub_tangent(rod, clamps));
+    if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
+    result.kinetic = audits[wire].kinetic;
+    result.elastic = audits[wire].elastic;
+    result.gravitational = audits[wire].gravitational;
+    result.residual = reports[wire].residual;
+    result.momentum = momentum_balance(rod, constraints[wire], *solver, wire, setup.integrator, setup.gravity,
+                                       result.nodal_contact, momentum_start[wire], h);
+}
+
+int World::wire_count() const { return impl_->wire_count(); }
+int World::system_count() const { return impl_->system_count(); }
+int World::system_of(int wire) const { return impl_->system_of[wire]; }
+double World::time() const { return impl_->time; }
+double World::time(int wire) const { return impl_->wire_time[wire]; }
+long World::step_count() const { return impl_->steps; }
+const WorldSetup& World::setup() const { return impl_->setup; }
+ConstRodView World::rod(int wire) const { return impl_->rods.view(wire); }
+const WireReport& World::report(int wire) const { return impl_->wire_reports[wire]; }
+
+void World::retire(int system)
+{
+    for (const int w : impl_->wires_of(system)) impl_->retired[w] = 1;
+}
+
+bool World::retired(int system) const { return impl_->retired[impl_->wires_of(system).front()] != 0; }
+
+WireReadings World::readings(int wire) const
+{
+    const WireResult& result = impl_->results[wire];
+    const FeedState& feed = impl_->feeds[wire];
+    WireReadings r;
+    if (feed.on) {
+        r.inserted = feed.advance - impl_->setup.wires[wire].feed.advance;
+        r.turned = feed.turn - impl_->setup.wires[wire].feed.turn;
+    }
+    r.nodes = impl_->rods.node_count(wire);
+    r.contacts = result.contact.contacts;
+    r.contact_length = result.contact.length;
+    r.normal = result.contact.normal;
+    r.friction = result.contact.friction;
+    r.sliding = result.contact.sliding;
+    r.sticking = result.contact.friction - result.contact.sliding;
+    r.rolling = result.contact.rolling;
+    r.hand_force = result.hand_force;
+    r.hand_torque = result.hand_torque;
+    r.base_force = result.base_force;
+    r.overlap = result.contact.depth;
+    r.outside = result.contact.outside;
+    r.kinetic = result.kinetic;
+    r.elastic = result.elastic;
+    r.gravitational = result.gravitational;
+    r.remesh_energy = impl_->remesh_energy[wire];
+    r.energy_made = impl_->audits[wire].balance.made();
+    r.force_residual = result.residual;
+    r.momentum = result.momentum;
+    return r;
+}
+
+const std::vector<ContactRow>& World::contacts() const
+{
+    impl_->rows.clear();
+    if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
+    return impl_->rows;
+}
+
+std::vector<Vec3> World::nodal_contact_force(int wire) const
+{
+    const auto& all = impl_->results[wire].nodal_contact;
+    return {all.begin(), all.begin() + impl_->rods.node_count(wire)};
+}
+
+// A wire is at rest when a static solve says so, or when its kinetic energy is a hundred-millionth of the energies it exchanges
+// with (elastic, and its weight lifted by its own length).
+bool World::at_rest(int wire) const
+{
+    if (impl_->setup.integrator.scheme == Scheme::Static) return true;
+    if (impl_->steps == 0) return false;
+    const WireResult& result = impl_->results[wire];
+    const RodView rod = impl_->rods.view(wire);
+    double mass = 0;
+    for (int i = 0; i < rod.n; ++i) mass += rod.mass[i];
+    const double scale = result.elastic + mass * impl_->setup.gravity.norm() * rod.material_s[rod.n - 1];
+    return result.kinetic <= 1e-8 * scale;
+}
+
+bool World::at_rest() const
+{
+    for (int w = 0; w < impl_->wire_count(); ++w)
+        if (!at_rest(w)) return false;
+    return true;
+}
+
+namespace {
+
+/// Curvature of (D2) per Voronoi length [1/m].
+double curvature_at(const ConstRodView& rod, int node)
+{
+    if (node == 0 || node == rod.n - 1) return 0;
+    const Vec3 e = rod.pos(node) - rod.pos(node - 1), f = rod.pos(node + 1) - rod.pos(node);
+    const double chi = 1 + e.dot(f) / (e.norm() * f.norm());
+    return curvature_factor(curvature_q(rod.curvature), chi) * 2 * e.cross(f).norm() /
+           (chi * e.norm() * f.norm() * rod.voronoi_length(node));
+}
+
+void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, WireOutput& into)
+{
+    const auto n = static_cast<std::size_t>(rod.n);
+    into.material_s.assign(rod.material_s.begin(), rod.material_s.begin() + rod.n);
+    into.contact_force.assign(contact_force.begin(), contact_force.begin() + rod.n);
+    for (auto* array : {&into.radius, &into.curvature, &into.spin}) array->resize(n);
+    for (auto* array : {&into.position, &into.velocity}) array->resize(n);
+    for (int i = 0; i < rod.n; ++i) {
+        into.radius[i] = rod.radius[std::min(i, rod.n - 2)];
+        into.curvature[i] = curvature_at(rod, i);
+        into.spin[i] = 0.0 - rod.theta[std::min(i, rod.n - 2)];
+        into.position[i] = rod.pos(i);
+        into.velocity[i] = rod.vel(i);
+    }
+}
+
+}  // namespace
+
+void World::read(Output& into, unsigned parts) const
+{
+    into.time = time();
+    into.step = step_count();
+    into.parts = parts;
+    into.wires.resize(static_cast<std::size_t>(wire_count()));
+    for (int w = 0; w < wire_count(); ++w) {
+        WireOutput& wire = into.wires[static_cast<std::size_t>(w)];
+        wire.readings = readings(w);
+        wire.report = report(w);
+        wire.time = time(w);
+        wire.at_rest = at_rest(w);
+        wire.retired = impl_->retired[w] != 0;
+        wire.tip = rod(w).pos(0);
+        if (parts & Output::Shape) read_shape(rod(w), impl_->results[w].nodal_contact, wire);
+    }
+    if (parts & Output::Contacts) into.contacts = contacts();
+}
+
+Output World::output(unsigned parts) const
+{
+    Output made;
+    read(made, parts);
+    return made;
+}
+
+namespace {
+
+std::string describe_nodes(const WireSetup& setup)
+{
+    const WireSpec& spec = setup.wire;
+    if (spec.nodes > 0) return fmt::format("uniform, {} over the whole length (asked for)", spec.nodes);
+    if (!nodes_adapt(setup))
+        return fmt::format("uniform edges of {:.3g} mm (0.4 of max_edge_m; this detection sits on nodes or edges)",
+                           1e3 * uniform_edge(spec));
+    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (asked for)", 1e3 * spec.min_edge,
+                       1e3 * spec.max_edge, 1e6 * spec.edge_error);
+}
+
+// Of wire 0, as all of model() is.
+std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrator)
+{
+    if (integrator.spins == Spins::Kept) return "solved for (asked for)";
+    const Solver::SpinRecord& record = s.solver->spin_record(0);
+    return fmt::format("left out of {} of {} solves (straight, isotropic, no torque: their equations held to the tolerance)",
+                       record.without, record.steps);
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> World::model() const
+{
+    const Impl& s = *impl_;
+    const WireSetup& wire = s.setup.wires[0];
+    std::vector<std::pair<std::string, std::string>> list;
+    list.emplace_back("nodes", describe_nodes(wire));
+    if (!wire.start.empty()) list.emplace_back("start", wire.start);
+    static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
+    const IntegratorSpec& integrator = s.setup.integrator;
+    list.emplace_back("scheme",
+                      fmt::format("{}, {}", schemes[static_cast<int>(integrator.scheme)],
+                                  integrator.newmark ? fmt::format("Newmark beta {} gamma {}", integrator.beta, integrator.gamma)
+                                  : integrator.conserve ? "energy-momentum (asked for)"
+                                                        : "backward Euler"));
+    if (integrator.scheme == Scheme::Newton || integrator.scheme == Scheme::Linearised)
+        list.emplace_back("spins", describe_spins(s, integrator));
+    list.emplace_back("curvature",
+                      wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
+    if (!s.contact) {
+        list.emplace_back("contact", "none (no vessel)");
+        return list;
+    }
+    static const char* const detections[] = {"swept", "capsule", "layer", "nodes"};
+    list.emplace_back("detection", detections[static_cast<int>(wire.contact.detection)]);
+    list.emplace_back("rolling", !wire.contact.rolling ? "off" : "on (asked for)");
+    list.emplace_back("wall", "rigid shape, elastic bed under each contact (D6b)");
+    list.emplace_back("precision", s.context->float32() ? "float32" : "float64");
+    for (auto& entry : s.contact->describe()) list.push_back(std::move(entry));
+    return list;
+}
+
+std::string World::device_name() const { return impl_->context ? impl_->context->name() : "none (no vessel, host only)"; }
+
+DeviceCounts World::device_counts() const
+{
+    if (!impl_->context) return {};
+    const device::Counters& c = impl_->context->counters();
+    return {c.launches, c.reads, c.writes, c.buffers_created, c.programs_built};
+}
+
+const char* version() { return SELDINGER_VERSION; }
+
+}  // namespace seldinger

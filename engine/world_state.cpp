@@ -1,0 +1,135 @@
+// The bytes of a world: saving, restoring, hashing.
+
+#include "core/bytes.h"
+#include "core/error.h"
+#include "core/fnv1a.h"
+#include "world.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+
+namespace {
+
+// What of a FeedState changes; the rest follows from the scene. There is a surplus only where nodes come and go.
+void put_feed(std::vector<std::uint8_t>& bytes, const FeedState& feed, bool nodes_change)
+{
+    put_bytes(bytes, &feed.advance, 1);
+    put_bytes(bytes, &feed.turn, 1);
+    put_bytes(bytes, &feed.surplus, 1);
+    put_bytes(bytes, &feed.inside, 1);
+    if (nodes_change) put_bytes(bytes, &feed.surplus_rate, 1);
+}
+
+void take_feed(const std::uint8_t*& bytes, const std::uint8_t* end, FeedState& feed, bool nodes_change)
+{
+    take_bytes(bytes, end, &feed.advance, 1);
+    take_bytes(bytes, end, &feed.turn, 1);
+    take_bytes(bytes, end, &feed.surplus, 1);
+    take_bytes(bytes, end, &feed.inside, 1);
+    if (nodes_change) take_bytes(bytes, end, &feed.surplus_rate, 1);
+}
+
+}  // namespace
+
+void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
+{
+    const std::int32_t n = rods.node_count(wire);
+    put_bytes(bytes, &n, 1);
+    put_bytes(bytes, &wire_time[wire], 1);
+    put_bytes(bytes, &remesh_energy[wire], 1);
+    put_feed(bytes, feeds[wire], feeds[wire].on || adapters[wire].on);
+    const Solver::SpinRecord& spins = solver->spin_record(wire);
+    const std::int32_t waits[2] = {spins.wait, spins.last_wait};
+    put_bytes(bytes, waits, 2);
+    // views are of changeable arrays; these only read
+    for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
+}
+
+std::vector<std::uint8_t> World::Impl::state_bytes() const
+{
+    std::vector<std::uint8_t> bytes;
+    put_bytes(bytes, &time, 1);
+    const std::int64_t taken = steps;
+    put_bytes(bytes, &taken, 1);
+    for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
+    if (contact) contact->save(bytes);
+    return bytes;
+}
+
+std::vector<std::uint8_t> World::save_state() const
+{
+    std::vector<std::uint8_t> bytes = impl_->state_bytes();
+    for (const EnergyAudit& audit : impl_->audits) put_audit(bytes, audit);
+    return bytes;
+}
+
+void World::Impl::take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire)
+{
+    std::int32_t n = 0;
+    take_bytes(at, end, &n, 1);
+    if (n < 2 || n > rods.capacity(wire))
+        throw Error(ExitCode::BadFile, "the saved state has another number of nodes than this scene's wire can have");
+    rods.set_node_count(wire, n);
+    take_bytes(at, end, &wire_time[wire], 1);
+    take_bytes(at, end, &remesh_energy[wire], 1);
+    take_feed(at, end, feeds[wire], feeds[wire].on || adapters[wire].on);
+    std::int32_t waits[2] = {};
+    take_bytes(at, end, waits, 2);
+    solver->spin_record(wire).wait = waits[0];
+    solver->spin_record(wire).last_wait = waits[1];
+    for (const std::span<double>& array : rods.arrays(wire)) take_bytes(at, end, array.data(), array.size());
+}
+
+namespace {
+
+void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes)
+{
+    const std::uint8_t* at = bytes.data();
+    const std::uint8_t* end = at + bytes.size();
+    take_bytes(at, end, &s.time, 1);
+    std::int64_t steps = 0;
+    take_bytes(at, end, &steps, 1);
+    s.steps = static_cast<long>(steps);
+    for (int w = 0; w < s.wire_count(); ++w) s.take_wire(at, end, w);
+    if (s.contact) s.contact->restore(at, end);
+    for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
+    if (at != end)
+        throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
+}
+
+}  // namespace
+
+void World::restore_state(const std::vector<std::uint8_t>& bytes)
+{
+    const std::vector<std::uint8_t> before = save_state();
+    try {
+        take_state(*impl_, bytes);
+    } catch (...) {
+        take_state(*impl_, before);
+        throw;
+    }
+}
+
+namespace {
+
+std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
+
+}  // namespace
+
+std::string World::state_hash() const { return hash_of(impl_->state_bytes()); }
+
+std::string World::state_hash(int system) const
+{
+    const Impl& s = *impl_;
+    std::vector<std::uint8_t> bytes;
+    put_bytes(bytes, &s.wire_time[s.wires_of(system).front()], 1);  // alone, its time is the world's
+    const std::int64_t steps = s.steps;
+    put_bytes(bytes, &steps, 1);
+    for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
+    for (const int w : s.wires_of(system))
+        if (s.contact) s.contact->save_wire(bytes, w);
+    return hash_of(bytes);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,121 @@
+// What a World refuses: setups that contradict themselves, and requests that cannot be met. One clear line, and nothing has changed.
+
+#include "core/error.h"
+#include "support/world_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two wires in a tube, the first fed.
+TestSetup two_wires()
+{
+    TestSetup setup;
+    add_tube(setup, tube(0.005, 0.2));
+    setup.wires = {fed_wire(steel_wire(0.1, 21), {0.0005, 0, -0.0025}, 0.1), placed_wire(steel_wire(0.05, 11), {0.05, 0, 0})};
+    return setup;
+}
+
+/// The message of the error that the call throws; empty when it throws none.
+std::string message_of(const std::function<void()>& call)
+{
+    try {
+        call();
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::BadScene);
+        return error.what();
+    }
+    return {};
+}
+
+void refused(const std::function<void(TestSetup&)>& change, const std::string& expected)
+{
+    TestSetup setup = two_wires();
+    change(setup);
+    const std::string message = message_of([&] { const World world{WorldSetup(setup)}; });
+    CAPTURE(message);
+    CHECK(message.find(expected) != std::string::npos);
+    CHECK(message.find('\n') == std::string::npos);
+}
+
+}  // namespace
+
+TEST_SUITE("step/requests")
+{
+    TEST_CASE("property: a setup that contradicts itself is refused by a line that names the member")
+    {
+        refused([](TestSetup& s) { s.wires.clear(); }, "wires: a world needs at least one wire");
+        refused([](TestSetup& s) { s.wires[1].contact.detection = Detection::Capsule; }, "wires[1].contact.detection: differs");
+        refused([](TestSetup& s) { s.wires[1].contact.normal = NormalLaw::LankaraniNikravesh; }, "wires[1].contact.normal: differs");
+        refused([](TestSetup& s) { s.wires[1].contact.friction = FrictionLaw::Smooth; }, "wires[1].contact.friction: differs");
+        refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: differs");
+        refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: has no triangles");
+        refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: names vertex 1073741824");
+        refused([](TestSetup& s) { s.mesh.vertices[3].x() = nan; }, "mesh.vertices[3]: is [nan");
+        refused([](TestSetup& s) { s.gravity.z() = nan; }, "gravity: is [0, 0, nan]");
+        refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: is 0, expected a finite number greater than 0");
+        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = nan; }, "wires[0].wire.shaft.radius: is nan");
+        refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: is -1");
+        refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: is 0.25, expected at least");
+        refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: is 1");
+        refused([](TestSetup& s) { s.wires[0].feed.direction = Vec3::Zero(); }, "wires[0].feed.direction: is zero");
+        refused([](TestSetup& s) { s.wires[0].feed.keys = {{0, 0.2, 0}}; }, "wires[0].feed.advance: is 0.2 m");
+        refused([](TestSetup& s) { s.systems = {1}; }, "systems: name 1 instruments in all");
+        refused([](TestSetup& s) { s.systems = {2, 0}; }, "systems[1]: is 0");
+    }
+
+    TEST_CASE("property: a step that cannot be taken changes nothing")
+    {
+        FedWorld world(two_wires());
+        for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+        const std::string before = world.state_hash();
+        const auto refuses = [&](const Control& control, double dt, const std::string& expected) {
+            const std::string message = message_of([&] { (void)seldinger::step(world, control, dt); });
+            CAPTURE(message);
+            CHECK(message.find(expected) != std::string::npos);
+            CHECK(world.state_hash() == before);
+        };
+        const FeedKey backwards[] = {{1, 0, 0}, {1, 0.01, 0}}, lost[] = {{0, nan, 0}};
+        refuses({}, 0, "step: dt: is 0 s");
+        refuses({}, -1e-3, "step: dt: is -0.001 s");
+        refuses({}, nan, "step: dt: is nan s");
+        refuses({}, std::numeric_limits<double>::infinity(), "step: dt: is inf s");
+        refuses(Control().move_to(0, nan, 0), 1e-3, "control: instrument 0: advance is nan m");
+        refuses(Control().move_to(0, 0.2, 0), 1e-3, "advance is 0.2 m, expected 0 to the wire's length, 0.1 m");
+        refuses(Control().move_to(0, -1e-3, 0), 1e-3, "advance is -0.001 m");
+        refuses(Control().move_to(0, 0.01, nan), 1e-3, "turn is nan rad");
+        refuses(Control().move_to(1, 0.01, 0), 1e-3, "control: instrument 1: is not fed");
+        refuses(Control().move_to(2, 0.01, 0), 1e-3, "control: instrument 2: is not there, expected an index below 2");
+        refuses(Control().follow(0, backwards), 1e-3, "key 1 is at 1 s, expected times that increase");
+        refuses(Control().follow(0, lost), 1e-3, "advance is nan m");
+        CHECK(message_of([] { Control().move_to(-1, 0, 0); }).find("instrument -1") != std::string::npos);
+        CHECK(message_of([] { Control().follow(0, {}); }).find("a way without keys") != std::string::npos);
+        REQUIRE_FALSE(step(world, 1e-3).failed());  // and goes on
+        CHECK(world.state_hash() != before);
+    }
+
+    TEST_CASE("property: a state of another world is refused and changes nothing")
+    {
+        FedWorld world(two_wires());
+        for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
+        const std::string before = world.state_hash();
+        TestSetup one = two_wires();
+        one.wires.pop_back();
+        const std::vector<std::uint8_t> other = FedWorld(one).save_state();
+        CHECK_THROWS_AS(world.restore_state(other), Error);
+        CHECK(world.state_hash() == before);
+        std::vector<std::uint8_t> longer = world.save_state();
+        longer.push_back(0);
+        CHECK_THROWS_AS(world.restore_state(longer), Error);
+        CHECK(world.state_hash() == before);
+    }
+}
