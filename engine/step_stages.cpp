@@ -64,11 +64,9 @@ void start_acceleration(World::Impl& state)
         state.live[w] = state.active[w] = !state.feeds[w].on || state.feeds[w].inside;
         constrain_now(state, w);
     }
-    if (state.contact) {
-        state.contact->begin_step(state.rods);
-        state.contact->prepare(state.rods, state.live);
-    }
-    state.solver->initialise_acceleration(state.constraints, state.contact.get(), state.active);
+    state.terms.begin_step(state.rods);
+    state.terms.prepare(state.rods, state.live);
+    state.solver->initialise_acceleration(state.constraints, state.terms, state.active);
 }
 
 }  // namespace
@@ -154,14 +152,14 @@ bool audited(const World::Impl& state) { return state.setup.integrator.scheme !=
 
 WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, StepReport& report, int depth)
 {
-    if (state.contact) state.contact->begin_step(state.rods);
+    state.terms.begin_step(state.rods);
     feed_and_constrain(state, h, mask);
-    if (state.contact) state.contact->prepare(state.rods, state.live);
+    state.terms.prepare(state.rods, state.live);
 
     const auto start = Clock::now();
     const StageTimes before = state.contact ? state.contact->times : StageTimes{};
     state.solver->set_best_effort(depth == most_halvings);
-    state.solver->step(h, state.constraints, state.contact.get(), state.active, state.reports);
+    state.solver->step(h, state.constraints, state.terms, state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     if (state.contact) {
         const StageTimes& after = state.contact->times;
@@ -192,7 +190,7 @@ WireMask advance_or_halve(World::Impl& state, double h, const WireMask& mask, St
         if (depth == most_halvings) note(state, report, w, solved.non_finite ? StepNonFinite : StepNotConverged);
         else note(state, report, w, StepHalved, 0, 2 << depth);
     }
-    if (state.contact) state.contact->commit(done);
+    state.terms.commit(done);
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         prefetch_after(state, w);
         if (!done[w]) return;
@@ -291,12 +289,12 @@ void change_nodes(World::Impl& state, int w, std::span<const NodeChange> changes
 template <class Change>
 bool where_clear(World::Impl& state, int w, Change change)
 {
-    if (!state.contact || !state.contact->never_overlaps()) return change();
+    if (!state.terms.never_overlaps()) return change();
     state.save_wire(w);
     state.nodal_backup = state.results[w].nodal_contact;
     const double energy = state.remesh_energy[w];
     if (!change()) return false;
-    if (state.contact->is_clear(state.rods, w)) return true;
+    if (state.terms.is_clear(state.rods, w)) return true;
     state.restore_wire(w);
     state.results[w].nodal_contact = state.nodal_backup;
     state.remesh_energy[w] = energy;
@@ -324,7 +322,7 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
     if (changed) demands.may_refine = demands.may_merge = false;
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return changed;
-    if (!state.contact || !state.contact->never_overlaps()) return change_nodes(state, w, changes), true;
+    if (!state.terms.never_overlaps()) return change_nodes(state, w, changes), true;
     for (std::size_t k = 0; k < changes.size(); ++k)
         changed = where_clear(state, w, [&] { return change_nodes(state, w, changes.subspan(k, 1)), true; }) || changed;
     return changed;
@@ -383,19 +381,17 @@ WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, co
         for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
         return most > farthest * now.radius[0];
     };
-    if (state.contact) {
-        state.contact->set_settling(settling);
-        state.contact->begin_step(state.rods);
-    }
+    if (state.contact) state.contact->set_settling(settling);
+    state.terms.begin_step(state.rods);
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = mask[w] && (!state.feeds[w].on || state.feeds[w].inside);
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(approaches[w].target, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
     }
-    if (state.contact) state.contact->prepare(state.rods, state.live);
+    state.terms.prepare(state.rods, state.live);
     const auto start = Clock::now();
-    state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
+    state.solver->equilibrium(state.constraints, state.terms, state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) {
@@ -405,10 +401,8 @@ WireMask balance(World::Impl& state, const std::vector<Approach>& approaches, co
         failed[w] = 1;
         state.restore_wire(w);
     }
-    if (state.contact) {
-        state.contact->commit(done);
-        state.contact->set_settling(0);
-    }
+    state.terms.commit(done);
+    if (state.contact) state.contact->set_settling(0);
     for (int w = 0; w < state.wire_count(); ++w)
         if (done[w]) {
             state.save_wire(w);

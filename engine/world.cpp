@@ -149,6 +149,7 @@ World::Impl::Impl(WorldSetup from) : setup(std::move(from)), rods(capacities(set
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
         wall.emplace(setup.vessel, setup.mesh, setup.centreline);
         contact = make_contact(*context, contact_setup(setup, *wall), rods);
+        terms.add(*contact);
     }
     constraints.resize(count);
     reports.resize(count);
@@ -229,7 +230,7 @@ void World::Impl::read_results(int wire, double h)
         contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
     }
     const int hub = rod.n - 1;
-    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, 4 * hub + k);
+    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, RodDofs::position(hub, k));
     const std::vector<RodClamp>& clamps = constraints[wire].clamps;
     result.hand_torque = 0;
     for (std::size_t c = 0; c < clamps.size(); ++c)
@@ -354,7 +355,7 @@ std::vector<std::uint8_t> World::Impl::state_bytes() const
     const std::int64_t taken = steps;
     put_bytes(bytes, &taken, 1);
     for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
-    if (contact) contact->save(bytes);
+    terms.save(bytes);
     return bytes;
 }
 
@@ -389,7 +390,7 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
         s.solver->spin_record(w).last_wait = waits[1];
         for (const std::span<double>& array : s.rods.arrays(w)) take_bytes(at, end, array.data(), array.size());
     }
-    if (s.contact) s.contact->restore(at, end);
+    s.terms.restore(at, end);
     for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
@@ -411,7 +412,7 @@ std::string World::state_hash(int wire) const
     const std::int64_t steps = s.steps;
     put_bytes(bytes, &steps, 1);
     s.put_wire(bytes, wire);
-    if (s.contact) s.contact->save_wire(bytes, wire);
+    s.terms.save_wire(bytes, wire);
     return hash_of(bytes);
 }
 

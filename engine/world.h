@@ -53,6 +53,7 @@ struct World::Impl {
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
     std::optional<WallModel> wall;           // none without a vessel
     std::unique_ptr<ContactMethod> contact;  // none without a vessel
+    ForceTerms terms;                        // what acts on the wires: contact
     std::unique_ptr<Solver> solver;
     // scratch of a step
     std::vector<WireConstraints> constraints;

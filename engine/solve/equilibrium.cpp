@@ -9,7 +9,7 @@
 
 namespace seldinger {
 
-void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+void Solver::equilibrium(std::span<const WireConstraints> constraints, const ForceTerms& terms, std::span<const std::uint8_t> active,
                          std::span<SolveReport> reports)
 {
     begin(Motion::Static, 0, constraints, active);
@@ -19,9 +19,9 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
     newton.shifted = true;
     newton.max_iterations = 150;
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (active[w]) newton_of(w).start(newton, move_limit(contact, w));
+        if (active[w]) newton_of(w).start(newton, terms.move_limit(w));
     prepare_trials(active);
-    iterate_with_multipliers(0, contact, active);
+    iterate_with_multipliers(0, terms, active);
 
     NewtonOptions flow = newton, patient = newton;
     flow.gradient_flow = true;
@@ -36,10 +36,10 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, ContactTe
             any = true;
             wire.problem.restore_reference();
             wire.problem.trial = wire.problem.start;
-            wire.start(again, move_limit(contact, w));
+            wire.start(again, terms.move_limit(w));
             prepare_trial(w);
         }
-        if (any) iterate_with_multipliers(0, contact, active);
+        if (any) iterate_with_multipliers(0, terms, active);
     }
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w] && !newton_of(w).converged()) newton_of(w).problem.restore_reference();

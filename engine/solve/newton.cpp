@@ -6,7 +6,6 @@
 #include "solve/solver_work.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace seldinger {
 
@@ -85,7 +84,7 @@ void Solver::prepare_trials(std::span<const std::uint8_t> active)
 }
 
 /// Contact where the wires that take part in its evaluation start from, with the velocities that they have there.
-void Solver::evaluate_start(double h, bool linearised, ContactTerm& contact)
+void Solver::evaluate_start(double h, bool linearised, const ForceTerms& terms)
 {
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!evaluate_[w]) continue;
@@ -99,47 +98,46 @@ void Solver::evaluate_start(double h, bool linearised, ContactTerm& contact)
             before_.theta[begin + i] = before(3);
         }
     }
-    contact.evaluate_start(trial_, before_, h, linearised, evaluate_);
+    terms.evaluate_start(trial_, before_, h, linearised, evaluate_);
 }
 
 /// Until none is running. A wire takes its decision and sets up its next trial in one go, while its arrays are in the cache.
-void Solver::iterate(double h, ContactTerm* contact)
+void Solver::iterate(double h, const ForceTerms& terms)
 {
     const auto any = [](const std::vector<std::uint8_t>& flags) {
         return std::find(flags.begin(), flags.end(), 1) != flags.end();
     };
     bool at_start = spec_.scheme == Scheme::Linearised;
     for (; any(running_); at_start = false) {
-        if (contact && any(evaluate_)) {
-            if (at_start) evaluate_start(h, true, *contact);
-            else contact->evaluate(trial_, h, evaluate_);
+        if (any(evaluate_)) {
+            if (at_start) evaluate_start(h, true, terms);
+            else terms.evaluate(trial_, h, evaluate_);
         }
         for_each_item(rods_.wire_count(), wire_grain, [&](int w) {
             prefetch_after(w, SolveStage::Advance);
             if (!running_[w]) return;
             NewtonWire& newton = newton_of(w);
-            newton.advance(evaluate_[w], contact, w);
-            if (contact && newton.took_trial()) contact->take(w);
+            newton.advance(evaluate_[w], terms, w);
+            if (newton.took_trial()) terms.take(w);
             prepare_trial(w);
         });
     }
 }
 
 /// Newton from trials that have been prepared, and again each time that contact renews its multipliers (D8).
-void Solver::iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+void Solver::iterate_with_multipliers(double h, const ForceTerms& terms, std::span<const std::uint8_t> active)
 {
-    iterate(h, contact);
-    if (!contact) return;
+    iterate(h, terms);
     for (int round = 0; round <= most_rounds; ++round) {
         for (int w = 0; w < rods_.wire_count(); ++w) solved_[w] = active[w] && newton_of(w).converged();
-        if (!contact->refine(solved_, again_)) return;
+        if (!terms.refine(solved_, again_)) return;
         for (int w = 0; w < rods_.wire_count(); ++w) {
             if (!again_[w]) continue;
             if (round < most_rounds) newton_of(w).resume();
             else newton_of(w).stop_short();
         }
         prepare_trials(again_);
-        iterate(h, contact);
+        iterate(h, terms);
     }
 }
 
@@ -199,15 +197,15 @@ void Solver::finish(std::span<const std::uint8_t> active, std::span<SolveReport>
 
 // ---- one step -------------------------------------------------------------------------------------------------------------
 
-void Solver::step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+void Solver::step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                   std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     SEL_ASSERT(h > 0);
-    if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, contact, active, reports);
-    if (spec_.scheme == Scheme::Static) return equilibrium(constraints, contact, active, reports);
+    if (spec_.scheme == Scheme::Explicit) return step_explicit(h, constraints, terms, active, reports);
+    if (spec_.scheme == Scheme::Static) return equilibrium(constraints, terms, active, reports);
     using enum SpinAngles;
     workspaces_->provide();
-    const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : contact ? LeftIfStill : LeftIfFree;
+    const SpinAngles spins = spec_.spins == Spins::Kept ? SolvedFor : terms.follows_spins() ? LeftIfStill : LeftIfFree;
     NewtonOptions options;
     options.linearised = spec_.scheme == Scheme::Linearised;
     options.best_effort = best_effort_;
@@ -216,16 +214,16 @@ void Solver::step(double h, std::span<const WireConstraints> constraints, Contac
         evaluate_[w] = running_[w] = with_spins_[w] = 0;
         if (!active[w]) return show_accepted(w);
         begin_wire(w, Motion::Implicit, h, constraints[w], spins);
-        newton_of(w).start(options, move_limit(contact, w));
+        newton_of(w).start(options, terms.move_limit(w));
         prepare_trial(w);
     });
-    iterate_with_multipliers(h, contact, active);
-    check_spins(h, constraints, contact, active, options);
+    iterate_with_multipliers(h, terms, active);
+    check_spins(h, constraints, terms, active, options);
     finish(active, reports);
 }
 
 /// Steps solved without spin angles stand if these angles' equations hold; the others are solved again with them.
-void Solver::check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+void Solver::check_spins(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                          std::span<const std::uint8_t> active, const NewtonOptions& options)
 {
     bool any = false;
@@ -236,7 +234,7 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         ++record.steps;
         if (record.wait > 0) --record.wait;
         if (!newton.problem.without_spins() || !newton.converged()) continue;
-        if (newton.problem.spins_hold(contact, w)) {
+        if (newton.problem.spins_hold(terms, w)) {
             record.last_wait = 0;
             ++record.without;
             write_trial(w);
@@ -247,24 +245,19 @@ void Solver::check_spins(double h, std::span<const WireConstraints> constraints,
         any = true;
         first_[w] = newton.report();
         newton.problem.begin(rods_.view(w), constraints[w], spec_, gravity_, Motion::Implicit, h);
-        newton.start(options, move_limit(contact, w));
+        newton.start(options, terms.move_limit(w));
     }
     if (!any) return;
     prepare_trials(with_spins_);
-    iterate_with_multipliers(h, contact, with_spins_);
-}
-
-double Solver::move_limit(const ContactTerm* contact, int wire)
-{
-    return contact ? contact->move_limit(wire) : std::numeric_limits<double>::infinity();
+    iterate_with_multipliers(h, terms, with_spins_);
 }
 
 // Symplectic Euler: v+ = v + h F(x, v)/m, x+ = x + h v+. A baseline; its step is limited by the axial wave (design, F1).
-void Solver::step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+void Solver::step_explicit(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                            std::span<const std::uint8_t> active, std::span<SolveReport> reports)
 {
     begin(Motion::Explicit, h, constraints, active);
-    evaluate_forces(h, contact, active);
+    evaluate_forces(h, terms, active);
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!active[w]) continue;
         WireProblem& problem = newton_of(w).problem;
@@ -275,13 +268,13 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
         write_trial(w);
         evaluate_[w] = evaluate_[w] && problem.update();
     }
-    if (contact) contact->evaluate(trial_, h, evaluate_);  // so that contact keeps the state that is accepted
+    terms.evaluate(trial_, h, evaluate_);  // so that contact keeps the state that is accepted
     for (int w = 0; w < rods_.wire_count(); ++w) {
         if (!active[w]) continue;
         WireProblem& problem = newton_of(w).problem;
         reports[w] = {};
         reports[w].evaluations = 2;
-        reports[w].converged = evaluate_[w] && (!contact || contact->admissible(w));
+        reports[w].converged = evaluate_[w] && terms.admissible(w);
         reports[w].non_finite = !evaluate_[w];
         if (!reports[w].converged) restore(w);
         else problem.commit_explicit();
@@ -289,20 +282,20 @@ void Solver::step_explicit(double h, std::span<const WireConstraints> constraint
 }
 
 /// R at the present state into each active wire's residual; evaluate_[w] = 0 where that is not possible.
-void Solver::evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active)
+void Solver::evaluate_forces(double h, const ForceTerms& terms, std::span<const std::uint8_t> active)
 {
     for (int w = 0; w < rods_.wire_count(); ++w) evaluate_[w] = active[w] && newton_of(w).problem.update();
-    if (contact && h > 0) evaluate_start(h, false, *contact);
-    else if (contact) contact->evaluate(trial_, h, evaluate_);
+    if (h > 0) evaluate_start(h, false, terms);
+    else terms.evaluate(trial_, h, evaluate_);
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (evaluate_[w]) evaluate_[w] = newton_of(w).problem.evaluate_residual(contact, w);
+        if (evaluate_[w]) evaluate_[w] = newton_of(w).problem.evaluate_residual(terms, w);
 }
 
-void Solver::initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
+void Solver::initialise_acceleration(std::span<const WireConstraints> constraints, const ForceTerms& terms,
                                      std::span<const std::uint8_t> active)
 {
     begin(Motion::Explicit, 0, constraints, active);
-    evaluate_forces(0, contact, active);
+    evaluate_forces(0, terms, active);
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (evaluate_[w]) newton_of(w).problem.set_acceleration_from_residual();
 }

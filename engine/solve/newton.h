@@ -3,6 +3,7 @@
 // wires so that contact is evaluated for all of them in one set of launches. A wire's result does not depend on the others.
 
 #include "rod/elastic.h"
+#include "solve/force_term.h"
 #include "solve/solve_spec.h"
 
 #include <cstdint>
@@ -12,51 +13,6 @@ namespace seldinger {
 
 struct NewtonOptions;  // solve/newton_wire.h
 class NewtonWire;
-
-/// Trial configuration of all wires, in the concatenated layout of RodArrays.
-struct TrialState {
-    std::vector<double> x, y, z, theta;
-};
-
-/// Contact as the solver sees it. Implemented in contact/; a world without a vessel has none.
-class ContactTerm {
-public:
-    virtual ~ContactTerm() = default;
-    /// Evaluates contact of every wire w with active[w] != 0 at the trial state; h is the step [s]. Static: h = 0 (no damping,
-    /// friction anchored at the accepted positions). After the call admissible(w) and add() speak of this trial state.
-    virtual void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) = 0;
-    /// The same at the accepted state, from the velocities known there, which have taken the wire from `before` to it within h.
-    /// @param linearised  for one Newton step: force and tangent of add() are those of a function linear in the move from here
-    /// (contact_law.h); else the force alone
-    virtual void evaluate_start(const TrialState& start, const TrialState& /*before*/, double h, bool /*linearised*/,
-                                std::span<const std::uint8_t> active)
-    {
-        evaluate(start, h, active);
-    }
-    /// False when the trial overlaps the wall beyond what the law allows (force would be infinite), or moved farther than was
-    /// searched.
-    [[nodiscard]] virtual bool admissible(int wire) const = 0;
-    /// Adds -force to `gradient` [4n] and -d(force)/dq to `jacobian` if not null. `symmetric`: leave out the unsymmetric
-    /// (sliding friction) part of the tangent.
-    virtual void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const = 0;
-    /// True when sliding friction makes the tangent unsymmetric.
-    [[nodiscard]] virtual bool unsymmetric(int wire) const = 0;
-    /// Largest contact force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
-    [[nodiscard]] virtual double largest_force(int wire) const = 0;
-    /// What rounding does to the contact force on a node at the trial [N], at most: no residual is smaller. 0: nothing that
-    /// counts.
-    [[nodiscard]] virtual double rounding(int) const { return 0; }
-    /// The wire's last evaluated trial has been taken: the next ones start from there.
-    virtual void take(int) {}
-    /// How much of the straight way from the last state taken to the trial is free of the wall, 1: all. A law that never overlaps
-    /// refuses a trial whose way is not.
-    [[nodiscard]] virtual double free_way(int) const { return 1; }
-    /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
-    /// settled there (D8), renews them and sets again[w]: these wires are to be solved on from there. @return whether any
-    virtual bool refine(std::span<const std::uint8_t> /*solved*/, std::span<std::uint8_t> /*again*/) { return false; }
-    /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
-    [[nodiscard]] virtual double move_limit(int wire) const = 0;
-};
 
 /// What holds and loads a wire during one step, resolved to nodes and times (solve/constraints.h builds it).
 struct WireConstraints {
@@ -106,8 +62,8 @@ public:
 
     /// One step of length h [s] for wires with active[w] != 0. Constraints are those at the end of the step. On success the
     /// wire's positions, velocities, spins and frames are the new ones; on failure (converged == false) they are untouched.
-    /// @param contact  may be null
-    void step(double h, std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+    /// @param terms  what acts on the wires beside weight, loads and links
+    void step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms, std::span<const std::uint8_t> active,
               std::span<SolveReport> reports);
 
     /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which
@@ -123,11 +79,11 @@ public:
 
     /// Stable static equilibrium: Newton with an adaptive shift, falling back to damped pseudo-time continuation; an unstable
     /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
-    void equilibrium(std::span<const WireConstraints> constraints, ContactTerm* contact, std::span<const std::uint8_t> active,
+    void equilibrium(std::span<const WireConstraints> constraints, const ForceTerms& terms, std::span<const std::uint8_t> active,
                      std::span<SolveReport> reports);
 
     /// Accelerations at the start of a run, M a = F(x, v): what Newmark needs before its first step. Backward Euler does not.
-    void initialise_acceleration(std::span<const WireConstraints> constraints, ContactTerm* contact,
+    void initialise_acceleration(std::span<const WireConstraints> constraints, const ForceTerms& terms,
                                  std::span<const std::uint8_t> active);
 
     // results of the last step or equilibrium, per wire
@@ -153,29 +109,28 @@ private:
     void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active);
     void begin_wire(int wire, Motion motion, double h, const WireConstraints& constraints, SpinAngles spins);
     void show_accepted(int wire);
-    void check_spins(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+    void check_spins(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
     [[nodiscard]] NewtonWire& newton_of(int wire);
     void prefetch_after(int wire, SolveStage stage) const;
     void prepare_trial(int wire);
     void prepare_trials(std::span<const std::uint8_t> active);
-    void iterate(double h, ContactTerm* contact);
-    void iterate_with_multipliers(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void iterate(double h, const ForceTerms& terms);
+    void iterate_with_multipliers(double h, const ForceTerms& terms, std::span<const std::uint8_t> active);
     void finish(std::span<const std::uint8_t> active, std::span<SolveReport> reports);
-    void step_explicit(double h, std::span<const WireConstraints> constraints, ContactTerm* contact,
+    void step_explicit(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                        std::span<const std::uint8_t> active, std::span<SolveReport> reports);
-    void evaluate_forces(double h, ContactTerm* contact, std::span<const std::uint8_t> active);
+    void evaluate_forces(double h, const ForceTerms& terms, std::span<const std::uint8_t> active);
     void write_trial(int wire);
-    void evaluate_start(double h, bool linearised, ContactTerm& contact);
+    void evaluate_start(double h, bool linearised, const ForceTerms& terms);
     void restore(int wire);
-    [[nodiscard]] static double move_limit(const ContactTerm* contact, int wire);
 
     RodArrays& rods_;
     IntegratorSpec spec_;
     Vec3 gravity_;
     std::vector<std::unique_ptr<Work>> work_;
     std::unique_ptr<Workspaces> workspaces_;
-    TrialState trial_, before_;  // before_: where known velocities come from, see ContactTerm::evaluate_start
+    TrialState trial_, before_;  // before_: where known velocities come from, see ForceTerm::evaluate_start
     bool best_effort_ = false;
     std::vector<std::uint8_t> solved_, again_;      // [wires] between two rounds of multipliers
     std::vector<std::uint8_t> running_, evaluate_;  // [wires] not finished; takes part in the present evaluation of contact

@@ -106,10 +106,11 @@ void NewtonWire::stop_short()
     phase_ = settling_ ? Phase::Done : Phase::Failed;
 }
 
-/// The trial cannot be: nearer to the last state that could. @param free_way  of the way from there, as far as contact knows
-void NewtonWire::retreat(double free_way)
+/// The trial cannot be: nearer to the last state that could. @param open  how much of the way from there
+/// is, as far as the force terms know
+void NewtonWire::retreat(double open)
 {
-    if (phase_ == Phase::Search) return shorten((free_way < 1 ? std::clamp(0.9 * free_way, 0.05, 0.5) : 0.3) * alpha_);
+    if (phase_ == Phase::Search) return shorten((open < 1 ? std::clamp(0.9 * open, 0.05, 0.5) : 0.3) * alpha_);
     if (guess_fraction_ == 0) {
         give_up();
         return;
@@ -119,15 +120,15 @@ void NewtonWire::retreat(double free_way)
 
 // ---- decisions ------------------------------------------------------------------------------------------------------------
 
-void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
+void NewtonWire::advance(bool finite, const ForceTerms& terms, int wire)
 {
     ++evaluations_;
     took_trial_ = false;
-    const bool usable = finite && (!contact || contact->admissible(wire));
-    if (!usable || !problem.evaluate_residual(contact, wire)) {
+    const bool usable = finite && terms.admissible(wire);
+    if (!usable || !problem.evaluate_residual(terms, wire)) {
         non_finite_ = non_finite_ || !finite;
         if (settling_) phase_ = Phase::Failed;
-        else retreat(finite && contact ? contact->free_way(wire) : 1);
+        else retreat(finite ? terms.feasible_step(wire) : 1);
         return;
     }
     norm_ = problem.residual_norm();
@@ -144,34 +145,34 @@ void NewtonWire::advance(bool finite, const ContactTerm* contact, int wire)
         phase_ = Phase::Done;
         return;
     }
-    rounding_ = contact ? contact->rounding(wire) : 0;
+    rounding_ = terms.rounding(wire);
     // one linearised step is always taken: what contact has said is of the start, and what it keeps must be of the end
     if (!options_.linearised && norm_ <= problem.tolerance + rounding_ && at_prescribed()) {
-        if (options_.shifted && kicks_ < most_kicks && !stable(contact, wire)) return kick();
-        if (may_be_saddle() && leave_saddle(contact, wire)) return;
+        if (options_.shifted && kicks_ < most_kicks && !stable(terms, wire)) return kick();
+        if (may_be_saddle() && leave_saddle(terms, wire)) return;
         phase_ = Phase::Done;
         return;
     }
     if (phase_ == Phase::Search) {
-        const Jump jump = jump_of_force(contact, wire);
+        const Jump jump = jump_of_force(terms, wire);
         if (jump == Jump::Turns) {
             phase_ = Phase::Done;
             return;
         }
         if (jump == Jump::None && !acceptable()) {
-            if (at_kink(contact, wire)) phase_ = Phase::Done;
+            if (at_kink(terms, wire)) phase_ = Phase::Done;
             return;
         }
     }
     if (iterations_ - first_iteration_ >= options_.max_iterations) {
-        if (at_kink(contact, wire)) phase_ = Phase::Done;
+        if (at_kink(terms, wire)) phase_ = Phase::Done;
         else give_up();
         return;
     }
     take_base();
-    new_direction(contact, wire);
+    new_direction(terms, wire);
     launch();
-    polish(contact);
+    polish(terms);
 }
 
 /// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
@@ -236,13 +237,13 @@ double NewtonWire::smallest_radius() const
 /// elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the
 /// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
 /// good a base as any.
-NewtonWire::Jump NewtonWire::jump_of_force(const ContactTerm* contact, int wire)
+NewtonWire::Jump NewtonWire::jump_of_force(const ForceTerms& terms, int wire)
 {
-    if (!contact || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;
     if (alpha_ * largest_surface_move(direction_) > located * smallest_radius()) return Jump::None;
     // the base edge of a fed wire may be so short that half a nanometre is newtons of EA/l: its ends are not asked
     const int asked = problem.fed() ? problem.size() - 8 : problem.size();
-    double change = 0, base = contact->largest_force(wire);
+    double change = 0, base = terms.largest_force(wire);
     for (int i = 0; i < asked; ++i) {
         if (problem.prescribed[i] || i % 4 == 3) continue;
         change = std::max(change, std::abs(problem.residual[i] - base_residual_[i]));
@@ -274,10 +275,10 @@ void NewtonWire::correct()
 /// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
 /// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
 /// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
-bool NewtonWire::at_kink(const ContactTerm* contact, int wire) const
+bool NewtonWire::at_kink(const ForceTerms& terms, int wire) const
 {
     if (iterations_ < 4 || options_.shifted) return false;
-    const double jump = contact ? 1e-3 * contact->largest_force(wire) : 0.0;
+    const double jump = 1e-3 * terms.largest_force(wire);
     return norm_ <= std::max(100 * problem.tolerance, jump) && problem.largest_move(direction_) <= located * smallest_radius() &&
            at_prescribed();
 }
@@ -313,35 +314,35 @@ void NewtonWire::take_base()
 
 // ---- direction ------------------------------------------------------------------------------------------------------------
 
-void NewtonWire::new_direction(const ContactTerm* contact, int wire)
+void NewtonWire::new_direction(const ForceTerms& terms, int wire)
 {
-    if (options_.shifted) factorise_shifted(contact, wire);
-    else factorise(contact, wire);
+    if (options_.shifted) factorise_shifted(terms, wire);
+    else factorise(terms, wire);
     correction_at_trial(problem.residual, part(direction_), 1);
 }
 
-void NewtonWire::factorise(const ContactTerm* contact, int wire)
+void NewtonWire::factorise(const ForceTerms& terms, int wire)
 {
     // after a step that had to be shortened, the symmetric tangent, which goes downhill; but not where symmetric means wrong:
     // half of EA on the edges' mean directions and half on those of their ends
-    const bool loaded = problem.unsymmetric() || (contact && contact->unsymmetric(wire));
+    const bool loaded = problem.unsymmetric() || terms.unsymmetric(wire);
     const bool sliding = loaded && (!shortened_ || problem.conserving());
     safe_steps_ = shortened_ ? 0 : safe_steps_;
     shortened_ = false;
     unsymmetric_ = sliding || safe_steps_ >= 3;
-    const int indefinite = factorise_with(HessianMode::Exact, contact, wire);
+    const int indefinite = factorise_with(HessianMode::Exact, terms, wire);
     if (indefinite == 0 || (safe_steps_ >= 3 && indefinite < problem.size())) return;
     unsymmetric_ = sliding;
     ++safe_steps_;
-    if (factorise_with(HessianMode::Safe, contact, wire) < problem.size() || !unsymmetric_) return;
+    if (factorise_with(HessianMode::Safe, terms, wire) < problem.size() || !unsymmetric_) return;
     unsymmetric_ = false;
-    (void)factorise_with(HessianMode::Safe, contact, wire);
+    (void)factorise_with(HessianMode::Safe, terms, wire);
 }
 
 /// @return pivots that were not positive; all of them when LU fails
-int NewtonWire::factorise_with(HessianMode mode, const ContactTerm* contact, int wire)
+int NewtonWire::factorise_with(HessianMode mode, const ForceTerms& terms, int wire)
 {
-    problem.assemble_tangent(mode, !unsymmetric_, contact, wire);
+    problem.assemble_tangent(mode, !unsymmetric_, terms, wire);
     // prescribed unknowns move by a known amount, which loads the others
     const int size = problem.size();
     std::fill_n(coupling_.begin(), size, 0.0);
@@ -371,26 +372,26 @@ void NewtonWire::add_shift(double amount)
 
 /// As little shift as makes the exact matrix positive definite: then the direction goes down, and away from saddles. Under dead
 /// moments, which have no potential, as little as leaves its pivots positive.
-void NewtonWire::factorise_shifted(const ContactTerm* contact, int wire)
+void NewtonWire::factorise_shifted(const ForceTerms& terms, int wire)
 {
     unsymmetric_ = problem.unsymmetric();
-    int raised = factorise_with(HessianMode::Exact, contact, wire);
+    int raised = factorise_with(HessianMode::Exact, terms, wire);
     for (int attempt = 0; attempt < 12 && raised > 0; ++attempt) {
         const double larger = std::max(4 * shift_, smallest_shift_);
         add_shift(larger - shift_);
         shift_ = larger;
         raised = factorise_matrix();
     }
-    if (raised > 0) (void)factorise_with(HessianMode::Safe, contact, wire);
+    if (raised > 0) (void)factorise_with(HessianMode::Safe, terms, wire);
 }
 
 /// Whether the equilibrium at the trial is one that can last: the exact matrix is positive definite, but for a shift far below
 /// any real stiffness (a wire that nothing holds is neither).
-bool NewtonWire::stable(const ContactTerm* contact, int wire)
+bool NewtonWire::stable(const ForceTerms& terms, int wire)
 {
     unsymmetric_ = problem.unsymmetric();
     shift_ = smallest_shift_;
-    return factorise_with(HessianMode::Exact, contact, wire) == 0;
+    return factorise_with(HessianMode::Exact, terms, wire) == 0;
 }
 
 /// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the
@@ -403,10 +404,10 @@ bool NewtonWire::may_be_saddle() const
 }
 
 /// From the trial, whose equations hold. @return whether it was one
-bool NewtonWire::leave_saddle(const ContactTerm* contact, int wire)
+bool NewtonWire::leave_saddle(const ForceTerms& terms, int wire)
 {
     set_shift_weights();
-    const bool saddle = !stable(contact, wire);
+    const bool saddle = !stable(terms, wire);
     if (saddle) kick();
     shift_ = 0;
     safe_steps_ = 0;
@@ -494,12 +495,12 @@ void NewtonWire::launch()
 }
 
 /// Further simplified corrections with contact linear, while they shrink fast.
-void NewtonWire::polish(const ContactTerm* contact)
+void NewtonWire::polish(const ForceTerms& terms)
 {
     if (!running() || alpha_ != 1 || options_.linearised || options_.gradient_flow) return;
     double last = direction_norm_;
     for (int k = 0; k < most_polish; ++k) {
-        const bool usable = problem.update() && problem.evaluate_linear_contact(contact, base_);
+        const bool usable = problem.update() && problem.evaluate_linear_contact(terms, base_);
         if (usable && problem.residual_norm() <= 0.5 * problem.tolerance) return;
         if (usable) correct();
         const double size = problem.norm(part(correction_));

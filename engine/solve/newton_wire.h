@@ -51,7 +51,7 @@ public:
     void start(const NewtonOptions& options, double move_limit);
     /// Takes in the evaluation at problem.trial and decides: done, failed, or a new trial.
     /// @param finite  frames at the trial are finite, and contact has been evaluated there
-    void advance(bool finite, const ContactTerm* contact, int wire);
+    void advance(bool finite, const ForceTerms& terms, int wire);
 
     /// After convergence, contact's multipliers having changed: Newton goes on from where it is.
     void resume();
@@ -72,33 +72,33 @@ private:
 
     void set_guess(double fraction);
     void set_shift_weights();
-    void retreat(double free_way);
+    void retreat(double open);
     void give_up();
     [[nodiscard]] bool at_prescribed() const;
     [[nodiscard]] bool acceptable();
-    [[nodiscard]] Jump jump_of_force(const ContactTerm* contact, int wire);
+    [[nodiscard]] Jump jump_of_force(const ForceTerms& terms, int wire);
     [[nodiscard]] double residual_along(std::span<const double> d) const;
     [[nodiscard]] double smallest_radius() const;
     [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
     void correct();
-    [[nodiscard]] bool at_kink(const ContactTerm* contact, int wire) const;
+    [[nodiscard]] bool at_kink(const ForceTerms& terms, int wire) const;
     void shorten(double alpha);
     void take_base();
-    void new_direction(const ContactTerm* contact, int wire);
-    void factorise(const ContactTerm* contact, int wire);
-    void factorise_shifted(const ContactTerm* contact, int wire);
-    [[nodiscard]] int factorise_with(HessianMode mode, const ContactTerm* contact, int wire);
+    void new_direction(const ForceTerms& terms, int wire);
+    void factorise(const ForceTerms& terms, int wire);
+    void factorise_shifted(const ForceTerms& terms, int wire);
+    [[nodiscard]] int factorise_with(HessianMode mode, const ForceTerms& terms, int wire);
     [[nodiscard]] int factorise_matrix();
     void add_shift(double amount);
     void raise_shift();
-    [[nodiscard]] bool stable(const ContactTerm* contact, int wire);
+    [[nodiscard]] bool stable(const ForceTerms& terms, int wire);
     [[nodiscard]] bool may_be_saddle() const;
-    [[nodiscard]] bool leave_saddle(const ContactTerm* contact, int wire);
+    [[nodiscard]] bool leave_saddle(const ForceTerms& terms, int wire);
     void kick();
     void solve(std::span<double> rhs_to_x);
     void correction_at_trial(std::span<const double> residual, std::span<double> out, double prescribed_left);
     void launch();
-    void polish(const ContactTerm* contact);
+    void polish(const ForceTerms& terms);
     void set_trial(double alpha);
 
     [[nodiscard]] std::span<double> part(std::span<double> v) const { return v.first(static_cast<std::size_t>(problem.size())); }

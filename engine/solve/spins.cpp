@@ -58,11 +58,11 @@ void WireProblem::take_spins_in()
     std::swap(start, trial);
 }
 
-bool WireProblem::spins_hold(const ContactTerm* contact, int wire)
+bool WireProblem::spins_hold(const ForceTerms& terms, int wire)
 {
     take_spins_in();
-    if (!contact && update()) untwist();
-    if (!update() || !evaluate_residual(contact, wire)) return false;
+    if (!terms.follows_spins() && update()) untwist();
+    if (!update() || !evaluate_residual(terms, wire)) return false;
     for (int j = 0; j < rod.n - 1; ++j)
         if (!(std::abs(residual[4 * j + 3]) <= tolerance * length_scale)) return false;
     return true;

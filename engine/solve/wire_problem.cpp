@@ -318,23 +318,23 @@ void WireProblem::accelerations(double* out) const
         if (prescribed[i]) out[i] = acceleration(i);
 }
 
-bool WireProblem::evaluate_residual(const ContactTerm* contact, int wire)
+bool WireProblem::evaluate_residual(const ForceTerms& terms, int wire)
 {
     const std::size_t size = 4 * rod.n;
     evaluate_host_residual();
-    if (contact) {
+    if (!terms.empty()) {
         std::fill_n(contact_gradient_.begin(), size, 0.0);
-        contact->add(wire, {contact_gradient_.data(), size}, nullptr, true);
+        terms.add(wire, {contact_gradient_.data(), size}, nullptr, true);
         for (std::size_t i = 0; i < size; ++i) residual[i] += contact_gradient_[i];
     }
     return finish_residual();
 }
 
-bool WireProblem::evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base)
+bool WireProblem::evaluate_linear_contact(const ForceTerms& terms, std::span<const double> base)
 {
     const int size = 4 * rod.n;
     evaluate_host_residual();
-    if (contact) {
+    if (!terms.empty()) {
         for (int i = 0; i < size; ++i) damped_velocity_[i] = trial[i] - base[i];
         contact_tangent_.multiply(damped_velocity_, scratch_);
         for (int i = 0; i < size; ++i) residual[i] += contact_gradient_[i] + scratch_[i];
@@ -490,7 +490,7 @@ void WireProblem::replace_tension(HessianMode mode, bool symmetric)
     }
 }
 
-void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire)
+void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms, int wire)
 {
     const int size = 4 * rod.n;
     matrix.reset(size);
@@ -502,9 +502,9 @@ void WireProblem::assemble_tangent(HessianMode mode, bool symmetric, const Conta
     for (int i = 0; i < size; ++i) matrix.add(i, i, rate * inertia[i]);
     add_springs_to(matrix);
     add_moments_to(matrix, symmetric);
-    if (contact) {
+    if (!terms.empty()) {
         contact_tangent_.reset(size);
-        contact->add(wire, unused, &contact_tangent_, symmetric);
+        terms.add(wire, unused, &contact_tangent_, symmetric);
         matrix.add_scaled(contact_tangent_, 1);
     }
     if (damping_stiffness_ > 0) matrix.add_scaled(damping_, damping_stiffness_ * damping_rate_);

@@ -50,7 +50,7 @@ public:
     /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
     /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Without contact the angles first
     /// follow the shape so that the wire is not twisted, which is where torsion, far faster than bending, would take them.
-    [[nodiscard]] bool spins_hold(const ContactTerm* contact, int wire);
+    [[nodiscard]] bool spins_hold(const ForceTerms& terms, int wire);
 
     /// Works in `workspace` until the next call: to be called before anything else, by whatever thread. Entries of the matrix
     /// outlive that in a static solve only, which goes back to them, and its factors unless `once`, where it is solved with as
@@ -63,15 +63,15 @@ public:
     /// Frames at `trial`. @return false if anything is not finite
     [[nodiscard]] bool update();
     /// R at `trial` into `residual`; update() must have run there, and contact been evaluated. @return false if not finite
-    [[nodiscard]] bool evaluate_residual(const ContactTerm* contact, int wire);
+    [[nodiscard]] bool evaluate_residual(const ForceTerms& terms, int wire);
     /// Whether dR/dq is not symmetric even without contact: energy-momentum steps, dead moments.
     [[nodiscard]] bool unsymmetric() const;
     [[nodiscard]] bool conserving() const { return conserving_; }
     /// The same with contact taken as linear from where assemble_tangent last ran, `base`: costs no evaluation of contact.
-    [[nodiscard]] bool evaluate_linear_contact(const ContactTerm* contact, std::span<const double> base);
+    [[nodiscard]] bool evaluate_linear_contact(const ForceTerms& terms, std::span<const double> base);
     /// dR/dq at `trial` into `matrix`, prescribed unknowns not yet fixed, with the geometric stiffness of the
     /// predicted tension. @param symmetric  its symmetric part, as far as it is not symmetric
-    void assemble_tangent(HessianMode mode, bool symmetric, const ContactTerm* contact, int wire);
+    void assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms, int wire);
 
     /// Largest free residual [N]; moments divided by length_scale.
     [[nodiscard]] double residual_norm() const;

@@ -49,12 +49,12 @@ struct Linearised {
     Linearised(WireProblem& problem, const std::vector<double>& trial)
     {
         const int size = problem.size();
-        WireProblem::Workspace workspace(static_cast<int>(problem.start.size()) / 4);
+        WireProblem::Workspace workspace(RodDofs::nodes(static_cast<int>(problem.start.size())));
         (void)problem.work_in(workspace, false);
         problem.trial = trial;
         REQUIRE(problem.update());
-        REQUIRE(problem.evaluate_residual(nullptr, 0));
-        problem.assemble_tangent(HessianMode::Exact, false, nullptr, 0);
+        REQUIRE(problem.evaluate_residual({}, 0));
+        problem.assemble_tangent(HessianMode::Exact, false, {}, 0);
         residual = Eigen::Map<const Eigen::VectorXd>(problem.residual.data(), size);
         tangent = Eigen::MatrixXd::Zero(size, size);
         for (int i = 0; i < size; ++i)
@@ -87,9 +87,9 @@ TEST_SUITE("solve/equilibrium")
         const Eigen::MatrixXd tangent = a.tangent - b.tangent;
         CHECK((tangent - tangent.transpose()).norm() > 0.1 * tangent.norm());
         const int size = with.size(), edge = loaded.loads[0].edge;
-        REQUIRE(tangent.row(4 * edge + 3).norm() > 0);
+        REQUIRE(tangent.row(RodDofs::spin(edge)).norm() > 0);
         for (int q = 0; q < size - 1; ++q) {
-            const double step = q % 4 == 3 ? 1e-4 : 1e-6;
+            const double step = RodDofs::is_spin(q) ? 1e-4 : 1e-6;
             Eigen::VectorXd numeric = Eigen::VectorXd::Zero(size);
             for (const double sign : {1.0, -1.0}) {
                 std::vector<double> trial = with.start;
@@ -117,7 +117,7 @@ TEST_SUITE("solve/equilibrium")
         int evaluations = 0;
         for (int k = 1; k <= 6; ++k) {
             rig.fill(k / 6.0);
-            rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+            rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
             REQUIRE(rig.reports[0].converged);
             evaluations += rig.reports[0].evaluations;
         }
@@ -167,7 +167,7 @@ TEST_SUITE("solve/equilibrium")
             // the hold carries the weight
             double mass = 0;
             for (int i = 0; i < rig.rod().n; ++i) mass += rig.rod().mass[i];
-            CHECK(rig.solver->reaction(0, 4 * 100 + 2) == about(9.81 * mass).epsilon(1e-5));
+            CHECK(rig.solver->reaction(0, RodDofs::position(100, 2)) == about(9.81 * mass).epsilon(1e-5));
             MESSAGE("Gamma " << c.gamma << ": " << rig.reports[0].iterations << " iterations, sag error " << sag / c.sag - 1);
         }
     }

@@ -109,17 +109,17 @@ struct Rig {
     {
         solver = std::make_unique<Solver>(rods, spec, gravity);
     }
-    bool settle(ContactTerm* contact = nullptr)
+    bool settle(ForceTerms terms = {})
     {
         fill(INFINITY);
-        solver->equilibrium(constraints, contact, active, reports);
+        solver->equilibrium(constraints, terms, active, reports);
         return reports[0].converged;
     }
-    bool step(double h, ContactTerm* contact = nullptr)
+    bool step(double h, ForceTerms terms = {})
     {
         time += h;
         fill(time);
-        solver->step(h, constraints, contact, active, reports);
+        solver->step(h, constraints, terms, active, reports);
         return reports[0].converged;
     }
     [[nodiscard]] RodView rod(int w = 0) { return rods.view(w); }
