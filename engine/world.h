@@ -8,7 +8,7 @@
 #include "rod/adapt.h"
 #include "solve/constraints.h"
 #include "solve/feed.h"
-#include "solve/newton.h"
+#include "solve/solver.h"
 #include "vessel/inside.h"
 
 #include <optional>

@@ -1,6 +1,6 @@
 #include "solve/momentum.h"
 
-#include "solve/newton.h"
+#include "solve/solver.h"
 
 namespace seldinger {
 
