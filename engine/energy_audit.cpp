@@ -88,8 +88,8 @@ double hand_work(World::Impl& state, int wire)
 
 Vec3 move_of(const Solver& solver, int wire, int node)
 {
-    return {solver.displacement(wire, 4 * node), solver.displacement(wire, 4 * node + 1),
-            solver.displacement(wire, 4 * node + 2)};
+    const auto along = [&](int c) { return solver.displacement(wire, RodDofs::position(node, c)); };
+    return {along(0), along(1), along(2)};
 }
 
 Vec3 move_of(const Solver& solver, int wire, int edge, double bary)
@@ -108,7 +108,7 @@ double load_work(World::Impl& state, int wire)
         const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
         const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
         work +=
-            load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, 4 * load.edge + 3);
+            load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, RodDofs::spin(load.edge));
     }
     for (const auto& spring : state.constraints[wire].springs) {
         const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);
@@ -136,7 +136,7 @@ double unseen_work(World::Impl& state, int wire, double h)
 WireEnergy energy_now(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
-    return {audit.kinetic, audit.elastic + audit.gravitational, state.contact ? state.contact->stored_energy(wire) : 0.0};
+    return {audit.kinetic, audit.elastic + audit.gravitational, state.terms.stored_energy(wire)};
 }
 
 void read_energies(World::Impl& state, int wire)

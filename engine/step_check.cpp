@@ -17,7 +17,7 @@ namespace {
 bool needs_audit(World::Impl& state, int wire, double dt)
 {
     const Detection detection = state.setup.wires[wire].contact.detection;
-    if (!state.contact || detection == Detection::Swept || !state.is_solved(wire)) return false;
+    if (!state.wall || detection == Detection::Swept || !state.is_solved(wire)) return false;
     if (detection != Detection::Capsule) return state.steps % 10 == 0;
     const RodView rod = state.rods.view(wire);
     double fastest = 0;

@@ -46,10 +46,10 @@ ContinuationPath path_of(const World::Impl& state, int system)
     return path;
 }
 
-/// Equilibrium of the wires of the mask at their paths' targets. @param settling  0 or SEL_SETTLE_*
+/// Equilibrium of the wires of the mask at their paths' targets. @param settling  what friction does on the way
 /// @param farthest  [radii] a wire of which a node has moved farther has found none  @return wires that found none; they are
 /// where they were
-WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, uint settling,
+WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, Settling settling,
                  double farthest = INFINITY)
 {
     std::optional<RodArrays> placed;
@@ -61,19 +61,17 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
         for (int i = 0; i < now.n; ++i) most = std::max(most, (now.pos(i) - then.pos(i)).norm());
         return most > farthest * now.radius[0];
     };
-    if (state.contact) {
-        state.contact->set_settling(settling);
-        state.contact->begin_step(state.rods);
-    }
+    state.terms.set_settling(settling);
+    state.terms.begin_step(state.rods);
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = mask[w] && state.is_solved(w);
         const RodView rod = state.rods.view(w);
         state.holds[w].fill(paths[state.system_of[w]].target, rod, state.constraints[w]);
         if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
     }
-    if (state.contact) state.contact->prepare(state.rods, state.live);
+    state.terms.prepare(state.rods, state.live);
     const auto start = Clock::now();
-    state.solver->equilibrium(state.constraints, state.contact.get(), state.active, state.reports);
+    state.solver->equilibrium(state.constraints, state.terms, state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
     WireMask done = mask, failed(mask.size(), 0);
     for (int w = 0; w < state.wire_count(); ++w) failed[w] = state.active[w] && (!state.reports[w].converged || too_far(w));
@@ -83,10 +81,8 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
         done[w] = 0;
         state.restore_wire(w);
     }
-    if (state.contact) {
-        state.contact->commit(done);
-        state.contact->set_settling(0);
-    }
+    state.terms.commit(done);
+    state.terms.set_settling(Settling::Off);
     for (int w = 0; w < state.wire_count(); ++w)
         if (done[w]) {
             state.save_wire(w);
@@ -154,17 +150,17 @@ void note_solves(World::Impl& state, StepReport& report, const WireMask& mask)
 /// The first equilibrium of wires that start settled: all contacts stuck. @return wires that found none
 WireMask balance_stuck(World::Impl& state, const std::vector<ContinuationPath>& paths, const WireMask& mask, StepReport& report)
 {
-    WireMask failed = balance(state, paths, mask, SEL_SETTLE_STUCK, 1);
+    WireMask failed = balance(state, paths, mask, Settling::Stuck, 1);
     note_solves(state, report, mask);
     if (!failed.any()) return failed;
     // Placed off the wall, a wire that springs against it would be held by where it touches first, by slips as long as its
     // way there. It slides to rest instead, and holds from there on.
     WireMask rested = failed;
-    failed = balance(state, paths, failed, SEL_SETTLE_SLIDING);
+    failed = balance(state, paths, failed, Settling::Sliding);
     note_solves(state, report, rested);
     for (std::size_t w = 0; w < failed.size(); ++w) rested[w] = rested[w] && !failed[w];
     if (rested.any()) {
-        (void)balance(state, paths, rested, SEL_SETTLE_STUCK);  // where that fails the wire is at rest all the same
+        (void)balance(state, paths, rested, Settling::Stuck);  // where that fails the wire is at rest all the same
         note_solves(state, report, rested);
     }
     return failed;
@@ -179,7 +175,7 @@ void find_equilibrium(World::Impl& state, StepReport& report)
     for (int s = 0; s < state.system_count(); ++s) paths.push_back(path_of(state, s));
     bool stuck = state.setup.start_settled && state.steps == 0;
     while (going.any()) {
-        const WireMask failed = stuck ? balance_stuck(state, paths, going, report) : balance(state, paths, going, 0);
+        const WireMask failed = stuck ? balance_stuck(state, paths, going, report) : balance(state, paths, going, Settling::Off);
         if (!stuck) note_solves(state, report, going);
         stuck = false;
         for (int s = 0; s < state.system_count(); ++s) {

@@ -31,11 +31,9 @@ void start_acceleration(World::Impl& state)
         state.live[w] = state.active[w] = state.is_solved(w);
         constrain_now(state, w);
     }
-    if (state.contact) {
-        state.contact->begin_step(state.rods);
-        state.contact->prepare(state.rods, state.live);
-    }
-    state.solver->initialise_acceleration(state.constraints, state.contact.get(), state.active);
+    state.terms.begin_step(state.rods);
+    state.terms.prepare(state.rods, state.live);
+    state.solver->initialise_acceleration(state.constraints, state.terms, state.active);
 }
 
 bool audited(const World::Impl& state) { return state.setup.integrator.scheme != Scheme::Static; }
@@ -80,14 +78,14 @@ WireMask everyone(const World::Impl& state)
 void clear_timers(World::Impl& state)
 {
     state.solve_time = state.adapt_time = 0;
-    if (state.contact) state.contact->times = {};
+    state.terms.clear_times();
 }
 
 void collect_timers(World::Impl& state, StepReport& report)
 {
-    if (state.contact) report.times = state.contact->times;
-    // the solver's own share: what it took less what contact took inside it
-    report.times.solve = std::max(0.0, state.solve_time - (state.contact ? state.contact_in_solve : 0.0));
+    report.times = state.terms.times();
+    // the solver's own share: what it took less what force terms took inside it
+    report.times.solve = std::max(0.0, state.solve_time - state.terms_in_solve);
     report.times.adapt = state.adapt_time;
 }
 
@@ -106,7 +104,7 @@ void begin_step(World::Impl& state)
 {
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
     // what touches as placed is not known yet: there energies are counted from the end of the first step
-    for (int w = 0; w < state.wire_count() && state.steps == 0 && !state.contact; ++w) {
+    for (int w = 0; w < state.wire_count() && state.steps == 0 && state.terms.empty(); ++w) {
         if (state.audits[w].known || !state.is_solved(w)) continue;
         constrain_now(state, w);
         begin_audit(state, w, true);
@@ -115,7 +113,7 @@ void begin_step(World::Impl& state)
         prefetch_after(state, w);
         state.save_wire(w);
     });
-    state.contact_in_solve = 0;
+    state.terms_in_solve = 0;
     state.wire_reports.assign(state.wire_count(), WireReport{});
 }
 
@@ -126,25 +124,19 @@ void begin_sub_step(World::Impl& state, const SubStep& sub)
         if (sub.after == SubStep::After::Part) adapt_nodes_of(state, w, sub.h);
         state.save_wire(w);
     }
-    if (state.contact) state.contact->begin_step(state.rods);
+    state.terms.begin_step(state.rods);
 }
 
-void find_contacts(World::Impl& state)
-{
-    if (state.contact) state.contact->prepare(state.rods, state.live);
-}
+void find_contacts(World::Impl& state) { state.terms.prepare(state.rods, state.live); }
 
 void solve(World::Impl& state, const SubStep& sub)
 {
     const auto start = Clock::now();
-    const StageTimes before = state.contact ? state.contact->times : StageTimes{};
+    const double before = state.terms.times().in_all();
     state.solver->set_best_effort(sub.halvings == most_halvings);
-    state.solver->step(sub.h, state.constraints, state.contact.get(), state.active, state.reports);
+    state.solver->step(sub.h, state.constraints, state.terms, state.active, state.reports);
     state.solve_time += std::chrono::duration<double>(Clock::now() - start).count();
-    if (state.contact) {
-        const StageTimes& after = state.contact->times;
-        state.contact_in_solve += after.detect - before.detect + after.evaluate - before.evaluate + after.reduce - before.reduce;
-    }
+    state.terms_in_solve += state.terms.times().in_all() - before;
 }
 
 void accept(World::Impl& state, const SubStep& sub, StepReport& report)
@@ -152,7 +144,7 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report)
     Outcomes outcomes = judge(state, sub, report);
     WireMask done = sub.wires;
     for (int w = 0; w < state.wire_count(); ++w) done[w] = done[w] && !outcomes.failed[w] && !outcomes.ended[w];
-    if (state.contact) state.contact->commit(done);
+    state.terms.commit(done);
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         prefetch_after(state, w);
         if (!done[w]) return;

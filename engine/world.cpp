@@ -122,12 +122,13 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
         holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
         adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
     }
-    solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity);
+    solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity, setup.systems);
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
         wall.emplace(setup.vessel, setup.mesh, setup.centreline);
         contact = make_contact(*context, contact_setup(setup, *wall), rods);
+        terms.add(*contact);
     }
     constraints.resize(count);
     reports.resize(count);

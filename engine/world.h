@@ -14,7 +14,7 @@
 #include "solve/constraints.h"
 #include "solve/feed.h"
 #include "solve/momentum.h"
-#include "solve/newton.h"
+#include "solve/solver.h"
 #include "sub_steps.h"
 #include "vessel/inside.h"
 
@@ -73,6 +73,7 @@ struct World::Impl {
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
     std::optional<WallModel> wall;           // none without a vessel
     std::unique_ptr<ContactMethod> contact;  // none without a vessel
+    ForceTerms terms;                        // what acts on the wires: contact
     std::unique_ptr<Solver> solver;
     // scratch of a step
     std::vector<WireConstraints> constraints;
@@ -91,7 +92,7 @@ struct World::Impl {
     std::vector<MomentumStart> momentum_start;                    // per wire, of the present sub-step
     std::vector<WireResult> results;                              // per wire
     std::vector<ContactRow> rows;                                 // what contacts() last returned
-    double solve_time = 0, adapt_time = 0, contact_in_solve = 0;  // of the present step [s]
+    double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<LumenQuery> lumen;  // made when first needed; see audit_outside
 

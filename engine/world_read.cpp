@@ -45,7 +45,7 @@ void World::Impl::read_results(int wire, double h)
         contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
     }
     const int hub = rod.n - 1;
-    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, 4 * hub + k);
+    for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, RodDofs::position(hub, k));
     const std::vector<RodClamp>& clamps = constraints[wire].clamps;
     result.hand_torque = 0;
     for (std::size_t c = 0; c < clamps.size(); ++c)

@@ -53,7 +53,7 @@ std::vector<std::uint8_t> World::Impl::state_bytes() const
     const std::int64_t taken = steps;
     put_bytes(bytes, &taken, 1);
     for (int w = 0; w < wire_count(); ++w) put_wire(bytes, w);
-    if (contact) contact->save(bytes);
+    terms.save(bytes);
     return bytes;
 }
 
@@ -92,7 +92,7 @@ void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes)
     take_bytes(at, end, &steps, 1);
     s.steps = static_cast<long>(steps);
     for (int w = 0; w < s.wire_count(); ++w) s.take_wire(at, end, w);
-    if (s.contact) s.contact->restore(at, end);
+    s.terms.restore(at, end);
     for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
@@ -128,7 +128,7 @@ std::string World::state_hash(int system) const
     put_bytes(bytes, &steps, 1);
     for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
     for (const int w : s.wires_of(system))
-        if (s.contact) s.contact->save_wire(bytes, w);
+        s.terms.save_wire(bytes, w);
     return hash_of(bytes);
 }
 

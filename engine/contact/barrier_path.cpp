@@ -15,7 +15,7 @@ BarrierPath::BarrierPath(device::Context& context, const SampleSet& samples, int
       result_buffer_(context, samples.models.size() * sizeof(real)),
       result_(samples.models.size()),
       shrink_t0_(samples.models.size(), 0),
-      free_way_(samples.wires.size(), 1)
+      feasible_step_(samples.wires.size(), 1)
 {
 }
 
@@ -67,7 +67,7 @@ void BarrierPath::take(const DeviceNodes& nodes, int from, int to)
 void BarrierPath::sweep(device::Lane at, ContactParams par, const SampleBuffers& b, const SampleSet& samples,
                         std::span<const std::uint32_t> list)
 {
-    std::fill(free_way_.begin(), free_way_.end(), 1.0);
+    std::fill(feasible_step_.begin(), feasible_step_.end(), 1.0);
     if (list.empty()) return;
     base_.upload(context_, at);
     par.item_count = static_cast<uint>(list.size());
@@ -77,7 +77,7 @@ void BarrierPath::sweep(device::Lane at, ContactParams par, const SampleBuffers&
     std::size_t k = 0;
     for (std::size_t w = 0; w < samples.wires.size(); ++w) {
         const std::uint32_t end = samples.wires[w].begin + samples.wires[w].capacity;
-        for (; k < list.size() && list[k] < end; ++k) free_way_[w] = std::min(free_way_[w], double(result_[k]));
+        for (; k < list.size() && list[k] < end; ++k) feasible_step_[w] = std::min(feasible_step_[w], double(result_[k]));
     }
 }
 

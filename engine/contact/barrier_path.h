@@ -23,7 +23,7 @@ public:
     void sweep(device::Lane at, ContactParams par, const SampleBuffers& buffers, const SampleSet& samples,
                std::span<const std::uint32_t> list);
     /// How much of that way is free, 1: all.
-    [[nodiscard]] double free_way(int wire) const { return free_way_[wire]; }
+    [[nodiscard]] double feasible_step(int wire) const { return feasible_step_[wire]; }
     void commit(const SampleSet& samples, std::span<const std::uint8_t> active);
 
     void save(std::vector<std::uint8_t>& bytes) const;
@@ -40,7 +40,7 @@ private:
     device::Buffer result_buffer_;
     std::vector<real> result_;      // [list]
     std::vector<real> shrink_t0_;   // [samples] of the accepted state [m]
-    std::vector<double> free_way_;  // [wires]
+    std::vector<double> feasible_step_;  // [wires]
 };
 
 }  // namespace seldinger

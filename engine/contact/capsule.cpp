@@ -172,7 +172,7 @@ void CapsuleContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live
     find_near({});
     if (multipliers_) multipliers_->begin();
     if (barrier_) start_barrier();
-    times.detect += since(start);
+    times_.detect += since(start);
 }
 
 // Those of samples that are inside: they change with every step.
@@ -223,7 +223,7 @@ bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std:
     if (!multipliers_ || active_.empty()) return false;
     const auto start = Clock::now();
     const bool any = multipliers_->update(lane(active_.size()), params_, sample_buffers(), samples_, solved, again);
-    times.evaluate += since(start);
+    times_.evaluate += since(start);
     return any;
 }
 
@@ -318,7 +318,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
     find_near(active);
     const bool part = pick_some(active);
     const std::size_t samples = part ? some_.size() : active_.size();
-    times.detect += since(start);
+    times_.detect += since(start);
     start = Clock::now();
     const device::Lane at = lane(samples);
     if (samples > 0) {
@@ -334,7 +334,7 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         launch_evaluate(at, samples, params_, part ? some_list_ : active_list_);
         if (at == device::Lane::Light) {  // waiting costs nothing there, and tells the two stages apart; else both are `evaluate`
             context_.finish(at);
-            times.evaluate += since(start);
+            times_.evaluate += since(start);
             start = Clock::now();
         }
         const std::size_t edges = part ? some_first_.size() - 1 : sums_.edge_node.size();
@@ -342,12 +342,12 @@ void CapsuleContact::evaluate(const TrialState& trial, double h, std::span<const
         reduce_.launch(at, edges, static_cast<cl_uint>(edges), part ? some_first_buffer_ : first_buffer_, forces_, barys_, sums);
         read_records(context_, at, sums, part ? last_edges_.data() : sums_.edges.data(), edges, 0, narrow_);
         if (part) spread_sums(active);
-        (at == device::Lane::Light ? times.reduce : times.evaluate) += since(start);
+        (at == device::Lane::Light ? times_.reduce : times_.evaluate) += since(start);
     }
     if (!barrier_) return;
     start = Clock::now();
     barrier_->sweep(at, params_, sample_buffers(), samples_, active_);
-    times.detect += since(start);
+    times_.detect += since(start);
 }
 
 // Samples of an accepted state are at least r - depth_max >= r/2 from the wall, so a move of less than r/2 cannot take

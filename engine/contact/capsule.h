@@ -18,9 +18,9 @@ public:
     void begin_step(RodArrays& rods) override;
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
-    [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && free_way(wire) == 1; }
+    [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && feasible_step(wire) == 1; }
     void take(int wire) override;
-    [[nodiscard]] double free_way(int wire) const override { return barrier_ ? barrier_->free_way(wire) : 1.0; }
+    [[nodiscard]] double feasible_step(int wire) const override { return barrier_ ? barrier_->feasible_step(wire) : 1.0; }
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] double move_limit(int wire) const override;
     [[nodiscard]] bool never_overlaps() const override { return barrier_.has_value(); }

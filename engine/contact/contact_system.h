@@ -12,7 +12,7 @@
 #include "contact/samples.h"
 #include "device/device.h"
 #include "core/stage_times.h"
-#include "solve/newton.h"
+#include "solve/force_term.h"
 #include "vessel/tree.h"
 
 #include <memory>
@@ -41,24 +41,23 @@ struct DeviceNodes {
 
 /// A detection method: what World needs of it beside what the solver needs. However contact is found, the device leaves sums per
 /// edge (edge_sums.h), and what the solver asks is answered from those.
-class ContactMethod : public ContactTerm {
+class ContactMethod : public ForceTerm {
 public:
-    /// Remembers node positions, angles and sample places at the start of the step.
-    virtual void begin_step(RodArrays& rods) = 0;
-    /// Samples on the present node set (after feeding); wires with live[w] == 0 have no contact (still in the guide).
-    virtual void prepare(RodArrays& rods, std::span<const std::uint8_t> live) = 0;
-    /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
-    virtual void commit(std::span<const std::uint8_t> active) = 0;
-    /// Whether the law allows no overlap at all, and so no change of nodes that makes one.
-    [[nodiscard]] virtual bool never_overlaps() const { return false; }
-    /// Whether a wire on its present nodes is clear of the wall; asked of laws that never overlap.
-    [[nodiscard]] virtual bool is_clear(RodArrays&, int /*wire*/) { return true; }
+    /// Node positions, angles and sample places at the start of the step.
+    void begin_step(RodArrays& rods) override = 0;
+    /// Samples on the present node set.
+    void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override = 0;
+    void commit(std::span<const std::uint8_t> active) override = 0;
     void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
                         std::span<const std::uint8_t> active) final;
-    /// @param settling  0 or SEL_SETTLE_*
-    void set_settling(uint settling) { params_.settling = settling; }
+    void set_settling(Settling how) final
+    {
+        params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
+    }
+    [[nodiscard]] StageTimes times() const final { return times_; }
+    void clear_times() final { times_ = {}; }
 
-    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const final
+    void add(int wire, std::span<double> gradient, BandRows* jacobian, bool symmetric) const final
     {
         sums_.add(wire, rods_.node_begin(wire), gradient, jacobian, symmetric);
     }
@@ -69,8 +68,7 @@ public:
         return context_.float32() ? sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire)) : 0;
     }
     [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
-    /// The most energy that the contacts of the last evaluation can give back [J].
-    [[nodiscard]] virtual double stored_energy(int wire) const
+    [[nodiscard]] double stored_energy(int wire) const override
     {
         const ContactTotals t = totals(wire);
         return (t.normal + t.friction) * t.depth;
@@ -84,12 +82,9 @@ public:
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
-    virtual void save(std::vector<std::uint8_t>& bytes) = 0;
-    /// What save() would write in a world of this wire alone.
-    virtual void save_wire(std::vector<std::uint8_t>& bytes, int wire) = 0;
-    virtual void restore(const std::uint8_t*& bytes, const std::uint8_t* end) = 0;
-
-    StageTimes times;  // of detect, evaluate and reduce since it was last cleared [s]
+    void save(std::vector<std::uint8_t>& bytes) override = 0;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override = 0;
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override = 0;
 
 protected:
     ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);
@@ -106,6 +101,7 @@ protected:
     std::optional<DeviceNodes> nodes_known_;  // see evaluate_start; schemes that start from known velocities only
     ContactParams params_{};
     EdgeSums sums_;
+    StageTimes times_;  // of detect, evaluate and reduce
 };
 
 /// @param setup  what it refers to must outlive the result

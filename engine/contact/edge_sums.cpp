@@ -40,13 +40,14 @@ double EdgeSums::rounding(int wire, int begin, const RodView& rod) const
     return 4 * 0x1p-24 * most;  // difference, product, sum and root of a distance; another edge at the node
 }
 
-void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const
+void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const
 {
     static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
         const EdgeForce& f = edges[e];
         if (f.contacts == 0) continue;
-        const int a = 4 * (static_cast<int>(edge_node[e]) - begin), t = a + 3, b = a + 4;
+        const int node = static_cast<int>(edge_node[e]) - begin;
+        const int a = RodDofs::position(node), t = RodDofs::spin(node), b = RodDofs::position(node + 1);
         for (int i = 0; i < 3; ++i) {
             gradient[a + i] -= f.force_a[i];
             gradient[b + i] -= f.force_b[i];

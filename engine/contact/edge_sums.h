@@ -28,11 +28,11 @@ struct EdgeSums {
     [[nodiscard]] bool admissible(int wire) const;
     [[nodiscard]] bool unsymmetric(int wire) const;
     [[nodiscard]] double largest_force(int wire) const;
-    /// Of forces computed in float, see ContactTerm::rounding: a gap is made of vectors as long as the edge and the wire is
+    /// Of forces computed in float, see ForceTerm::rounding: a gap is made of vectors as long as the edge and the wire is
     /// thick, each rounded to 2^-24 of it, and moves the force by the contact's stiffness times that.
     [[nodiscard]] double rounding(int wire, int begin, const RodView& rod) const;
-    /// @param begin  first node of the wire in the concatenated arrays; see ContactTerm::add
-    void add(int wire, int begin, std::span<double> gradient, BandMatrix* jacobian, bool symmetric) const;
+    /// @param begin  first node of the wire in the concatenated arrays; see ForceTerm::add
+    void add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const;
     void add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const;
     /// @param radius  of the wire [m]
     [[nodiscard]] ContactTotals totals(int wire, double radius) const;

@@ -135,7 +135,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.read(light, candidates_, candidates_host_.data(), candidates_host_.size() * sizeof(std::uint32_t));
     }
     list_pairs();
-    times.detect += since(start);
+    times_.detect += since(start);
 }
 
 // Pairs ordered by wire, edge and triangle, each with its record of the last step where it had one.
@@ -199,7 +199,7 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }
-    times.evaluate += since(start);
+    times_.evaluate += since(start);
 }
 
 double LayerContact::move_limit(int) const { return std::numeric_limits<double>::infinity(); }

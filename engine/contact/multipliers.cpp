@@ -41,8 +41,8 @@ bool Multipliers::update(device::Lane at, ContactParams par, const SampleBuffers
     for (std::size_t w = 0; w < samples.wires.size(); ++w) {
         const WireSamples& wire = samples.wires[w];
         const auto first = ratios_.begin() + wire.begin;
-        again[w] = solved[w] && wire.live > 0 && *std::max_element(first, first + wire.live) > 1;
-        if (!again[w]) continue;
+        if (!(solved[w] && wire.live > 0 && *std::max_element(first, first + wire.live) > 1)) continue;
+        again[w] = 1;
         any = true;
         // the other wires keep what they were solved with: what one does has no say in what they do
         const std::size_t record = 2 * sizeof(HardState);

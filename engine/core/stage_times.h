@@ -6,6 +6,7 @@ namespace seldinger {
 /// Of one step, all systems together [s].
 struct StageTimes {
     double detect = 0, evaluate = 0, reduce = 0, solve = 0, adapt = 0;
+    [[nodiscard]] double in_all() const { return detect + evaluate + reduce + solve + adapt; }
     StageTimes& operator+=(const StageTimes& other)
     {
         detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;

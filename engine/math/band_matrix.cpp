@@ -1,3 +1,5 @@
+// Factors of the band matrix, node by node.
+
 #include "math/band_matrix.h"
 
 #include <algorithm>
@@ -58,7 +60,7 @@ void BandMatrix::reset(int size)
     std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
 }
 
-void BandMatrix::fix(int i)
+void BandRows::fix(int i)
 {
     std::fill_n(row(i), row_width, 0.0);
     const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
@@ -66,18 +68,19 @@ void BandMatrix::fix(int i)
     row(i)[half_bandwidth] = 1.0;
 }
 
-void BandMatrix::scale(double factor)
+void BandRows::scale(double factor)
 {
     for (int k = 0; k < size_ * stride; ++k) rows_[k] *= factor;
 }
 
-void BandMatrix::add_scaled(const BandMatrix& other, double factor)
+void BandRows::add_scaled(const BandRows& other, double factor)
 {
-    SEL_ASSERT(other.size_ == size_);
-    for (int k = 0; k < size_ * stride; ++k) rows_[k] += factor * other.rows_[k];
+    SEL_ASSERT(other.size() == size_);
+    const double* entries = other.row(0);
+    for (int k = 0; k < size_ * stride; ++k) rows_[k] += factor * entries[k];
 }
 
-void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
+void BandRows::multiply(std::span<const double> x, std::span<double> y) const
 {
     for (int i = 0; i < size_; ++i) {
         const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
@@ -87,7 +90,7 @@ void BandMatrix::multiply(std::span<const double> x, std::span<double> y) const
     }
 }
 
-void BandMatrix::add_column(int j, double x_j, std::span<double> y) const
+void BandRows::add_column(int j, double x_j, std::span<double> y) const
 {
     const int first = std::max(0, j - half_bandwidth), last = std::min(size_ - 1, j + half_bandwidth);
     for (int i = first; i <= last; ++i) y[i] += at(i, j) * x_j;

@@ -1,11 +1,11 @@
 #pragma once
-// Banded Newton matrix of one wire: unknowns node by node (x, y, z, theta), half bandwidth 10, 4 unknowns a node.
+// Banded Newton matrix of a system of rods: unknowns node by node (x, y, z, theta; math/dof_map.h), half bandwidth 10.
 // Factorised in O(n) by 4x4 blocks, in place of a general sparse solver; nothing is allocated after construction.
 //
 // The pattern is that of D1-D3 and of contact: the unknowns of nodes a and b couple only when |a - b| <= 2, and then only
 // within the half bandwidth (x_a never meets theta_{a+2}, 11 apart).
 
-#include "core/check.h"
+#include "math/dof_map.h"
 
 #include <cstdlib>
 #include <span>
@@ -13,13 +13,47 @@
 
 namespace seldinger {
 
-class BandMatrix {
+/// Entries of a banded matrix row by row, or of a part of it: one instrument's in the matrix of its system. Does not own them.
+class BandRows {
 public:
-    static constexpr int half_bandwidth = 10;
+    static constexpr int half_bandwidth = RodDofs::half_bandwidth;
     static constexpr int row_width = 2 * half_bandwidth + 1;
-    static constexpr int stride = 24;    // doubles per row, a multiple of the SIMD width; those past row_width stay zero
-    static constexpr int node_size = 4;  // unknowns of a node, the block of the factorisation
+    static constexpr int stride = 24;                     // doubles per row, a multiple of the SIMD width; those past row_width stay zero
+    static constexpr int node_size = RodDofs::per_node;  // unknowns of a node, the block of the factorisation
 
+    [[nodiscard]] int size() const { return size_; }
+    /// A(i, j) += value; |i - j| <= half_bandwidth, nodes at most two apart. Assembly fills both halves, also when symmetric.
+    void add(int i, int j, double value)
+    {
+        SEL_VALIDATE(std::abs(i - j) <= half_bandwidth && std::abs(RodDofs::node(i) - RodDofs::node(j)) <= RodDofs::reach);
+        rows_[i * stride + (j - i) + half_bandwidth] += value;
+    }
+    [[nodiscard]] double at(int i, int j) const { return rows_[i * stride + (j - i) + half_bandwidth]; }
+    /// Row i, entry for column i at offset half_bandwidth.
+    [[nodiscard]] double* row(int i) { return rows_ + i * stride; }
+    [[nodiscard]] const double* row(int i) const { return rows_ + i * stride; }
+    /// Rows and columns first, first + 1, ..., first + size - 1.
+    [[nodiscard]] BandRows part(int first, int size) const { return {rows_ + first * stride, size}; }
+
+    /// Makes unknown i prescribed: row and column zero, unit diagonal.
+    void fix(int i);
+    void scale(double factor);
+    /// A += factor * other, of the same size.
+    void add_scaled(const BandRows& other, double factor);
+    /// y = A x
+    void multiply(std::span<const double> x, std::span<double> y) const;
+    /// y += x_j times column j
+    void add_column(int j, double x_j, std::span<double> y) const;
+
+protected:
+    BandRows() = default;
+    BandRows(double* rows, int size) : rows_(rows), size_(size) {}
+    double* rows_ = nullptr;
+    int size_ = 0;
+};
+
+/// The matrix with its memory and its factors.
+class BandMatrix : public BandRows {
 private:
     // Factors of one node's rows: columns of this node and of the next two, and (LU) the multipliers of the next two nodes'
     // rows, transposed. In the LU upper[p][0..p-1] holds the multipliers inside the block.
@@ -49,28 +83,6 @@ public:
     /// Whether every node's fourth unknown takes part in factors and solutions (default). If not it is 0 in any solution, and
     /// what the matrix and the right side have there is of no account: three quarters of the pivots, and of the work at each.
     void set_fourth(bool takes_part) { fourth_ = takes_part; }
-    [[nodiscard]] int size() const { return size_; }
-
-    /// A(i, j) += value; |i - j| <= half_bandwidth, nodes at most two apart. Assembly fills both halves, also when symmetric.
-    void add(int i, int j, double value)
-    {
-        SEL_VALIDATE(std::abs(i - j) <= half_bandwidth && std::abs(i / node_size - j / node_size) <= 2);
-        rows_[i * stride + (j - i) + half_bandwidth] += value;
-    }
-    [[nodiscard]] double at(int i, int j) const { return rows_[i * stride + (j - i) + half_bandwidth]; }
-    /// Row i, entry for column i at offset half_bandwidth.
-    [[nodiscard]] double* row(int i) { return rows_ + i * stride; }
-    [[nodiscard]] const double* row(int i) const { return rows_ + i * stride; }
-
-    /// Makes unknown i prescribed: row and column zero, unit diagonal.
-    void fix(int i);
-    void scale(double factor);
-    /// A += factor * other, of the same size.
-    void add_scaled(const BandMatrix& other, double factor);
-    /// y = A x
-    void multiply(std::span<const double> x, std::span<double> y) const;
-    /// y += x_j times column j
-    void add_column(int j, double x_j, std::span<double> y) const;
 
     /// LDL^T of the symmetric matrix (reads the upper half), into its own storage: the matrix stays as assembled. A pivot
     /// that no positive definite matrix could have (below pivot_floor times its diagonal a_kk, or below c_kj^2 / a_jj for
@@ -105,10 +117,9 @@ private:
     void load_lower();
     [[nodiscard]] double row_scale(int i) const;  // largest magnitude in row i; 1 when all are zero
 
-    int size_ = 0, negative_pivots_ = 0;
+    int negative_pivots_ = 0;
     bool fourth_ = true;
     Storage own_;
-    double* rows_ = nullptr;
     NodeFactor* factor_ = nullptr;
     std::vector<double> scratch_;
 };

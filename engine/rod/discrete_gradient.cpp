@@ -181,9 +181,9 @@ void add_vector(double* to, const Vec3& v)
 /// dE/d(edge vector) and dE/d(angle) of edge j into the nodes' gradient.
 void add_edge(std::span<double> gradient, int j, const Vec3& force, double torque)
 {
-    add_vector(&gradient[4 * j], -force);
-    add_vector(&gradient[4 * (j + 1)], force);
-    gradient[4 * j + 3] += torque;
+    add_vector(&gradient[RodDofs::position(j)], -force);
+    add_vector(&gradient[RodDofs::position(j + 1)], force);
+    gradient[RodDofs::spin(j)] += torque;
 }
 
 }  // namespace
@@ -191,7 +191,7 @@ void add_edge(std::span<double> gradient, int j, const Vec3& force, double torqu
 void add_discrete_gradient(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& before, const RodFrames& after,
                            std::span<const double> turned, std::span<double> gradient, double base_grown)
 {
-    SEL_ASSERT(static_cast<int>(gradient.size()) >= 4 * rod.n && static_cast<int>(turned.size()) >= rod.n - 1);
+    SEL_ASSERT(static_cast<int>(gradient.size()) >= RodDofs::count(rod.n) && static_cast<int>(turned.size()) >= rod.n - 1);
     const double q = curvature_q(rod.curvature);
     Side e;
     for (int j = 0; j < rod.n - 1; ++j) {

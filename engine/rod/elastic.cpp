@@ -65,6 +65,8 @@ PairTerms clamp_terms(const RodView& rod, std::span<const RodClamp> clamps, cons
     return terms;
 }
 
+constexpr int dofs = RodDofs::per_node, spin = RodDofs::spin_place;
+
 /// Stencils of nodes side by side: the lanes of PairTerms.
 struct StencilForces {
     Lanes3 ge, gf;
@@ -281,7 +283,7 @@ struct Walk {
             const Lanes pull = tension(at);
             const Lanes3 t = load_lanes3(frames.tangent, at);
             const LaneMask edges = first_lanes(rod.n - 1 - at);
-            double out[4][lane_count];
+            double out[RodDofs::coordinates][lane_count];
             for (int c = 0; c < 3; ++c) {
                 const Lanes stretch = edges ? pull * t[c] : Lanes{};
                 const Lanes force = (stretch + shifted(last.gf[c], next.gf[c])) + next.ge[c];
@@ -290,9 +292,9 @@ struct Walk {
             }
             const Lanes gb = shifted(last.gb, next.gb);
             for (int l = 0; l < lane_count && at + l < rod.n; ++l) {
-                double* g = &gradient[4 * (at + l)];
+                double* g = &gradient[RodDofs::position(at + l)];
                 for (int c = 0; c < 3; ++c) g[c] += out[c][l];
-                g[3] = (g[3] + gb[l]) + next.ga[l];
+                g[spin] = (g[spin] + gb[l]) + next.ga[l];
             }
             last = next;
         }
@@ -331,13 +333,13 @@ struct Walk {
             }
     }
 
-    void add_hessian(BandMatrix& band) const
+    void add_hessian(BandRows& band) const
     {
         StencilBlocks last = blocks(-(lane_count - 1));
         Lanes last_xx[9] = {};  // A of the edge before
         for (int at = 0; at < rod.n; at += lane_count) {
             const StencilBlocks next = blocks(at + 1);
-            Lanes rows[4][12];  // of nodes at, at + 1, ...: columns of this node and of the next two
+            Lanes rows[dofs][3 * dofs];  // of nodes at, at + 1, ...: columns of this node and of the next two
             Lanes xx[9];        // A of their edges
             stretch_blocks(at, xx);
             for (int k = 0; k < 9; ++k) xx[k] = (xx[k] + shifted(last.ff[k], next.ff[k])) + next.ee[k];
@@ -347,19 +349,19 @@ struct Walk {
                     const Lanes before = shifted(last.ef[k], next.ef[k]),
                                 before_turned = shifted(last.ef[turned], next.ef[turned]);
                     rows[c][d] = ((shifted(last_xx[k], xx[k]) + xx[k]) - before) - before_turned;
-                    rows[c][4 + d] = (before + next.ef[k]) - xx[k];
-                    rows[c][8 + d] = -next.ef[k];
+                    rows[c][dofs + d] = (before + next.ef[k]) - xx[k];
+                    rows[c][2 * dofs + d] = -next.ef[k];
                 }
                 const Lanes xt = shifted(last.fb[c], next.fb[c]) + next.ea[c];
-                rows[c][3] = rows[3][c] = shifted(last.eb[c], next.eb[c]) - xt;
-                rows[c][7] = -next.eb[c];
-                rows[3][4 + c] = xt - next.fa[c];
-                rows[3][8 + c] = next.fa[c];
-                rows[c][11] = Lanes{};
+                rows[c][spin] = rows[spin][c] = shifted(last.eb[c], next.eb[c]) - xt;
+                rows[c][dofs + spin] = -next.eb[c];
+                rows[spin][dofs + c] = xt - next.fa[c];
+                rows[spin][2 * dofs + c] = next.fa[c];
+                rows[c][2 * dofs + spin] = Lanes{};
             }
-            rows[3][3] = shifted(last.bb, next.bb) + next.aa;
-            rows[3][7] = next.ab;
-            rows[3][11] = Lanes{};
+            rows[spin][spin] = shifted(last.bb, next.bb) + next.aa;
+            rows[spin][dofs + spin] = next.ab;
+            rows[spin][2 * dofs + spin] = Lanes{};
             for (int l = 0; l < lane_count && at + l < rod.n; ++l) {
                 const int after = rod.n - 1 - (at + l);
                 if (after >= 2) write_node<2>(band, at + l, l, rows);
@@ -373,17 +375,17 @@ struct Walk {
 
     /// Rows of the band that belong to node i, and their mirror images below the diagonal. `after`: nodes that follow, 2 at most.
     template <int after>
-    static void write_node(BandMatrix& band, int i, int l, const Lanes (&rows)[4][12])
+    static void write_node(BandRows& band, int i, int l, const Lanes (&rows)[dofs][3 * dofs])
     {
-        constexpr int centre = BandMatrix::half_bandwidth;
-        for (int p = 0; p < 4; ++p) {
-            double* row = band.row(4 * i + p) + centre - p;
-            for (int q = 0; q < 4 + 4 * after; ++q) row[q] += rows[p][q][l];
+        constexpr int centre = BandRows::half_bandwidth;
+        for (int p = 0; p < dofs; ++p) {
+            double* row = band.row(RodDofs::position(i, p)) + centre - p;
+            for (int q = 0; q < dofs * (1 + after); ++q) row[q] += rows[p][q][l];
         }
         for (int b = 1; b <= after; ++b)
-            for (int d = 0; d < (b == 1 ? 4 : 3); ++d) {
-                double* row = band.row(4 * (i + b) + d) + centre - d - 4 * b;
-                for (int c = 0; c < 4; ++c) row[c] += rows[c][4 * b + d][l];
+            for (int d = 0; d < (b == 1 ? dofs : RodDofs::coordinates); ++d) {
+                double* row = band.row(RodDofs::position(i + b, d)) + centre - d - dofs * b;
+                for (int c = 0; c < dofs; ++c) row[c] += rows[c][dofs * b + d][l];
             }
     }
 };
@@ -425,12 +427,12 @@ double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, cons
 }
 
 void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
-                 BandMatrix* hessian, HessianMode mode)
+                 BandRows* hessian, HessianMode mode)
 {
-    SEL_ASSERT(gradient.empty() || static_cast<int>(gradient.size()) >= 4 * rod.n);
+    SEL_ASSERT(gradient.empty() || static_cast<int>(gradient.size()) >= RodDofs::count(rod.n));
     SEL_VALIDATE(!frames.spins || frames.material || straight_by_nature(rod));
     if (!hessian) mode = HessianMode::None;
-    SEL_ASSERT(mode == HessianMode::None || hessian->size() == 4 * rod.n);
+    SEL_ASSERT(mode == HessianMode::None || hessian->size() == RodDofs::count(rod.n));
     const Walk walk{rod, clamps, frames, mode};
     if (!gradient.empty()) walk.add_gradient(gradient);
     if (mode != HessianMode::None) walk.add_hessian(*hessian);

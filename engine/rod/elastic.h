@@ -87,7 +87,7 @@ enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite pe
 /// Elastic energy [J] at the configuration of `frames`.
 [[nodiscard]] double elastic_energy(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames);
 
-/// Adds +dE/dq to `gradient` [4n] (x, y, z, theta per node; theta of the last node unused; left out when empty) and d2E/dq2 to
+/// Adds +dE/dq to `gradient` (laid out as RodDofs says; left out when empty) and d2E/dq2 to
 /// `hessian` (may be null). O(n), no allocation.
 ///
 /// dE/dx is the force for a change of shape in which no material frame spins about its own tangent. At the accepted state
@@ -101,7 +101,7 @@ enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite pe
 /// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
 /// `Safe`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
 void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
-                 BandMatrix* hessian, HessianMode mode);
+                 BandRows* hessian, HessianMode mode);
 
 /// Makes the trial configuration the accepted one: positions, theta, tangents, directors, reference twist.
 void accept_frames(const RodView& rod, const RodTrial& trial, const RodFrames& frames);

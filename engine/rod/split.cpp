@@ -281,10 +281,11 @@ void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, 
         (void)split_rest(rod, a, fraction, old, spec, false);
         const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
         if (!update_frames(rod, now, scratch.clamps, scratch.frames)) return;
-        const std::span<double> gradient = std::span(scratch.gradient).first(4 * static_cast<std::size_t>(rod.n));
+        const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(RodDofs::count(rod.n)));
         std::fill(gradient.begin(), gradient.end(), 0.0);
         add_elastic(rod, scratch.clamps, scratch.frames, gradient, nullptr, HessianMode::None);
-        Vec3 pull(gradient[4 * m], gradient[4 * m + 1], gradient[4 * m + 2]);
+        const auto at = [&](int c) { return gradient[RodDofs::position(m, c)]; };
+        Vec3 pull(at(0), at(1), at(2));
         const Vec3 t = scratch.frames.tangent[m];
         pull -= pull.dot(t) * t;
         const double inner = rod.rest_length[a], base = rod.rest_length[m], both = 1 / inner + 1 / base;

@@ -46,7 +46,7 @@ struct SplitScratch {
     {
         if (frames.capacity >= capacity) return;
         frames = RodFrames(capacity);
-        gradient.resize(4 * static_cast<std::size_t>(capacity));
+        gradient.resize(static_cast<std::size_t>(RodDofs::count(capacity)));
         clamps.reserve(4);
     }
 };

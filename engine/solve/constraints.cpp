@@ -196,7 +196,7 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
         const int at_node = node(static_cast<int>(k), rod);
         if (hold.spec.position) {
             const Vec3 position = hold.position + displacement(hold.spec, t);
-            for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(4 * at_node + c, position[c]);
+            for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
         }
         if (hold.spec.direction || hold.spec.spin) {
             const double turned = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion

@@ -4,8 +4,8 @@
 // What a hold keeps (position, tangent, director) is taken once, from the wire as it is placed at t = 0. Afterwards points
 // are found by their material distance from the tip, never by node index, so that nodes may come and go.
 
-#include "solve/newton.h"
 #include "solve/solve_spec.h"
+#include "solve/wire_constraints.h"
 
 #include <span>
 #include <vector>

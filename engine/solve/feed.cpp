@@ -163,7 +163,7 @@ double HubPath::travel(double from, double until, int sign) const
 void add_feed_constraints(const FeedState& state, const RodView& rod, WireConstraints& out)
 {
     const int hub = rod.n - 1;
-    for (int k = 0; k < 3; ++k) out.prescribed.emplace_back(4 * hub + k, state.point[k]);
+    for (int k = 0; k < 3; ++k) out.prescribed.emplace_back(RodDofs::position(hub, k), state.point[k]);
     out.hub_flow = state.speed * state.direction;
     out.base_grown = state.grown;
     RodClamp clamp;

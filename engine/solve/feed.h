@@ -20,8 +20,8 @@
 
 #include "rod/elastic.h"
 #include "rod/split.h"
-#include "solve/newton.h"
 #include "solve/solve_spec.h"
+#include "solve/wire_constraints.h"
 
 namespace seldinger {
 

@@ -1,6 +1,6 @@
 #include "solve/momentum.h"
 
-#include "solve/newton.h"
+#include "solve/solver.h"
 
 namespace seldinger {
 
@@ -30,7 +30,7 @@ MomentumBalance momentum_balance(const RodView& rod, const WireConstraints& cons
 {
     MomentumBalance balance;
     for (const auto& [unknown, value] : constraints.prescribed)
-        if (unknown % 4 < 3) balance.held[unknown % 4] += solver.reaction(wire, unknown);
+        if (!RodDofs::is_spin(unknown)) balance.held[RodDofs::place(unknown)] += solver.reaction(wire, unknown);
     for (int i = 0; i < rod.n; ++i) {
         balance.weight += rod.mass[i] * gravity;
         balance.contact += contact_force[i];

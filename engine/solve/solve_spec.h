@@ -12,7 +12,7 @@ namespace seldinger {
 
 enum class Scheme { Newton, Linearised, Static, Explicit };
 
-/// Auto: spin angles are left out of steps whose equations hold without them (solve/newton.h).
+/// Auto: spin angles are left out of steps whose equations hold without them (solve/spins.cpp).
 enum class Spins { Auto, Kept };
 
 struct IntegratorSpec {
@@ -21,7 +21,7 @@ struct IntegratorSpec {
     double beta = 0.25, gamma = 0.5;
     bool conserve = false;  // energy-momentum steps (rod/discrete_gradient.h); not with newmark
     Spins spins = Spins::Auto;
-    double tolerance = 1e-6;       // force residual relative to the scene's own force scale [-] (see solve/newton.h)
+    double tolerance = 1e-6;       // force residual relative to the scene's own force scale [-] (see solve/wire_scales.cpp)
     double damping_mass = 0;       // [1/s]
     double damping_stiffness = 0;  // [s]
 };

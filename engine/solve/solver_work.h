@@ -1,15 +1,15 @@
 #pragma once
-// What the solver keeps per wire; private to solve/.
+// What the solver keeps per system, and the loop over systems; private to solve/.
 
 #include "core/parallel.h"
-#include "solve/newton.h"
-#include "solve/newton_wire.h"
+#include "solve/newton_system.h"
+#include "solve/solver.h"
 
 namespace seldinger {
 
 struct Solver::Work {
-    Work(int capacity, const IntegratorSpec& spec) : newton(capacity, spec) {}
-    NewtonWire newton;
+    Work(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec) : newton(first_wire, capacities, spec) {}
+    NewtonSystem newton;
 };
 
 /// Scratch of the threads.
@@ -19,11 +19,11 @@ struct Solver::Workspaces {
     void provide()
     {
         while (static_cast<int>(of_thread.size()) < thread_slot_count())
-            of_thread.push_back(std::make_unique<WireProblem::Workspace>(capacity));
+            of_thread.push_back(std::make_unique<SystemProblem::Workspace>(capacity));
     }
-    [[nodiscard]] WireProblem::Workspace& here() { return *of_thread[thread_slot()]; }
-    int capacity;  // nodes of the longest wire
-    std::vector<std::unique_ptr<WireProblem::Workspace>> of_thread;
+    [[nodiscard]] SystemProblem::Workspace& here() { return *of_thread[thread_slot()]; }
+    int capacity;  // nodes of the largest system
+    std::vector<std::unique_ptr<SystemProblem::Workspace>> of_thread;
 };
 
 }  // namespace seldinger

@@ -26,7 +26,7 @@ struct OwnedTrial {
     }
     [[nodiscard]] RodTrial view() const { return {x, y, z, theta}; }
     /// Unknown 4 i + c.
-    double& operator[](int q) { return (q % 4 == 0 ? x : q % 4 == 1 ? y : q % 4 == 2 ? z : theta)[q / 4]; }
+    double& operator[](int q) { return (q % RodDofs::per_node == 0 ? x : q % RodDofs::per_node == 1 ? y : RodDofs::is_spin(q) ? theta : z)[RodDofs::node(q)]; }
 };
 
 struct OneWire {
@@ -37,7 +37,7 @@ struct OneWire {
     BandMatrix band;
 
     explicit OneWire(int n, int capacity = 0)
-        : arrays(std::vector<int>{std::max(n, capacity)}), frames(std::max(n, capacity)), band(4 * std::max(n, capacity))
+        : arrays(std::vector<int>{std::max(n, capacity)}), frames(std::max(n, capacity)), band(RodDofs::count(std::max(n, capacity)))
     {
         arrays.set_node_count(0, n);
         rod = arrays.view(0);
@@ -65,13 +65,13 @@ struct OneWire {
 
     [[nodiscard]] Eigen::VectorXd gradient()
     {
-        Eigen::VectorXd g = Eigen::VectorXd::Zero(4 * rod.n);
+        Eigen::VectorXd g = Eigen::VectorXd::Zero(RodDofs::count(rod.n));
         add_elastic(rod, clamps, frames, {g.data(), static_cast<std::size_t>(g.size())}, nullptr, HessianMode::None);
         return g;
     }
     [[nodiscard]] Eigen::MatrixXd hessian(HessianMode mode)
     {
-        const int size = 4 * rod.n;
+        const int size = RodDofs::count(rod.n);
         Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
         band.reset(size);
         add_elastic(rod, clamps, frames, {g.data(), static_cast<std::size_t>(size)}, &band, mode);
@@ -87,7 +87,7 @@ struct OneWire {
 inline int equilibrate(OneWire& wire, const Eigen::VectorXd& load, const std::vector<int>& fixed, HessianMode mode,
                        double tolerance, int most = 200, double largest_move = 1e300)
 {
-    const int size = 4 * wire.rod.n;
+    const int size = RodDofs::count(wire.rod.n);
     std::vector<int> held = fixed;
     held.push_back(size - 1);  // the last node has no angle
     for (int iteration = 0; iteration < most; ++iteration) {

@@ -99,7 +99,7 @@ void check_gradient(OneWire& wire, double step)
     REQUIRE(wire.update());
     const Eigen::VectorXd g = wire.gradient();
     const double scale = std::max({1.0, wire.energy(), g.lpNorm<Eigen::Infinity>()});
-    for (int q = 0; q < 4 * wire.rod.n - 1; ++q) {
+    for (int q = 0; q < RodDofs::count(wire.rod.n) - 1; ++q) {
         const double numeric = central(
             [&](double h) {
                 OwnedTrial trial(wire.rod);
@@ -117,7 +117,7 @@ void check_hessian(OneWire& wire, double step)
 {
     REQUIRE(wire.update());
     const Eigen::MatrixXd exact = wire.hessian(HessianMode::Exact);
-    const int size = 4 * wire.rod.n - 1;
+    const int size = RodDofs::count(wire.rod.n) - 1;
     Eigen::MatrixXd numeric = Eigen::MatrixXd::Zero(size + 1, size + 1);
     for (int q = 0; q < size; ++q)
         numeric.col(q) = central(
@@ -140,7 +140,7 @@ void check_hessian_from_energy(OneWire& wire, double step)
     REQUIRE(wire.update());
     const Eigen::MatrixXd exact = wire.hessian(HessianMode::Exact);
     const double scale = std::max({1.0, exact.lpNorm<Eigen::Infinity>(), wire.energy()});
-    const int size = 4 * wire.rod.n - 1;
+    const int size = RodDofs::count(wire.rod.n) - 1;
     int compared = 0;
     for (int a = 0; a < size; ++a)
         for (int b = a; b <= std::min(a + 10, size - 1); ++b) {
@@ -162,7 +162,7 @@ void check_hessian_from_energy(OneWire& wire, double step)
             CHECK(std::abs(numeric - exact(a, b)) < 1e-6 * scale);
             ++compared;
         }
-    REQUIRE(compared > 4 * wire.rod.n);
+    REQUIRE(compared > RodDofs::count(wire.rod.n));
 }
 
 void check_safe(OneWire& wire)
@@ -235,7 +235,7 @@ TEST_SUITE("rod/elastic")
         OwnedTrial away(wire.rod);
         std::mt19937 rng(5);
         std::uniform_real_distribution<double> move(-0.3, 0.3);
-        for (int q = 0; q < 4 * wire.rod.n - 1; ++q) away[q] += move(rng);
+        for (int q = 0; q < RodDofs::count(wire.rod.n) - 1; ++q) away[q] += move(rng);
 
         REQUIRE(wire.update(away));
         Eigen::VectorXd g = wire.gradient();
@@ -243,13 +243,13 @@ TEST_SUITE("rod/elastic")
         double largest = 0;
         for (int j = 0; j < wire.rod.n - 1; ++j) {
             const Vec3 t0 = wire.rod.tangent(j), t = wire.frames.tangent[j];
-            const Vec3 spin = t.cross(t0) / (one_plus_cos(t0, t) * wire.frames.edge_length[j]) * g[4 * j + 3];
-            g.segment<3>(4 * j) -= spin;
-            g.segment<3>(4 * (j + 1)) += spin;
+            const Vec3 spin = t.cross(t0) / (one_plus_cos(t0, t) * wire.frames.edge_length[j]) * g[RodDofs::spin(j)];
+            g.segment<3>(RodDofs::position(j)) -= spin;
+            g.segment<3>(RodDofs::position(j + 1)) += spin;
             largest = std::max(largest, spin.norm());
         }
         REQUIRE(largest > 1e-2 * scale);  // the term is there to be seen
-        for (int q = 0; q < 4 * wire.rod.n - 1; ++q) {
+        for (int q = 0; q < RodDofs::count(wire.rod.n) - 1; ++q) {
             const double numeric = central(
                 [&](double h) {
                     OwnedTrial trial = away;
@@ -290,9 +290,9 @@ TEST_SUITE("rod/elastic")
             const Eigen::VectorXd g = wire.gradient();
             Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
             for (int i = 0; i < wire.rod.n; ++i) {
-                force += g.segment<3>(4 * i);
-                moment += wire.rod.pos(i).cross(g.segment<3>(4 * i));
-                if (i < wire.rod.n - 1) moment += g[4 * i + 3] * wire.rod.tangent(i);
+                force += g.segment<3>(RodDofs::position(i));
+                moment += wire.rod.pos(i).cross(g.segment<3>(RodDofs::position(i)));
+                if (i < wire.rod.n - 1) moment += g[RodDofs::spin(i)] * wire.rod.tangent(i);
             }
             const double scale = 1 + g.norm() * 8;  // the wire is 8 long
             CHECK(force.norm() < 1e-13 * scale);

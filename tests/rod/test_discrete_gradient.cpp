@@ -84,7 +84,7 @@ struct Step {
     Eigen::VectorXd change, force;  // q1 - q0, G
     double energy = 0;              // E(q1) - E(q0)
 
-    Step(OneWire& wire, double size, unsigned seed) : before(wire.rod.n), change(4 * wire.rod.n), force(4 * wire.rod.n)
+    Step(OneWire& wire, double size, unsigned seed) : before(wire.rod.n), change(RodDofs::count(wire.rod.n)), force(RodDofs::count(wire.rod.n))
     {
         const int n = wire.rod.n;
         std::mt19937 rng(seed);
@@ -93,16 +93,16 @@ struct Step {
         before = wire.frames;
         const double start = wire.energy();
         OwnedTrial trial(wire.rod);
-        for (int q = 0; q < 4 * n; ++q) {
-            change[q] = q < 4 * n - 1 ? move(rng) : 0;
-            if (q < 4 * n - 1) trial[q] += change[q];
+        for (int q = 0; q < RodDofs::count(n); ++q) {
+            change[q] = q < RodDofs::count(n) - 1 ? move(rng) : 0;
+            if (q < RodDofs::count(n) - 1) trial[q] += change[q];
         }
         REQUIRE(wire.update(trial));
         energy = wire.energy() - start;
-        for (int j = 0; j < n; ++j) turned.push_back(change[4 * j + 3]);
+        for (int j = 0; j < n; ++j) turned.push_back(change[RodDofs::spin(j)]);
         force.setZero();
         add_discrete_gradient(wire.rod, wire.clamps, before, wire.frames, turned,
-                              {force.data(), static_cast<std::size_t>(4 * n)});
+                              {force.data(), static_cast<std::size_t>(RodDofs::count(n))});
     }
 };
 
@@ -141,7 +141,7 @@ TEST_SUITE("rod/discrete_gradient")
                 wire.clamps = {random_clamp(wire, 6, true, true, 1), random_clamp(wire, 0, true, false, 3)};
                 const Step step(wire, k == 0 ? 2e-3 : 1e-3, 5);
                 OwnedTrial middle(wire.rod);
-                for (int q = 0; q < 4 * wire.rod.n - 1; ++q) middle[q] += 0.5 * step.change[q];
+                for (int q = 0; q < RodDofs::count(wire.rod.n) - 1; ++q) middle[q] += 0.5 * step.change[q];
                 REQUIRE(wire.accept(middle));
                 REQUIRE(wire.update());
                 error[k] = (step.force - wire.gradient()).norm() / wire.gradient().norm();
@@ -163,12 +163,12 @@ TEST_SUITE("rod/discrete_gradient")
                 const Step step(wire, size, 9);
                 Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
                 for (int i = 0; i < wire.rod.n; ++i) {
-                    const Vec3 f = step.force.segment<3>(4 * i), moved = step.change.segment<3>(4 * i);
+                    const Vec3 f = step.force.segment<3>(RodDofs::position(i)), moved = step.change.segment<3>(RodDofs::position(i));
                     force += f;
                     moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
                     if (i < wire.rod.n - 1) {
                         const Vec3 mean = 0.5 * (step.before.tangent[i] + wire.frames.tangent[i]);
-                        moment += step.force[4 * i + 3] * mean.normalized();
+                        moment += step.force[RodDofs::spin(i)] * mean.normalized();
                     }
                 }
                 CHECK(force.norm() < 1e-14 * step.force.norm() * wire.rod.n);

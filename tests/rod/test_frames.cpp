@@ -27,7 +27,7 @@ OwnedTrial rotated(const RodView& rod, const Eigen::Matrix3d& rotation)
     OwnedTrial trial(rod);
     for (int i = 0; i < rod.n; ++i) {
         const Vec3 p = rotation * rod.pos(i);
-        for (int c = 0; c < 3; ++c) trial[4 * i + c] = p[c];
+        for (int c = 0; c < 3; ++c) trial[RodDofs::position(i, c)] = p[c];
     }
     return trial;
 }
@@ -83,11 +83,11 @@ TEST_SUITE("rod/frames")
         const double energy = wire.energy();
 
         OwnedTrial zero = good;
-        for (int c = 0; c < 3; ++c) zero[4 * 3 + c] = zero[4 * 2 + c];
+        for (int c = 0; c < 3; ++c) zero[RodDofs::position(3, c)] = zero[RodDofs::position(2, c)];
         CHECK_FALSE(wire.update(zero));
 
         OwnedTrial folded = good;  // node 4 put back onto the line from 3 to 2
-        for (int c = 0; c < 3; ++c) folded[4 * 4 + c] = folded[4 * 3 + c] + 0.7 * (folded[4 * 2 + c] - folded[4 * 3 + c]);
+        for (int c = 0; c < 3; ++c) folded[RodDofs::position(4, c)] = folded[RodDofs::position(3, c)] + 0.7 * (folded[RodDofs::position(2, c)] - folded[RodDofs::position(3, c)]);
         CHECK_FALSE(wire.update(folded));
 
         for (const int unknown : {4 * 2, 4 * 2 + 3}) {
@@ -100,7 +100,7 @@ TEST_SUITE("rod/frames")
 
         OwnedTrial reversed = good;  // each edge turned by pi at once: transport does not say which way
         for (int q = 0; q < 4 * 6; ++q)
-            if (q % 4 != 3) reversed[q] = -reversed[q];
+            if (!RodDofs::is_spin(q)) reversed[q] = -reversed[q];
         CHECK_FALSE(wire.update(reversed));
 
         wire.clamps = {RodClamp{}};
@@ -148,7 +148,7 @@ TEST_SUITE("rod/frames")
             OwnedTrial trial(wire.rod);
             const auto nodes = shape(8 * pi * k / steps);
             for (int i = 0; i < 4; ++i)
-                for (int c = 0; c < 3; ++c) trial[4 * i + c] = nodes[i][c];
+                for (int c = 0; c < 3; ++c) trial[RodDofs::position(i, c)] = nodes[i][c];
             REQUIRE(wire.accept(trial));
             largest_jump = std::max(largest_jump, std::abs(wire.rod.ref_twist[2] - last));
             last = wire.rod.ref_twist[2];
@@ -175,7 +175,7 @@ TEST_SUITE("rod/frames")
             const Vec3 t = Vec3(std::cos(0.6), std::sin(0.6) * std::cos(a), std::sin(0.6) * std::sin(a));
             OwnedTrial trial(wire.rod);
             for (int i = 0; i < 5; ++i)
-                for (int c = 0; c < 3; ++c) trial[4 * i + c] = 0.25 * (i - 4) * t[c];
+                for (int c = 0; c < 3; ++c) trial[RodDofs::position(i, c)] = 0.25 * (i - 4) * t[c];
             REQUIRE(wire.accept(trial));
             CHECK(std::abs(wire.rod.clamp_twist_a[4] - last) < 0.02);
             last = wire.rod.clamp_twist_a[4];

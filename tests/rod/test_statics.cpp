@@ -25,13 +25,13 @@ RodClamp clamp_at(int node, const Vec3& tangent, bool spin, const Vec3& director
 std::vector<int> all_angles(int n)
 {
     std::vector<int> held;
-    for (int i = 0; i < n - 1; ++i) held.push_back(4 * i + 3);
+    for (int i = 0; i < n - 1; ++i) held.push_back(RodDofs::spin(i));
     return held;
 }
 
 void hold_position(std::vector<int>& held, int node)
 {
-    for (int c = 0; c < 3; ++c) held.push_back(4 * node + c);
+    for (int c = 0; c < 3; ++c) held.push_back(RodDofs::position(node, c));
 }
 
 /// Response to a small load at the straight, unloaded state: linear, so exactly that of beam theory but for the nodes.
@@ -40,7 +40,7 @@ Eigen::VectorXd linear_response(OneWire& wire, const Eigen::VectorXd& load, std:
     REQUIRE(wire.update());
     Eigen::MatrixXd h = wire.hessian(HessianMode::Exact);
     Eigen::VectorXd r = load;
-    held.push_back(4 * wire.rod.n - 1);
+    held.push_back(RodDofs::count(wire.rod.n) - 1);
     for (const int q : held) {
         r[q] = 0;
         h.row(q).setZero();
@@ -135,9 +135,9 @@ TEST_SUITE("rod/elastic")
                 wire.clamps = {clamp_at(root, Vec3::UnitX(), false)};
                 std::vector<int> held = all_angles(n);
                 hold_position(held, root);
-                Eigen::VectorXd load = Eigen::VectorXd::Zero(4 * n);
-                load[4 * end + 1] = 1;
-                error[k] = std::abs(linear_response(wire, load, held)[4 * end + 1] - 1.0 / 3);
+                Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
+                load[RodDofs::position(end, 1)] = 1;
+                error[k] = std::abs(linear_response(wire, load, held)[RodDofs::position(end, 1)] - 1.0 / 3);
             }
             CAPTURE(error[2]);
             CHECK(error[2] < 1e-4 / 3);  // h^2/2 relative = 5e-5
@@ -157,12 +157,12 @@ TEST_SUITE("rod/elastic")
             wire.clamps = {clamp_at(root, Vec3::UnitX(), true)};
             std::vector<int> held;
             hold_position(held, root);
-            Eigen::VectorXd load = Eigen::VectorXd::Zero(4 * n);
+            Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
             load[2] = 1;                // at the tip, 0.4 away
-            load[4 * (n - 1) + 1] = 1;  // at the hub, 0.6 away
+            load[RodDofs::position(n - 1, 1)] = 1;  // at the hub, 0.6 away
             const Eigen::VectorXd u = linear_response(wire, load, held);
             error_a[k] = std::abs(u[2] - 0.064 / 3);
-            error_b[k] = std::abs(u[4 * (n - 1) + 1] - 0.216 / 3);
+            error_b[k] = std::abs(u[RodDofs::position(n - 1, 1)] - 0.216 / 3);
             CHECK(std::abs(u[1]) < 1e-12);
         }
         for (int k = 0; k < 2; ++k) {
@@ -187,7 +187,7 @@ TEST_SUITE("rod/elastic")
             wire.clamps = {clamp_at(n - 1, Vec3::UnitX(), false)};
             std::vector<int> held = all_angles(n);
             hold_position(held, n - 1);
-            Eigen::VectorXd load = Eigen::VectorXd::Zero(4 * n);
+            Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
             load[1] = 1;
             const double h = 1.0 / edges;
             const double relative = std::abs(linear_response(wire, load, held)[1] / exact - 1);
@@ -211,7 +211,7 @@ TEST_SUITE("rod/elastic")
             wire.clamps = {clamp_at(n - 1, Vec3::UnitX(), false)};
             std::vector<int> held = all_angles(n);
             hold_position(held, n - 1);
-            Eigen::VectorXd load = Eigen::VectorXd::Zero(4 * n);
+            Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
             for (int part = 1; part <= 20; ++part) {
                 load[1] = 0.5 * part;
                 const int used = equilibrate(wire, load, held, HessianMode::Exact, 1e-7, 60);
@@ -239,7 +239,7 @@ TEST_SUITE("rod/elastic")
             RodClamp& hub = wire.clamps[1];
             hub.turns = 0.3 * pi * k;  // three turns in the end
             hub.director = turned(Vec3::UnitZ(), hub.tangent, hub.turns);
-            REQUIRE(equilibrate(wire, Eigen::VectorXd::Zero(4 * n), held, HessianMode::Exact, 1e-11) >= 0);
+            REQUIRE(equilibrate(wire, Eigen::VectorXd::Zero(RodDofs::count(n)), held, HessianMode::Exact, 1e-11) >= 0);
         }
         REQUIRE(wire.update());
         const double torque = twist_stiffness * 6 * pi;
@@ -255,7 +255,7 @@ TEST_SUITE("rod/elastic")
         const double stretch = 1e5, euler = pi * pi / 4;
         std::vector<int> held = all_angles(n);
         hold_position(held, n - 1);
-        held.push_back(4 * n - 1);
+        held.push_back(RodDofs::count(n) - 1);
         const auto holds_at = [&](double load) {
             OneWire wire(n);
             wire.place(straight_nodes(n, 1 - load / stretch));  // compressed state
@@ -277,7 +277,7 @@ TEST_SUITE("rod/elastic")
         std::vector<int> held;
         hold_position(held, 0);
         hold_position(held, n - 1);
-        held.push_back(4 * n - 1);
+        held.push_back(RodDofs::count(n) - 1);
         const auto holds_at = [&](double moment) {
             OneWire wire = straight_wire(n, uniform_spec(1.0, 1.0, c, 1e4));
             wire.clamps = {clamp_at(0, Vec3::UnitX(), true), clamp_at(n - 1, Vec3::UnitX(), true)};
@@ -299,7 +299,7 @@ TEST_SUITE("rod/elastic")
         wire.clamps = {clamp_at(n - 1, Vec3::UnitX(), false)};
         std::vector<int> held = all_angles(n);
         hold_position(held, n - 1);
-        Eigen::VectorXd load = Eigen::VectorXd::Zero(4 * n);
+        Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
         load[1] = 3;
         const int used = equilibrate(wire, load, held, HessianMode::Safe, 1e-7, 400, 0.05);
         CAPTURE(used);

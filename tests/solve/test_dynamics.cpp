@@ -35,7 +35,7 @@ Oscillation swing(const IntegratorSpec& spec, double h, int periods)
     Rig rig(nitinol(0.1), 26, 1, first_mode(1e-5));
     rig.hold({clamp_base()});
     rig.integrate_with(spec);
-    rig.solver->initialise_acceleration(rig.constraints, nullptr, rig.active);
+    rig.solver->initialise_acceleration(rig.constraints, {}, rig.active);
     std::vector<double> crossings;
     double first_energy = 0, last_energy = 0;
     double before = rig.tip().z();
@@ -109,7 +109,7 @@ TEST_SUITE("solve/dynamics")
             IntegratorSpec spec;
             spec.newmark = newmark;
             rig.integrate_with(spec, {0, 0, -9.81});
-            rig.solver->initialise_acceleration(rig.constraints, nullptr, rig.active);
+            rig.solver->initialise_acceleration(rig.constraints, {}, rig.active);
             const int steps = 50;
             const double h = 2e-3, mass = mass_of(rig.rod());
             for (int k = 0; k < steps; ++k) REQUIRE(rig.step(h));
@@ -322,7 +322,7 @@ TEST_SUITE("solve/dynamics")
             const auto before = bytes(rig);
             if (what[1] == 'm') {
                 rig.constraints[0].prescribed[0].second = NAN;
-                rig.solver->step(1e-3, rig.constraints, nullptr, rig.active, rig.reports);
+                rig.solver->step(1e-3, rig.constraints, {}, rig.active, rig.reports);
                 CHECK_FALSE(rig.reports[0].converged);
             } else {
                 CHECK_FALSE(rig.step(1e-3));

@@ -1,6 +1,6 @@
 // Static equilibria with closed forms: elastica, heavy cantilever, torsion, column.
 #include "solve/wire_fixture.h"
-#include "solve/wire_problem.h"
+#include "solve/system_problem.h"
 
 #include <Eigen/Dense>
 
@@ -46,19 +46,18 @@ struct Linearised {
     Eigen::VectorXd residual;
     Eigen::MatrixXd tangent;
 
-    Linearised(WireProblem& problem, const std::vector<double>& trial)
+    Linearised(SystemProblem& problem, const std::vector<double>& trial)
     {
         const int size = problem.size();
-        WireProblem::Workspace workspace(static_cast<int>(problem.start.size()) / 4);
-        (void)problem.work_in(workspace, false);
-        problem.trial = trial;
+        std::copy(trial.begin(), trial.end(), problem.trial.begin());
         REQUIRE(problem.update());
-        REQUIRE(problem.evaluate_residual(nullptr, 0));
-        problem.assemble_tangent(HessianMode::Exact, false, nullptr, 0);
+        REQUIRE(problem.evaluate_residual({}));
+        problem.assemble_tangent(HessianMode::Exact, false, {});
         residual = Eigen::Map<const Eigen::VectorXd>(problem.residual.data(), size);
         tangent = Eigen::MatrixXd::Zero(size, size);
         for (int i = 0; i < size; ++i)
-            for (int j = std::max(0, i - 10); j <= std::min(size - 1, i + 10); ++j) tangent(i, j) = problem.matrix.at(i, j);
+            for (int j = std::max(0, i - BandRows::half_bandwidth); j <= std::min(size - 1, i + BandRows::half_bandwidth); ++j)
+                tangent(i, j) = problem.linear.band.at(i, j);
     }
 };
 
@@ -73,23 +72,26 @@ TEST_SUITE("solve/equilibrium")
         LoadSpec moment;
         moment.at = {WirePoint::Kind::Distance, 0.05};
         moment.moment = {3e-4, -2e-4, 5e-4};
-        WireProblem with(6, {}), without(6, {});
+        const int nodes[] = {6};
+        SystemProblem with(0, nodes, {}), without(0, nodes, {});
+        SystemProblem::Workspace workspace(6);
+        for (SystemProblem* problem : {&with, &without}) (void)problem->work_in(workspace, false);
         rig.hold({clamp_base()}, {moment});
-        const WireConstraints loaded = rig.constraints[0];
-        WireConstraints bare = loaded;
-        bare.loads.clear();
-        with.begin(rig.rod(), loaded, {}, Vec3::Zero(), Motion::Static, 0);
-        without.begin(rig.rod(), bare, {}, Vec3::Zero(), Motion::Static, 0);
+        const std::vector<WireConstraints> loaded = rig.constraints;
+        std::vector<WireConstraints> bare = loaded;
+        bare[0].loads.clear();
+        with.begin(rig.rods, loaded, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
+        without.begin(rig.rods, bare, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
         const auto added = [&](const std::vector<double>& trial) {
             return std::pair(Linearised(with, trial), Linearised(without, trial));
         };
         const auto [a, b] = added(with.start);
         const Eigen::MatrixXd tangent = a.tangent - b.tangent;
         CHECK((tangent - tangent.transpose()).norm() > 0.1 * tangent.norm());
-        const int size = with.size(), edge = loaded.loads[0].edge;
-        REQUIRE(tangent.row(4 * edge + 3).norm() > 0);
+        const int size = with.size(), edge = loaded[0].loads[0].edge;
+        REQUIRE(tangent.row(RodDofs::spin(edge)).norm() > 0);
         for (int q = 0; q < size - 1; ++q) {
-            const double step = q % 4 == 3 ? 1e-4 : 1e-6;
+            const double step = RodDofs::is_spin(q) ? 1e-4 : 1e-6;
             Eigen::VectorXd numeric = Eigen::VectorXd::Zero(size);
             for (const double sign : {1.0, -1.0}) {
                 std::vector<double> trial = with.start;
@@ -117,7 +119,7 @@ TEST_SUITE("solve/equilibrium")
         int evaluations = 0;
         for (int k = 1; k <= 6; ++k) {
             rig.fill(k / 6.0);
-            rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+            rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
             REQUIRE(rig.reports[0].converged);
             evaluations += rig.reports[0].evaluations;
         }
@@ -167,7 +169,7 @@ TEST_SUITE("solve/equilibrium")
             // the hold carries the weight
             double mass = 0;
             for (int i = 0; i < rig.rod().n; ++i) mass += rig.rod().mass[i];
-            CHECK(rig.solver->reaction(0, 4 * 100 + 2) == about(9.81 * mass).epsilon(1e-5));
+            CHECK(rig.solver->reaction(0, RodDofs::position(100, 2)) == about(9.81 * mass).epsilon(1e-5));
             MESSAGE("Gamma " << c.gamma << ": " << rig.reports[0].iterations << " iterations, sag error " << sag / c.sag - 1);
         }
     }

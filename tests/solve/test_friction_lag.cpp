@@ -59,8 +59,8 @@ std::vector<Turned> turn_on_plane(int forth, int back)
         contact->prepare(rig.rods, rig.active);
         rig.time += 1e-3;
         rig.fill(rig.time);
-        for (int i = 0; i < 61; ++i) rig.constraints[0].prescribed.emplace_back(4 * i + 1, 0.0);
-        rig.solver->step(1e-3, rig.constraints, contact.get(), rig.active, rig.reports);
+        for (int i = 0; i < 61; ++i) rig.constraints[0].prescribed.emplace_back(RodDofs::position(i, 1), 0.0);
+        rig.solver->step(1e-3, rig.constraints, *contact, rig.active, rig.reports);
         REQUIRE(rig.reports[0].converged);
         contact->commit(rig.active);
         trace.push_back({-rig.constraints[0].clamps[0].turns, -rig.rod().theta[0],

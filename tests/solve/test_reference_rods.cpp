@@ -75,7 +75,7 @@ Clamped helical(const WireSpec& spec, int edges, double rotation, double slack, 
     const int turns = 20, approach = 40;
     for (int k = 1; k <= turns + approach; ++k) {
         rig.fill(k <= turns ? k / double(turns) : 1 + (k - turns) / double(approach));
-        rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+        rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
         CAPTURE(k);
         CAPTURE(edges);
         CAPTURE(rig.reports[0].residual);
@@ -106,7 +106,7 @@ double out_of_plane(const RodView& rod)
 }
 
 /// A frictionless tube of no clearance: straight from the origin along +x for `lead`, then round an arc of radius R towards +z.
-class ArcGuide : public ContactTerm {
+class ArcGuide : public ForceTerm {
 public:
     ArcGuide(RodArrays& rods, double lead, double radius, double stiffness)
         : rods_(rods), lead_(lead), radius_(radius), stiffness_(stiffness)
@@ -117,7 +117,7 @@ public:
     bool unsymmetric(int) const override { return false; }
     double largest_force(int) const override { return 0; }
     double move_limit(int) const override { return INFINITY; }
-    void add(int wire, std::span<double> gradient, BandMatrix* jacobian, bool) const override
+    void add(int wire, std::span<double> gradient, BandRows* jacobian, bool) const override
     {
         for (int i = 0; i < rods_.node_count(wire); ++i) {
             const int at = rods_.node_begin(wire) + i;
@@ -126,12 +126,12 @@ public:
             const double rho = from_centre.norm();
             const Vec3 outward = from_centre / rho;
             const Vec3 off = (rho - radius_) * outward + Vec3(0, state_.y[at], 0);
-            for (int c = 0; c < 3; ++c) gradient[4 * i + c] += stiffness_ * off[c];
+            for (int c = 0; c < 3; ++c) gradient[RodDofs::position(i, c)] += stiffness_ * off[c];
             if (!jacobian) continue;
             const Vec3 along = outward.cross(Vec3::UnitY());
             for (int c = 0; c < 3; ++c)
                 for (int d = 0; d < 3; ++d)
-                    jacobian->add(4 * i + c, 4 * i + d,
+                    jacobian->add(RodDofs::position(i, c), RodDofs::position(i, d),
                                   stiffness_ * ((c == d) - (curved ? radius_ / rho : 1) * along[c] * along[d]));
         }
     }
@@ -175,7 +175,7 @@ double check_whip(double natural, double lead, double length, int edges, int ste
     for (int degrees = 0; degrees <= 320 && next < expected.size(); degrees += step) {
         CAPTURE(degrees);
         rig.fill(degrees);
-        rig.solver->equilibrium(rig.constraints, &guide, rig.active, rig.reports);
+        rig.solver->equilibrium(rig.constraints, guide, rig.active, rig.reports);
         REQUIRE(rig.reports[0].converged);
         const double distal = -rig.rod().theta[0] * 180 / pi;  // in the sense of the base's turn
         if (distal - before > 90) snap = degrees - 0.5 * step;
@@ -293,7 +293,7 @@ TEST_SUITE("solve/reference_rods")
                 // the far end slides along the axis and is held sideways
                 rig.constraints[0].prescribed.emplace_back(1, 0.0);
                 rig.constraints[0].prescribed.emplace_back(2, 0.0);
-                rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+                rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
                 REQUIRE(rig.reports[0].converged);
             }
             // below it stays straight; above it throws a loop, which passes through itself (wires do not touch each other here)
@@ -320,7 +320,7 @@ TEST_SUITE("solve/reference_rods")
                 rig.integrate_with({});
                 for (int k = 1; k <= 5; ++k) {
                     rig.fill(0.2 * k);
-                    rig.solver->equilibrium(rig.constraints, nullptr, rig.active, rig.reports);
+                    rig.solver->equilibrium(rig.constraints, {}, rig.active, rig.reports);
                     REQUIRE(rig.reports[0].converged);
                 }
                 // above it the ring bends out of its plane; past B/C = 1.25 that does not end before it has passed through itself

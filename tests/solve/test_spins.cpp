@@ -33,7 +33,7 @@ Comparison compare(const WireSpec& spec, const Scenario& motion)
         integrator.spins = rig == &kept ? Spins::Kept : Spins::Auto;
         rig->hold(motion.holds, motion.loads);
         rig->integrate_with(integrator, motion.gravity);
-        rig->solver->initialise_acceleration(rig->constraints, nullptr, rig->active);
+        rig->solver->initialise_acceleration(rig->constraints, {}, rig->active);
     }
     Comparison result;
     for (int k = 0; k < motion.steps; ++k) {

@@ -67,7 +67,7 @@ Swing swing(Rig& rig, const Wire& wire, const IntegratorSpec& spec, int mode, in
 {
     rig.hold({clamp_base()});
     rig.integrate_with(spec);
-    rig.solver->initialise_acceleration(rig.constraints, nullptr, rig.active);
+    rig.solver->initialise_acceleration(rig.constraints, {}, rig.active);
     const double h = 1 / (wire.frequency[mode] * steps_per_period);
     double start = 0, before = rig.tip().z(), first = 0, last = 0;
     int crossings = 0;

@@ -2,7 +2,7 @@
 // A wire as a user describes it, with a solver round it: base at the origin, tip along +x, first material director +z.
 
 #include "solve/constraints.h"
-#include "solve/newton.h"
+#include "solve/solver.h"
 #include "support/approx.h"
 
 #include <doctest/doctest.h>
@@ -105,21 +105,22 @@ struct Rig {
     {
         for (int w = 0; w < static_cast<int>(holds.size()); ++w) holds[w].fill(t, rods.view(w), constraints[w]);
     }
-    void integrate_with(const IntegratorSpec& spec, const Vec3& gravity = Vec3::Zero())
+    /// @param partition  wires of each system; none: every wire is one
+    void integrate_with(const IntegratorSpec& spec, const Vec3& gravity = Vec3::Zero(), std::span<const int> partition = {})
     {
-        solver = std::make_unique<Solver>(rods, spec, gravity);
+        solver = std::make_unique<Solver>(rods, spec, gravity, partition);
     }
-    bool settle(ContactTerm* contact = nullptr)
+    bool settle(ForceTerms terms = {})
     {
         fill(INFINITY);
-        solver->equilibrium(constraints, contact, active, reports);
+        solver->equilibrium(constraints, terms, active, reports);
         return reports[0].converged;
     }
-    bool step(double h, ContactTerm* contact = nullptr)
+    bool step(double h, ForceTerms terms = {})
     {
         time += h;
         fill(time);
-        solver->step(h, constraints, contact, active, reports);
+        solver->step(h, constraints, terms, active, reports);
         return reports[0].converged;
     }
     [[nodiscard]] RodView rod(int w = 0) { return rods.view(w); }

@@ -71,7 +71,7 @@ TEST_SUITE("step/float32")
         CHECK(std::abs(a.overlap - b.overlap) < 1e-8);  // 0.01 um
     }
 
-    // Without a word on rounding (ContactTerm::rounding) Newton looks for a residual of a millionth among forces that are rounded
+    // Without a word on rounding (ForceTerm::rounding) Newton looks for a residual of a millionth among forces that are rounded
     // to more than that: forty iterations, halved steps.
     TEST_CASE("property: rounded forces cost no iterations")
     {

@@ -1,0 +1,66 @@
+#pragma once
+// The linear solver of Newton's method: a banded matrix A, and columns U C V^T for the few unknowns that couple outside of its
+// band. Without columns it is the band's factors and nothing else. With k of them, by Woodbury:
+//
+//   (A + U C V^T)^-1 b = y - Z S^-1 C V^T y,   y = A^-1 b,   Z = A^-1 U,   S = I + C V^T Z          (k x k)
+//
+// which asks nothing of C: it may be singular, indefinite or unsymmetric. Where the band alone is nearly singular (a wire that only
+// a column holds) y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution; so the residual of the whole is
+// checked, and the solution refined once by it where it is too large.
+//
+// Signs. With A positive definite and C symmetric, A + U C U^T has as many negative eigenvalues as S has:
+// A^-1/2 (A + U C U^T) A^-1/2 = I + W C W^T, W = A^-1/2 U, and W C W^T has the eigenvalues of C W^T W = C U^T A^-1 U beside zeros.
+
+#include "math/band_matrix.h"
+#include "math/low_rank.h"
+
+#include <Eigen/LU>
+
+#include <cstdint>
+#include <vector>
+
+namespace seldinger {
+
+class BandedSolver {
+public:
+    explicit BandedSolver(int max_size) : band(max_size), fixed_(max_size) {}
+
+    /// Zero band of `size` unknowns, no columns.
+    void reset(int size);
+    /// Makes unknown i prescribed: row and column zero, unit diagonal.
+    void fix(int i);
+    /// y += x_j times column j of the whole
+    void add_column(int j, double x_j, std::span<double> y) const;
+
+    /// Symmetric: LDL^T with pivots raised to what a positive definite matrix could have (band_matrix.h); where columns make the
+    /// whole indefinite, the negative part of C is left out. @return pivots and eigenvalues that were not positive
+    [[nodiscard]] int factor_symmetric();
+    /// The whole as it is, by LU. @return pivots and eigenvalues that are negative; size() where a pivot vanishes: no factors
+    [[nodiscard]] int factor_unsymmetric();
+    /// With the last factors.
+    void solve(std::span<double> rhs_to_x);
+    /// |b - A x|/|b| of the last solve with columns, after refinement.
+    [[nodiscard]] double last_residual() const { return last_residual_; }
+
+    BandMatrix band;
+    LowRank columns;
+
+private:
+    void factor_columns();
+    [[nodiscard]] int negative_eigenvalues() const;
+    void project_columns();
+    void solve_band(std::span<double> rhs_to_x);
+    void solve_whole(std::span<double> rhs_to_x);
+    [[nodiscard]] double residual_of(std::span<const double> b, std::span<const double> x);
+
+    bool unsymmetric_ = false;
+    bool exact_ = true;                // factors are those of the matrix, with no pivot raised and no part of C left out
+    std::vector<std::uint8_t> fixed_;  // [max_size] with columns only
+    LowRank free_;                     // the columns with the rows of prescribed unknowns left out
+    Eigen::MatrixXd c_, z_;            // C as it is solved with, A^-1 U
+    Eigen::PartialPivLU<Eigen::MatrixXd> small_;  // of S
+    std::vector<double> b_, r_;
+    double last_residual_ = 0;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,252 @@
+// The driver of Newton's method for one system: first guess, decision at each trial, new direction and trial.
+
+#include "solve/newton_system.h"
+
+#include "core/prefetch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
+constexpr int most_chord_steps = 4;
+constexpr int most_mode_perturbations = 3;
+
+}  // namespace
+
+NewtonSystem::NewtonSystem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec)
+    : problem(first_wire, capacities, spec), model_(problem)
+{
+    for (auto* array : {&base_, &base_residual_, &direction_, &correction_, &guess_}) array->resize(problem.capacity());
+}
+
+void NewtonSystem::prefetch(SolveStage next) const
+{
+    problem.prefetch(next);
+    if (next != SolveStage::Advance) return;
+    for (const auto* array : {&base_, &base_residual_, &direction_}) seldinger::prefetch(*array, problem.size());
+    model_.prefetch();
+}
+
+SolveReport NewtonSystem::report(const WireProblem& wire) const
+{
+    SolveReport report;
+    report.converged = converged();
+    report.best_effort = converged() && settling_;
+    report.non_finite = non_finite_;
+    report.iterations = iterations_;
+    report.evaluations = evaluations_;
+    report.residual = wire.norm;
+    report.tolerance = wire.tolerance + wire.rounding;
+    report.force_scale = wire.force_scale;
+    return report;
+}
+
+// ---- first guess: the accepted state moved on with its velocity -------------------------------------------------------
+
+void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
+{
+    options_ = options;
+    move_limit_ = std::numeric_limits<double>::infinity();
+    phase_ = Phase::Guess;
+    non_finite_ = shortened_ = settling_ = false;
+    iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = 0;
+    contraction_ = 0;
+    for (WireProblem* wire : problem.solved()) {
+        move_limit_ = std::min(move_limit_, terms.move_limit(wire->wire));
+        wire->norm = wire->rounding = 0;
+    }
+    model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
+    if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
+
+    for (const WireProblem* wire : problem.solved()) {
+        double* move = guess_.data() + (wire->q.start.data() - problem.start.data());
+        for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
+    }
+    const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
+    double fraction = 1;
+    if (move > move_limit_) fraction = move_limit_ / move;
+    if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
+    set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
+}
+
+// A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
+void NewtonSystem::set_guess(double fraction)
+{
+    guess_fraction_ = fraction;
+    const double met = 1e-6 * problem.length_scale();
+    for (int i = 0; i < problem.size(); ++i) {
+        problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * guess_[i];
+        if (problem.prescribed[i] && std::abs(problem.prescribed_value[i] - problem.trial[i]) < met)
+            problem.trial[i] = problem.prescribed_value[i];
+    }
+}
+
+void NewtonSystem::resume()
+{
+    phase_ = Phase::Guess;
+    guess_fraction_ = 0;
+    model_.shift = 0;
+    shortened_ = false;
+    first_iteration_ = iterations_;
+}
+
+void NewtonSystem::stop_short()
+{
+    settling_ = options_.best_effort;
+    phase_ = settling_ ? Phase::Done : Phase::Failed;
+}
+
+// ---- one iteration ----------------------------------------------------------------------------------------------------------
+
+void NewtonSystem::advance(bool finite, const ForceTerms& terms)
+{
+    ++evaluations_;
+    took_trial_ = false;
+    bool usable = finite;
+    double open = 1;  // share of the way to the trial
+    for (const WireProblem* wire : problem.solved()) {
+        usable = usable && terms.admissible(wire->wire);
+        if (finite) open = std::min(open, terms.feasible_step(wire->wire));
+    }
+    if (!usable || !problem.evaluate_residual(terms)) {
+        non_finite_ = non_finite_ || !finite;
+        if (settling_) phase_ = Phase::Failed;
+        else backtrack(open);
+        return;
+    }
+    problem.note_residuals(terms);
+    non_finite_ = false;
+    if (ends_at_trial(terms)) return;
+    if (iterations_ - first_iteration_ >= options_.max_iterations) {
+        if (at_kink(terms)) phase_ = Phase::Done;
+        else give_up();
+        return;
+    }
+    take_base();
+    new_direction(terms);
+    launch();
+    chord_steps(terms);
+}
+
+/// Converged, failed, or a new trial set without a new direction. @return whether that is all
+bool NewtonSystem::ends_at_trial(const ForceTerms& terms)
+{
+    if (settling_) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    if (options_.linearised && phase_ == Phase::Search) {
+        take_linearised();
+        return true;
+    }
+    // one linearised step is always taken: what force terms have said is of the start, and what they keep must be of the end
+    if (!options_.linearised && problem.balanced() && problem.at_prescribed()) {
+        if (options_.shifted && mode_perturbations_ < most_mode_perturbations && !model_.stable(terms))
+            perturb_along_softest_mode();
+        else if (!may_be_saddle() || !leave_saddle(terms)) phase_ = Phase::Done;
+        return true;
+    }
+    if (phase_ != Phase::Search) return false;
+    const Jump jump = jump_of_force(terms);
+    if (jump == Jump::Turns) {
+        phase_ = Phase::Done;
+        return true;
+    }
+    if (jump == Jump::Passed || acceptable()) return false;
+    if (at_kink(terms)) phase_ = Phase::Done;
+    return true;
+}
+
+/// Where no move may be longer than force terms have searched, a part of the step is no step: half the time is asked for instead.
+/// Published detection has no such limit, and takes what it gets.
+void NewtonSystem::take_linearised()
+{
+    if (alpha_ != 1 && !std::isinf(move_limit_)) return give_up();
+    problem.take_linear_tensions();
+    phase_ = Phase::Done;
+}
+
+/// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
+/// that took it, and admissible; one more evaluation makes force terms speak of it.
+void NewtonSystem::give_up()
+{
+    if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {
+        phase_ = Phase::Failed;
+        return;
+    }
+    settling_ = true;
+    std::copy_n(base_.begin(), problem.size(), problem.trial.begin());
+    problem.set_prescribed();
+}
+
+void NewtonSystem::take_base()
+{
+    const int size = problem.size();
+    if (options_.shifted && phase_ == Phase::Search) adapt_shift();
+    problem.set_base();
+    if (options_.shifted && problem.far_from_reference()) problem.move_reference();
+    std::copy_n(problem.trial.begin(), size, base_.begin());
+    std::copy_n(problem.residual.begin(), size, base_residual_.begin());
+    phase_ = Phase::Search;
+    took_trial_ = true;
+    ++iterations_;
+}
+
+void NewtonSystem::new_direction(const ForceTerms& terms)
+{
+    if (options_.shifted) {
+        model_.factorise_shifted(terms);
+    } else {
+        model_.factorise(shortened_, terms);
+        shortened_ = false;
+    }
+    model_.correction(problem.residual, part(direction_), 1);
+}
+
+void NewtonSystem::launch()
+{
+    direction_norm_ = problem.norm(direction_);
+    if (!std::isfinite(direction_norm_) || (direction_norm_ == 0 && !options_.linearised)) {
+        give_up();
+        non_finite_ = true;
+        return;
+    }
+    slope_ = problem.residual_along(direction_);
+    const double move = problem.largest_move(direction_), turn = problem.largest_turn(direction_);
+    first_alpha_ = 1;
+    if (move > move_limit_) first_alpha_ = move_limit_ / move;
+    if (turn * first_alpha_ > largest_edge_turn) first_alpha_ = largest_edge_turn / turn;
+    set_trial(first_alpha_);
+}
+
+/// Further simplified corrections (chord steps: the factors stay) with force terms linear, while they shrink fast.
+void NewtonSystem::chord_steps(const ForceTerms& terms)
+{
+    if (!running() || alpha_ != 1 || options_.linearised || options_.pseudo_transient) return;
+    double last = direction_norm_;
+    for (int k = 0; k < most_chord_steps; ++k) {
+        const bool usable = problem.update() && problem.evaluate_linear_terms(terms, base_);
+        if (usable && problem.residual_below(0.5)) return;
+        if (usable) correct();
+        const double size = problem.norm(correction_);
+        if (!usable || !(size < 0.3 * last) || (model_.shift > 0 && size < 1e-3 * direction_norm_)) return;
+        last = size;
+        problem.correct_tension(correction_);
+        for (int i = 0; i < problem.size(); ++i) problem.trial[i] += correction_[i];
+    }
+}
+
+void NewtonSystem::set_trial(double alpha)
+{
+    alpha_ = alpha;
+    problem.predict_tension(direction_, alpha);
+    for (int i = 0; i < problem.size(); ++i) problem.trial[i] = base_[i] + alpha * direction_[i];
+    if (alpha == 1) problem.set_prescribed();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,117 @@
+#pragma once
+// Newton's method for one system as a state machine: the solver evaluates all systems' trial states together, then lets each take
+// its own decision. Nothing here looks at another system.
+//
+// Direction (linear_model.cpp). The geometric stiffness of stretching is taken at the tension that the *linear* equations of the
+// previous iteration predict, not at the tension of the trial shape. A step that turns an edge by phi lengthens it by phi^2/2, and
+// EA phi^2/2 is a spurious tension larger than any real force: with it the next direction is far too stiff sideways and every step
+// needs extra iterations. ([Magisano17]: mixed integration points, equal to Newton on the mixed equations in position and tension;
+// same solution, since both tensions agree there; mixed_tension.h.)
+//
+// Step length (step_acceptance.cpp). There is no potential (friction), and no residual norm fits stretching and bending at once. A
+// trial is taken when either the simplified Newton correction A^-1 R(q + alpha d) of those mixed equations, in metres, has shrunk
+// against d (the natural monotonicity test of [Deuflhard04, sec. 3.3.2], one back-substitution), or the derivative along d has:
+// |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no
+// node moves farther than force terms have searched in one update. Between two evaluations of these, which cost most of a step,
+// the equations with the terms taken as linear are solved on by further back-substitutions (chord steps), so that what the next
+// evaluation finds is the terms' own curvature only.
+//
+// Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, no larger than makes the exact matrix positive definite, turns each
+// iteration into a step of pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is
+// Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle likewise, once
+// (stability.cpp).
+
+#include "solve/linear_model.h"
+#include "solve/solve_report.h"
+#include "solve/system_problem.h"
+
+#include <vector>
+
+namespace seldinger {
+
+struct NewtonOptions {
+    int max_iterations = 40;
+    bool best_effort = false;  // instead of failing, end at the last trial that was taken
+    bool linearised = false;   // D5: one step from the start of the step, taken as it is if admissible
+    // equilibrium only: a shift on the diagonal, adapted (Levenberg-Marquardt)
+    bool shifted = false;
+    bool pseudo_transient = false;  // start with a large shift, lower it slowly, trust the derivative alone
+};
+
+class NewtonSystem {
+public:
+    NewtonSystem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec);
+
+    /// See SystemProblem::work_in().
+    void work_in(SystemProblem::Workspace& workspace, bool once) { scratch_ = problem.work_in(workspace, once); }
+    /// Its arrays will be needed soon.
+    void prefetch(SolveStage next) const;
+
+    /// Starts a solve of `problem`, begun by the caller; the first trial is set.
+    void start(const NewtonOptions& options, const ForceTerms& terms);
+    /// Takes in the evaluation at problem.trial and decides: done, failed, or a new trial.
+    /// @param finite  frames at the trial are finite, and force terms have been evaluated there
+    void advance(bool finite, const ForceTerms& terms);
+
+    /// After convergence, the terms' multipliers having changed: Newton goes on from where it is.
+    void resume();
+    /// They have not settled, and will not: the system has failed, or takes what it has (best effort).
+    void stop_short();
+    /// Whether the last advance() took its trial: the next ones start from there.
+    [[nodiscard]] bool took_trial() const { return took_trial_; }
+
+    [[nodiscard]] bool running() const { return phase_ == Phase::Guess || phase_ == Phase::Search; }
+    [[nodiscard]] bool converged() const { return phase_ == Phase::Done; }
+    [[nodiscard]] SolveReport report(const WireProblem& wire) const;
+
+    SystemProblem problem;
+
+private:
+    enum class Phase { Guess, Search, Done, Failed };
+    enum class Jump { None, Turns, Passed };
+
+    // the driver (newton_system.cpp)
+    void set_guess(double fraction);
+    [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
+    void take_linearised();
+    void take_base();
+    void new_direction(const ForceTerms& terms);
+    void launch();
+    void chord_steps(const ForceTerms& terms);
+    void set_trial(double alpha);
+    void give_up();
+
+    // whether a trial is taken (step_acceptance.cpp)
+    void backtrack(double open);
+    void shorten(double alpha);
+    [[nodiscard]] bool acceptable();
+    [[nodiscard]] bool natural_test(bool slope_falls, double slope);
+    void correct();
+    [[nodiscard]] double largest_force(const ForceTerms& terms) const;
+    [[nodiscard]] Jump jump_of_force(const ForceTerms& terms);
+    [[nodiscard]] bool at_kink(const ForceTerms& terms) const;
+
+    // pseudo-transient continuation (pseudo_transient.cpp)
+    void adapt_shift();
+    void raise_shift();
+
+    // unstable equilibria (stability.cpp)
+    [[nodiscard]] bool may_be_saddle() const;
+    [[nodiscard]] bool leave_saddle(const ForceTerms& terms);
+    void perturb_along_softest_mode();
+
+    [[nodiscard]] std::span<double> part(std::span<double> v) const { return v.first(static_cast<std::size_t>(problem.size())); }
+
+    LinearModel model_;
+    NewtonOptions options_;
+    Phase phase_ = Phase::Done;
+    bool settling_ = false;  // taking the best trial instead of failing
+    bool non_finite_ = false, shortened_ = false, took_trial_ = false;
+    int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
+    double move_limit_ = 0, guess_fraction_ = 1;
+    double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;
+    std::vector<double> base_, base_residual_, direction_, correction_, guess_;  // [unknowns]
+    std::span<double> scratch_;                                                  // in the workspace
+};
+
+}  // namespace seldinger

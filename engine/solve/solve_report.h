@@ -1,0 +1,17 @@
+#pragma once
+// How the solve of a wire ended.
+
+namespace seldinger {
+
+struct SolveReport {
+    bool converged = true;
+    bool non_finite = false;
+    bool best_effort = false;  // the tolerance was not met: this is the last trial that was taken (see Solver::set_best_effort)
+    int iterations = 0;        // Newton iterations
+    int evaluations = 0;       // residual evaluations, line search included
+    double residual = 0;       // largest force residual left on a free unknown [N]; moments over the mean edge length
+    double tolerance = 0;      // that it was compared with [N]: IntegratorSpec::tolerance * force_scale + rounding noise
+    double force_scale = 0;    // largest of weight, loads, stretched links, B/L^2 (wire_scales.cpp) [N]
+};
+
+}  // namespace seldinger

@@ -1,0 +1,122 @@
+#pragma once
+// Time integration and equilibrium of all systems (D4, D5): Newton on the banded equations of each, in lockstep over systems so
+// that force terms (contact) are evaluated for all of them in one set of launches. A system, one wire or several that can touch
+// each other, is what is solved, converges or fails; its result does not depend on the others.
+
+#include "rod/elastic.h"
+#include "solve/force_term.h"
+#include "solve/solve_report.h"
+#include "solve/solve_spec.h"
+#include "solve/step_kind.h"
+#include "solve/wire_constraints.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace seldinger {
+
+struct NewtonOptions;  // solve/newton_system.h
+class NewtonSystem;
+class WireProblem;
+
+/// Workspace and options for a fixed set of wires. Masks, constraints and reports are per wire of the world.
+class Solver {
+public:
+    /// @param partition  wires of each system, which are consecutive; none: every wire is a system of its own
+    Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity, std::span<const int> partition = {});
+    ~Solver();
+
+    /// One step of length h [s] of wires with active[w] != 0; those of a system are solved together. Constraints are those at the
+    /// end of the step. On success the wires' positions, velocities, spins and frames are the new ones; on failure (converged ==
+    /// false, for the whole system) they are untouched.
+    /// @param terms  what acts on the wires beside weight, loads and links
+    void step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
+              std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+
+    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which
+    /// they were wanted, twice as many as the last time are solved with them before it is tried again.
+    struct SpinRecord {
+        std::int64_t steps = 0, without = 0;
+        std::int32_t wait = 0, last_wait = 0;
+    };
+    /// Of the wire's system.
+    [[nodiscard]] SpinRecord& spin_record(int wire) { return spin_records_[system_of_[wire]]; }
+
+    /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
+    void set_best_effort(bool on) { best_effort_ = on; }
+
+    /// Stable static equilibrium: Newton with an adaptive shift, falling back to pseudo-transient continuation; an unstable
+    /// equilibrium (a straight column above its load) is left along its softest mode. Velocities become 0.
+    void equilibrium(std::span<const WireConstraints> constraints, const ForceTerms& terms, std::span<const std::uint8_t> active,
+                     std::span<SolveReport> reports);
+
+    /// Accelerations at the start of a run, M a = F(x, v): what Newmark needs before its first step. Backward Euler does not.
+    void initialise_acceleration(std::span<const WireConstraints> constraints, const ForceTerms& terms,
+                                 std::span<const std::uint8_t> active);
+
+    // results of the last step or equilibrium, per wire
+    [[nodiscard]] const RodFrames& frames(int wire) const;
+    [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
+    /// Reaction at prescribed unknown i of the wire [N or N m]: the force that the hold exerts on it.
+    [[nodiscard]] double reaction(int wire, int unknown) const;
+    /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
+    [[nodiscard]] double base_tension_excess(int wire) const;
+    /// Dead loads, links and damping by mass, on the whole wire [N].
+    [[nodiscard]] Vec3 load_force(int wire) const;
+    /// How far unknown i went in the last step [m or rad].
+    [[nodiscard]] double displacement(int wire, int unknown) const;
+    /// Work that what is left on the free unknowns, within the tolerance, did on the wire in the last step [J].
+    [[nodiscard]] double residual_work(int wire) const;
+    [[nodiscard]] double elastic_energy(int wire) const;
+    [[nodiscard]] double kinetic_energy(int wire) const;
+    [[nodiscard]] double potential_energy(int wire) const;  // gravity; loads not included
+
+private:
+    struct Work;
+    struct Workspaces;
+    [[nodiscard]] int system_count() const { return static_cast<int>(work_.size()); }
+    [[nodiscard]] NewtonSystem& newton_of(int system);
+    [[nodiscard]] const WireProblem& problem_of(int wire) const;
+    [[nodiscard]] bool any_active(int system, std::span<const std::uint8_t> active) const;
+    void for_each_system(SolveStage stage, const auto& body);
+
+    void begin(Motion motion, double h, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active);
+    void begin_system(int system, Motion motion, double h, std::span<const WireConstraints> constraints,
+                      std::span<const std::uint8_t> active, SpinAngles spins);
+    void show_accepted(int wire);
+    void check_spins(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
+                     std::span<const std::uint8_t> active, const NewtonOptions& options);
+    void prefetch_after(int system, SolveStage stage) const;
+    void prepare_trial(int system);
+    void prepare_trials(std::span<const std::uint8_t> systems);
+    void set_evaluated(int system, bool evaluate);
+    void iterate(double h, const ForceTerms& terms);
+    void iterate_with_multipliers(double h, const ForceTerms& terms, std::span<const std::uint8_t> systems);
+    void finish(std::span<SolveReport> reports);
+    void step_explicit(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
+                       std::span<const std::uint8_t> active, std::span<SolveReport> reports);
+    void accept_explicit(const ForceTerms& terms, std::span<SolveReport> reports);
+    void evaluate_forces(double h, const ForceTerms& terms);
+    void write_trial(int system);
+    void evaluate_start(double h, bool linearised, const ForceTerms& terms);
+    void restore(int system);
+
+    RodArrays& rods_;
+    IntegratorSpec spec_;
+    Vec3 gravity_;
+    std::vector<int> first_wire_, system_of_;  // [systems + 1], [wires]
+    std::vector<std::unique_ptr<Work>> work_;  // [systems]
+    std::unique_ptr<Workspaces> workspaces_;
+    TrialState trial_, before_;  // before_: where known velocities come from, see ForceTerm::evaluate_start
+    bool best_effort_ = false;
+    std::vector<std::uint8_t> asked_;           // [systems] with an active wire, in the present call
+    std::vector<std::uint8_t> running_;         // [systems] not finished
+    std::vector<std::uint8_t> with_spins_;      // [systems] solved a second time in this step, with spin angles
+    std::vector<std::uint8_t> resumed_;         // [systems] solved on after a round of multipliers
+    std::vector<std::uint8_t> evaluate_;        // [wires] takes part in the present evaluation of force terms
+    std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
+    std::vector<SolveReport> first_;            // [wires] what the first solve took
+    std::vector<SpinRecord> spin_records_;      // [systems]
+};
+
+}  // namespace seldinger

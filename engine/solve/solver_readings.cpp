@@ -1,0 +1,57 @@
+// What can be read off a solve, per wire.
+
+#include "solve/solver_work.h"
+
+namespace seldinger {
+
+const WireProblem& Solver::problem_of(int wire) const { return work_[system_of_[wire]]->newton.problem.wire(wire); }
+
+const RodFrames& Solver::frames(int wire) const { return problem_of(wire).frames; }
+
+const TrialState& Solver::trial() const { return trial_; }
+
+double Solver::reaction(int wire, int unknown) const { return problem_of(wire).q.residual[unknown]; }
+
+double Solver::base_tension_excess(int wire) const { return problem_of(wire).base_tension_excess; }
+
+Vec3 Solver::load_force(int wire) const { return problem_of(wire).load_force(); }
+
+double Solver::displacement(int wire, int unknown) const
+{
+    const WireUnknowns& q = problem_of(wire).q;
+    return q.trial[unknown] - q.start[unknown];
+}
+
+double Solver::residual_work(int wire) const
+{
+    const WireUnknowns& q = problem_of(wire).q;
+    double work = 0;
+    for (std::size_t i = 0; i < q.trial.size(); ++i)
+        if (!q.prescribed[i]) work += q.residual[i] * (q.trial[i] - q.start[i]);
+    return work;
+}
+
+double Solver::elastic_energy(int wire) const
+{
+    const WireProblem& problem = problem_of(wire);
+    return seldinger::elastic_energy(rods_.view(wire), problem.clamps, problem.frames);
+}
+
+double Solver::kinetic_energy(int wire) const
+{
+    const RodView rod = rods_.view(wire);
+    double twice = 0;
+    for (int i = 0; i < rod.n; ++i) twice += rod.mass[i] * rod.vel(i).squaredNorm();
+    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
+    return 0.5 * twice;
+}
+
+double Solver::potential_energy(int wire) const
+{
+    const RodView rod = rods_.view(wire);
+    double energy = 0;
+    for (int i = 0; i < rod.n; ++i) energy -= rod.mass[i] * gravity_.dot(rod.pos(i));
+    return energy;
+}
+
+}  // namespace seldinger

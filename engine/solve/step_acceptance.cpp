@@ -1,0 +1,122 @@
+// Whether a Newton trial is taken, and how much of the direction is tried next where it is not.
+
+#include "solve/newton_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double smallest_alpha = 1e-6;
+constexpr int most_jumps = 8;
+constexpr double located = 1e-6;  // of the wire's radius: a position known to within this is known [-]
+
+}  // namespace
+
+/// The trial cannot be: nearer to the last state that could. @param open  share of the way from there that is, as far as the force
+/// terms know
+void NewtonSystem::backtrack(double open)
+{
+    if (phase_ == Phase::Search) return shorten((open < 1 ? std::clamp(0.9 * open, 0.05, 0.5) : 0.3) * alpha_);
+    if (guess_fraction_ == 0) {
+        give_up();
+        return;
+    }
+    set_guess(++backtracks_ < 6 ? 0.5 * guess_fraction_ : 0.0);
+}
+
+void NewtonSystem::shorten(double alpha)
+{
+    if (options_.shifted && alpha < 0.05 * first_alpha_) return raise_shift();
+    if (alpha < smallest_alpha) {
+        give_up();
+        return;
+    }
+    shortened_ = true;
+    set_trial(alpha);
+}
+
+/// The tests at the top of newton_system.h; a shorter trial, or one of a larger shift, is set when they fail.
+bool NewtonSystem::acceptable()
+{
+    const double slope = problem.residual_along(direction_);
+    const bool slope_falls = std::abs(slope) <= std::max(0.9, 1 - alpha_ / 2) * std::abs(slope_);
+    if (!options_.pseudo_transient) return natural_test(slope_falls, slope);
+    if (slope_falls || slope <= 0) return true;
+    raise_shift();
+    return false;
+}
+
+// |correction at alpha| <= (1 - alpha/4) |d|. Else from what the linear equations did not foresee of the correction, which grows
+// with alpha^2: omega = 2 |correction - (1 - alpha) d|/(alpha^2 |d|^2) gives the next alpha = 1/(omega |d|).
+bool NewtonSystem::natural_test(bool slope_falls, double slope)
+{
+    correct();
+    contraction_ = problem.norm(correction_) / direction_norm_;
+    if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
+    for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
+    const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(scratch_);
+    const double secant = slope * slope_ < 0 ? alpha_ * slope_ / (slope_ - slope) : 0.0;
+    shorten(std::clamp(std::max(natural, secant), 0.1 * alpha_, 0.5 * alpha_));
+    return false;
+}
+
+/// The simplified Newton correction at the trial into correction_. With a shift, that of the shifted problem, a pseudo-time step
+/// R(q) + shift (q - base) = 0: leaving a saddle must not look like a failure because R grows.
+void NewtonSystem::correct()
+{
+    problem.mixed_residual(part(scratch_));
+    if (model_.shift > 0)
+        for (int i = 0; i < problem.size(); ++i)
+            scratch_[i] += model_.shift * model_.shift_weight(i) * (problem.trial[i] - base_[i]);
+    model_.correction(scratch_, part(correction_), 1 - alpha_);
+}
+
+double NewtonSystem::largest_force(const ForceTerms& terms) const
+{
+    double most = 0;
+    for (const WireProblem* wire : problem.solved()) most = std::max(most, terms.largest_force(wire->wire));
+    return most;
+}
+
+/// When no point of a wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base,
+/// and yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the
+/// wall are nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No
+/// elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the
+/// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
+/// good a base as any.
+NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
+{
+    if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;
+    if (alpha_ * problem.largest_surface_move(direction_) > located * problem.smallest_radius()) return Jump::None;
+    double change = 0, base = largest_force(terms);
+    for (const WireProblem* wire : problem.solved()) {
+        const double* before = base_residual_.data() + (wire->q.start.data() - problem.start.data());
+        // the base edge of a fed wire may be so short that half a nanometre is newtons of EA/l: its ends are not asked
+        const int asked = wire->fed() ? RodDofs::count(wire->rod.n - 2) : wire->size();
+        for (int i = 0; i < asked; ++i) {
+            if (wire->q.prescribed[i] || RodDofs::is_spin(i)) continue;
+            change = std::max(change, std::abs(wire->q.residual[i] - before[i]));
+            base = std::max(base, std::abs(before[i]));
+        }
+    }
+    if (change <= 0.1 * base) return Jump::None;
+    if (problem.residual_along(direction_) * slope_ < 0) return Jump::Turns;
+    return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
+}
+
+/// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
+/// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
+/// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
+bool NewtonSystem::at_kink(const ForceTerms& terms) const
+{
+    if (iterations_ < 4 || options_.shifted) return false;
+    const double jump = 1e-3 * largest_force(terms);
+    const auto small = [&](const WireProblem* wire) { return wire->norm <= std::max(100 * wire->tolerance, jump); };
+    return std::all_of(problem.solved().begin(), problem.solved().end(), small) &&
+           problem.largest_move(direction_) <= located * problem.smallest_radius() && problem.at_prescribed();
+}
+
+}  // namespace seldinger

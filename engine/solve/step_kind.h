@@ -1,0 +1,16 @@
+#pragma once
+// What kind of equations a step solves, and what of a wire's arrays a loop over the wires needs next.
+
+namespace seldinger {
+
+/// Which equations: see wire_problem.h. Explicit: R is minus the force at the start of the step.
+enum class Motion { Static, Implicit, Explicit };
+
+/// Whether a step may leave spin angles out (solve/spins.cpp): if no torque acts; and, where forces follow the spins, if these do
+/// not move either.
+enum class SpinAngles { SolvedFor, LeftIfFree, LeftIfStill };
+
+/// What a loop over the wires does to each: begins its step, takes in an evaluation and prepares the next, ends its step.
+enum class SolveStage { Begin, Advance, Commit };
+
+}  // namespace seldinger

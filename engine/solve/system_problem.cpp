@@ -1,0 +1,187 @@
+// One system: its wires' unknowns laid out, their equations joined.
+
+#include "solve/system_problem.h"
+
+#include "core/prefetch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace seldinger {
+
+SystemProblem::SystemProblem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec)
+    : linear(RodDofs::count(std::accumulate(capacities.begin(), capacities.end(), 0))),
+      first_wire_(first_wire),
+      term_tangent_(RodDofs::count(std::accumulate(capacities.begin(), capacities.end(), 0)))
+{
+    const int unknowns = RodDofs::count(std::accumulate(capacities.begin(), capacities.end(), 0));
+    for (auto* array : {&start, &trial, &residual, &inertia, &prescribed_value}) array->resize(unknowns);
+    prescribed.resize(unknowns);
+    for (const int capacity : capacities) {
+        wires_.push_back(std::make_unique<WireProblem>(capacity, spec));
+        wires_.back()->wire = first_wire + static_cast<int>(wires_.size()) - 1;
+    }
+    solved_.reserve(wires_.size());
+    solved_wires_.reserve(wires_.size());
+    solved_nodes_.reserve(wires_.size());
+}
+
+// ---- start of a step --------------------------------------------------------------------------------------------------------
+
+void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
+                          const IntegratorSpec& spec, const Vec3& gravity, Motion kind, double h, SpinAngles spins)
+{
+    motion = kind;
+    solved_.clear();
+    solved_wires_.clear();
+    solved_nodes_.clear();
+    for (const auto& wire : wires_) {
+        if (!active[wire->wire]) continue;
+        solved_.push_back(wire.get());
+        solved_wires_.push_back(wire->wire);
+        solved_nodes_.push_back(rods.node_count(wire->wire));
+    }
+    map.lay_out(solved_nodes_);
+    share_out();
+    bool leave = true;
+    for (WireProblem* wire : solved_) {
+        wire->begin(rods.view(wire->wire), constraints[wire->wire], spec, gravity, kind, h);
+        leave = leave && wire->may_leave(spins);
+    }
+    linear.band.set_fourth(!leave);
+    for (WireProblem* wire : solved_) wire->begin_frames(spec, leave);
+}
+
+/// Each wire's part of the vectors.
+void SystemProblem::share_out()
+{
+    for (std::size_t k = 0; k < solved_.size(); ++k) {
+        const std::size_t first = map.first(static_cast<int>(k)), count = RodDofs::count(solved_nodes_[k]);
+        const auto part = [&](auto& array) { return std::span(array).subspan(first, count); };
+        solved_[k]->q = {part(start), part(trial), part(residual), part(inertia), part(prescribed_value), part(prescribed), {}, {}, {}};
+    }
+    share_scratch();
+}
+
+void SystemProblem::share_scratch()
+{
+    for (std::size_t k = 0; k < solved_.size(); ++k) {
+        const std::size_t first = map.first(static_cast<int>(k)), count = RodDofs::count(solved_nodes_[k]);
+        WireUnknowns& q = solved_[k]->q;
+        q.scratch = scratch_.subspan(first, count);
+        q.velocities = velocities_.subspan(first, count);
+        q.split = split_.subspan(first, count);
+    }
+}
+
+std::span<double> SystemProblem::work_in(Workspace& workspace, bool once)
+{
+    const bool lasting = motion == Motion::Static;
+    linear.band.use_rows(lasting ? nullptr : &workspace.matrix);
+    linear.band.use_factor(lasting || !once ? nullptr : &workspace.matrix);
+    term_tangent_.use_rows(lasting ? nullptr : &workspace.term_tangent);
+    std::span<double> left = workspace.numbers;
+    const std::size_t count = start.size();
+    for (auto* part : {&scratch_, &velocities_, &split_, &term_residual_}) {
+        *part = left.first(count);
+        left = left.subspan(count);
+    }
+    share_scratch();
+    return left.first(count);
+}
+
+void SystemProblem::prefetch(SolveStage next) const
+{
+    seldinger::prefetch(start, size());
+    seldinger::prefetch(trial, size());
+    if (next != SolveStage::Commit) seldinger::prefetch(inertia, size());
+    if (next == SolveStage::Advance) seldinger::prefetch(residual, size());
+    for (const WireProblem* wire : solved_) wire->prefetch(next);
+}
+
+void SystemProblem::take_spins_in()
+{
+    linear.band.set_fourth(true);
+    for (WireProblem* wire : solved_) wire->take_spins_in();
+}
+
+bool SystemProblem::spins_hold(const ForceTerms& terms)
+{
+    take_spins_in();
+    if (!terms.follows_spins() && update())
+        for (WireProblem* wire : solved_) wire->untwist();
+    if (!update() || !evaluate_residual(terms)) return false;
+    return std::all_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->spins_balanced(); });
+}
+
+// ---- residual and tangent -----------------------------------------------------------------------------------------------------
+
+bool SystemProblem::update()
+{
+    for (WireProblem* wire : solved_)
+        if (!wire->update()) return false;
+    return true;
+}
+
+bool SystemProblem::evaluate_residual(const ForceTerms& terms)
+{
+    for (WireProblem* wire : solved_) wire->evaluate_residual();
+    if (!terms.empty()) {
+        const std::size_t count = size();
+        std::fill_n(term_residual_.begin(), count, 0.0);
+        for (std::size_t k = 0; k < solved_.size(); ++k)
+            terms.add(solved_wires_[k], term_residual_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()), nullptr, true);
+        terms.couple(unknowns(), term_residual_.first(count), nullptr);
+        for (std::size_t i = 0; i < count; ++i) residual[i] += term_residual_[i];
+    }
+    return finish_residual();
+}
+
+bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base)
+{
+    for (WireProblem* wire : solved_) wire->evaluate_residual();
+    if (!terms.empty()) {
+        const int count = size();
+        for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
+        term_tangent_.multiply(velocities_, scratch_);
+        linear.columns.add_product(velocities_, scratch_);
+        for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
+    }
+    return finish_residual();
+}
+
+/// @return false if not finite
+bool SystemProblem::finish_residual()
+{
+    for (const WireProblem* wire : solved_) wire->q.residual[RodDofs::unused(wire->rod.n)] = 0;
+    double sum = 0;
+    for (int i = 0; i < size(); ++i) sum += std::abs(residual[i]);
+    return std::isfinite(sum);
+}
+
+void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms)
+{
+    const int count = size();
+    linear.reset(count);
+    if (!terms.empty()) term_tangent_.reset(count);
+    for (WireProblem* wire : solved_) {
+        const int first = static_cast<int>(wire->q.start.data() - start.data());
+        BandRows part = linear.band.part(first, wire->size());
+        wire->assemble_elastic(mode, symmetric, part);
+        if (!terms.empty()) {
+            BandRows of_terms = term_tangent_.part(first, wire->size());
+            terms.add(wire->wire, wire->q.scratch, &of_terms, symmetric);
+            part.add_scaled(of_terms, 1);
+        }
+        wire->add_stiffness_damping(part);
+    }
+    terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear.columns);
+}
+
+bool SystemProblem::unsymmetric() const
+{
+    return std::any_of(solved_.begin(), solved_.end(), [](const WireProblem* wire) { return wire->unsymmetric(); });
+}
+
+}  // namespace seldinger

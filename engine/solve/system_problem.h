@@ -1,0 +1,138 @@
+#pragma once
+// The equations of one system, the wires that are solved together: their unknowns in one vector, their tangents in one band with
+// columns for what couples them (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
+// unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of them
+// less far than it would be alone.
+
+#include "math/banded_solver.h"
+#include "solve/force_term.h"
+#include "solve/wire_problem.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+class SystemProblem {
+public:
+    /// What one thread works with on one system after the other. Of 1,000 wires the matrices alone would be more than any cache
+    /// holds.
+    struct Workspace {
+        /// @param nodes  of all wires of the largest system
+        explicit Workspace(int nodes)
+            : matrix(RodDofs::count(nodes)), term_tangent(RodDofs::count(nodes)), numbers(vectors * RodDofs::count(nodes))
+        {
+        }
+        BandMatrix::Storage matrix, term_tangent;
+        std::vector<double> numbers;
+        static constexpr int vectors = 5;
+    };
+
+    /// @param first_wire  of the world; the others of the system follow       @param capacities  nodes of each
+    SystemProblem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec);
+
+    /// Takes over the start of the step and the constraints at its end, of the wires with active[w] != 0. No allocation once
+    /// clamps have been seen. @param constraints  [wires of the world]
+    /// @param spins  whether spin angles may be left out of this step
+    void begin(RodArrays& rods, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
+               const IntegratorSpec& spec, const Vec3& gravity, Motion motion, double h, SpinAngles spins = SpinAngles::SolvedFor);
+    /// Wires that take part in the step.
+    [[nodiscard]] std::span<WireProblem* const> solved() const { return solved_; }
+    /// A wire of the system, by its number in the world.
+    [[nodiscard]] const WireProblem& wire(int wire) const { return *wires_[wire - first_wire_]; }
+
+    /// Works in `workspace` until the next call: to be called before anything else, by whatever thread. Entries of the matrix
+    /// outlive that in a static solve only, which goes back to them, and its factors unless `once`, where it is solved with as
+    /// soon as it is factorised and never again. @return memory [unknowns] for the caller
+    std::span<double> work_in(Workspace& workspace, bool once);
+    /// Its arrays will be needed soon.
+    void prefetch(SolveStage next) const;
+
+    /// Whether spin angles are left out: they stay what they were, and neither their equations nor twist are looked at.
+    [[nodiscard]] bool without_spins() const { return !solved_.empty() && !solved_.front()->frames.spins; }
+    /// Takes spin angles in again, as they were at the start of the step.
+    void take_spins_in();
+    /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
+    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Where no force follows the spins these
+    /// first follow the shape so that no wire is twisted, which is where torsion, far faster than bending, would take them.
+    [[nodiscard]] bool spins_hold(const ForceTerms& terms);
+
+    /// Frames at the trial. @return false if anything is not finite
+    [[nodiscard]] bool update();
+    /// R at the trial into `residual`; update() must have run there, and terms been evaluated. @return false if not finite
+    [[nodiscard]] bool evaluate_residual(const ForceTerms& terms);
+    /// The same with force terms taken as linear from where assemble_tangent last ran, `base`: evaluates none of them.
+    [[nodiscard]] bool evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base);
+    /// dR/dq at the trial into `linear`, prescribed unknowns not yet fixed. @param symmetric  its symmetric part, as far as it is
+    /// not symmetric
+    void assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms);
+    /// Whether dR/dq is not symmetric even without force terms.
+    [[nodiscard]] bool unsymmetric() const;
+    [[nodiscard]] bool conserving() const { return !solved_.empty() && solved_.front()->time.conserving(); }
+
+    /// Notes each wire's residual at the trial and what rounding adds to its tolerance.
+    void note_residuals(const ForceTerms& terms);
+    /// Whether all that were noted are within their tolerances.
+    [[nodiscard]] bool balanced() const;
+    /// Whether all at the trial are below `share` of them.
+    [[nodiscard]] bool residual_below(double share) const;
+    /// sqrt(sum d^2) over all unknowns [m]; angles times the edge length.
+    [[nodiscard]] double norm(std::span<const double> d) const;
+    [[nodiscard]] double largest_move(std::span<const double> d) const;
+    [[nodiscard]] double largest_surface_move(std::span<const double> d) const;
+    [[nodiscard]] double largest_turn(std::span<const double> d) const;
+    [[nodiscard]] double smallest_radius() const;
+    /// Of an edge, on average; the shortest wire edges' [m].
+    [[nodiscard]] double length_scale() const;
+    /// R.d over the free unknowns [J]
+    [[nodiscard]] double residual_along(std::span<const double> d) const;
+    [[nodiscard]] bool at_prescribed() const;
+    void set_prescribed();
+
+    // Tensions of the mixed equations, see mixed_tension.h.
+    void set_base();
+    void predict_tension(std::span<const double> d, double alpha);
+    void correct_tension(std::span<const double> correction);
+    void mixed_residual(std::span<double> out) const;
+    void take_linear_tensions();
+
+    [[nodiscard]] bool far_from_reference() const;
+    void move_reference();
+    void keep_reference();
+    void restore_reference();
+    void return_to_start();
+
+    [[nodiscard]] int size() const { return map.size(); }
+    [[nodiscard]] int capacity() const { return static_cast<int>(start.size()); }  // unknowns
+    [[nodiscard]] std::span<const double> of_wire(const WireProblem& wire, std::span<const double> d) const
+    {
+        return d.subspan(static_cast<std::size_t>(wire.q.start.data() - start.data()), static_cast<std::size_t>(wire.size()));
+    }
+
+    DofMap map;  // of the wires that take part
+    BandedSolver linear;
+    Motion motion = Motion::Implicit;
+    std::vector<double> start, trial;  // [capacity] q_0, q
+    std::vector<double> residual;      // R at trial
+    std::vector<double> inertia;       // mass [kg] or spin inertia [kg m^2]
+    std::vector<double> prescribed_value;
+    std::vector<std::uint8_t> prescribed;  // 1: fixed at prescribed_value
+
+private:
+    void share_out();
+    void share_scratch();
+    [[nodiscard]] SystemUnknowns unknowns() const { return {map, solved_wires_}; }
+    [[nodiscard]] bool finish_residual();
+
+    int first_wire_ = 0;
+    std::vector<std::unique_ptr<WireProblem>> wires_;
+    std::vector<WireProblem*> solved_;
+    std::vector<int> solved_wires_, solved_nodes_;
+    // [capacity] in the workspace; the last is the terms' residual at their last evaluation
+    std::span<double> scratch_, velocities_, split_, term_residual_;
+    BandMatrix term_tangent_;  // at the last assemble_tangent
+};
+
+}  // namespace seldinger
