@@ -4,10 +4,10 @@
 #include "engine.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "support/shared_folder.h"
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -18,16 +18,10 @@ namespace fs = std::filesystem;
 
 const std::string shared_mark = "$SHARED";
 
-fs::path shared_folder()
-{
-    const char* given = std::getenv("SELDINGER_SHARED");
-    return given ? fs::path(given) : fs::path(SEL_SOURCE_DIR) / ".." / "shared";
-}
-
 std::string with_shared_folder(std::string text)
 {
     if (const auto at = text.find(shared_mark); at != std::string::npos)
-        text.replace(at, shared_mark.size(), fs::weakly_canonical(shared_folder()).string());
+        text.replace(at, shared_mark.size(), shared_folder().value().string());
     return text;
 }
 
@@ -57,12 +51,12 @@ bool run_to_the_end(World& world, const Scene& scene)
     return true;
 }
 
-void check_world(const std::vector<GoldenRow>& rows)
+void check_world(const std::vector<GoldenRow>& rows, int device_index)
 {
     CAPTURE(rows.front().line());
     std::vector<Scene> scenes;
     for (const GoldenRow& row : rows) scenes.push_back(scene_of(row));
-    World world(make_setup(scenes, load_vessel(scenes.front().vessel), -1));
+    World world(make_setup(scenes, load_vessel(scenes.front().vessel), device_index));
     const bool done = run_to_the_end(world, scenes.front());
     CHECK_MESSAGE(done, "stopped at " << world.time() << " s");
     if (!done) return;
@@ -104,16 +98,12 @@ std::vector<std::vector<GoldenRow>> read_golden_table(const fs::path& file)
     return worlds;
 }
 
-void check_golden_table(const std::string& name)
+void check_golden_table(const std::string& name, int device_index)
 {
-    const bool shared = fs::is_directory(shared_folder());
-    int checked = 0;
     for (const auto& rows : read_golden_table(fs::path(SEL_SOURCE_DIR) / "tests/golden" / name)) {
-        if (rows.front().needs_shared() && !shared) continue;
-        check_world(rows);
-        ++checked;
+        if (rows.front().needs_shared() && !shared_folder_or_skip()) continue;
+        check_world(rows, device_index);
     }
-    if (checked == 0) MESSAGE("skipped: no shared reference data (set SELDINGER_SHARED)");
 }
 
 }  // namespace seldinger::test

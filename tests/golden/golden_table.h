@@ -23,6 +23,7 @@ struct GoldenRow {
 [[nodiscard]] std::vector<std::vector<GoldenRow>> read_golden_table(const std::filesystem::path& file);
 
 /// Checks every world of tests/golden/<name>. A hash that differs fails with the line that would replace the table's.
-void check_golden_table(const std::string& name);
+/// @param device_index  as in `seldinger devices`; -1: the default
+void check_golden_table(const std::string& name, int device_index = -1);
 
 }  // namespace seldinger::test
