@@ -2,6 +2,7 @@
 // stderr that names what is at fault, nothing on stdout, and no run begun.
 
 #include "apps/app_fixture.h"
+#include "support/skip.h"
 
 #include <array>
 
@@ -200,7 +201,7 @@ TEST_SUITE("apps/bad_input")
     TEST_CASE("property: results that stdout cannot take are exit 3")
     {
         if (!fs::exists("/dev/full")) {
-            MESSAGE("no /dev/full here: skipped");
+            skip("no /dev/full");
             return;
         }
         const ScratchFolder folder;

@@ -2,6 +2,7 @@
 
 #include "apps/app_fixture.h"
 #include "io/vtp_read.h"
+#include "support/skip.h"
 
 #include <cmath>
 
@@ -257,7 +258,7 @@ force_n = [0.0, 0.0, -0.005]
         REQUIRE(run_app(folder, "run t.toml -o D").code == 0);
         const AppResult result = run_app(folder, "render D --size 320x180");
         if (result.code == 5 || result.err.find("no renderer") != std::string::npos) {
-            MESSAGE("nothing to draw with here: skipped");
+            skip("nothing to draw with");
             return;
         }
         CAPTURE(result.err);

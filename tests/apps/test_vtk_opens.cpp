@@ -1,6 +1,7 @@
 // VTK itself, the library behind ParaView, opens what a run writes. Skipped where Debian's python3-vtk9 is not installed.
 
 #include "apps/app_fixture.h"
+#include "support/skip.h"
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -40,7 +41,7 @@ TEST_SUITE("apps/vtk_opens")
         "says")
     {
         if (std::system("/usr/bin/python3 -c 'import vtk' >/dev/null 2>&1") != 0) {
-            MESSAGE("skipped: /usr/bin/python3 has no vtk (Debian package python3-vtk9)");
+            skip("/usr/bin/python3 has no vtk (Debian package python3-vtk9)");
             return;
         }
         const ScratchFolder folder;

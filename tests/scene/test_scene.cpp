@@ -1,12 +1,12 @@
 // Scene files: the contract's defaults, every documented key, overrides, and the way back to text.
 #include "core/error.h"
 #include "scene/scene.h"
+#include "support/shared_folder.h"
 #include "support/temporary_folder.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -290,12 +290,6 @@ Scene read(const std::string& text, std::vector<std::string> overrides = {})
     return read_scene_text(text, "test.toml", overrides);
 }
 
-std::filesystem::path shared_folder()
-{
-    const char* given = std::getenv("SELDINGER_SHARED");
-    return given ? std::filesystem::path(given) : std::filesystem::path(SEL_SOURCE_DIR) / "../shared";
-}
-
 }  // namespace
 
 TEST_SUITE("scene/scene")
@@ -502,13 +496,10 @@ TEST_SUITE("scene/scene")
 
     TEST_CASE("property: the contract's own example scenes read, and round-trip")
     {
-        const auto scenes = shared_folder() / "scenes";
-        if (!std::filesystem::is_directory(scenes)) {
-            MESSAGE("skipped: no shared reference scenes at " << scenes.string());
-            return;
-        }
+        const auto shared = test::shared_folder_or_skip();
+        if (!shared) return;
         int read_count = 0;
-        for (const auto& entry : std::filesystem::directory_iterator(scenes)) {
+        for (const auto& entry : std::filesystem::directory_iterator(*shared / "scenes")) {
             if (entry.path().extension() != ".toml") continue;
             CAPTURE(entry.path().string());
             check_round_trip(read_scene(entry.path()));

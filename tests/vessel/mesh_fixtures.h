@@ -5,9 +5,6 @@
 #include "vessel/triangle_geometry.h"
 #include "vessel/wall_mesh.h"
 
-#include <cstdlib>
-#include <filesystem>
-#include <optional>
 #include <random>
 #include <string>
 
@@ -83,17 +80,6 @@ inline int facing_out_of_x_tube(const WallMesh& mesh)
         count += double_area(tri).dot(from_axis) >= 0;
     }
     return count;
-}
-
-/// Folder of the shared reference data, or nothing.
-inline std::optional<std::filesystem::path> shared_folder()
-{
-    const char* given = std::getenv("SELDINGER_SHARED");
-    const std::filesystem::path path =
-        given ? std::filesystem::path(given) : std::filesystem::path(SEL_SOURCE_DIR) / ".." / "shared";
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(path / "vessels", ignored)) return std::nullopt;
-    return path;
 }
 
 }  // namespace seldinger::test

@@ -3,6 +3,7 @@
 #include "mesh_fixtures.h"
 #include "io/mesh_file.h"
 #include "scene/vessel_load.h"
+#include "support/shared_folder.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
 
@@ -57,11 +58,8 @@ TEST_SUITE("vessel/shared_vessels")
 {
     TEST_CASE("property: all eight load and agree with the table")
     {
-        const auto shared = shared_folder();
-        if (!shared) {
-            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
-            return;
-        }
+        const auto shared = shared_folder_or_skip();
+        if (!shared) return;
         for (const Row& row : rows) {
             CAPTURE(row.file);
             long read = 0;
@@ -99,11 +97,8 @@ TEST_SUITE("vessel/shared_vessels")
 
     TEST_CASE("regression: the hostile mesh says what was mended")
     {
-        const auto shared = shared_folder();
-        if (!shared) {
-            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
-            return;
-        }
+        const auto shared = shared_folder_or_skip();
+        if (!shared) return;
         VesselSpec spec;
         spec.shape = VesselShape::Mesh;
         spec.mesh = *shared / "vessels" / "seqseg-shawn260-hostile" / "shawn_260.vtp";
@@ -118,11 +113,8 @@ TEST_SUITE("vessel/shared_vessels")
 
     TEST_CASE("regression: the arch of experiment 2 is entered from the descending aorta")
     {
-        const auto shared = shared_folder();
-        if (!shared) {
-            MESSAGE("no shared reference data: skipped (set SELDINGER_SHARED)");
-            return;
-        }
+        const auto shared = shared_folder_or_skip();
+        if (!shared) return;
         VesselSpec spec;
         spec.shape = VesselShape::Mesh;
         spec.mesh = *shared / "vessels" / "tha001-arch" / "aorta_arch_30k.stl";

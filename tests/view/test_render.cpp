@@ -92,7 +92,7 @@ void write_run(const fs::path& dir, int frames)
     write_text(dir / "trace.csv", "step,time_s,inserted_m,hand_force_n\n0,0,0,0\n100,0.1,0.01,0.2\n");
 }
 
-/// True when the pictures could be drawn; false (with a message) where this machine cannot.
+/// True when the pictures could be drawn; false, and the test case skipped, where this machine cannot.
 bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vector<fs::path>& written)
 {
     try {
@@ -100,7 +100,7 @@ bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vect
         return true;
     } catch (const Error& e) {
         if (e.code() != ExitCode::NoDevice && std::string(e.what()).find("font") == std::string::npos) throw;
-        MESSAGE("skipped: " << std::string(e.what()));
+        skip(e.what());
         return false;
     }
 }

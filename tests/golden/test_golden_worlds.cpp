@@ -1,0 +1,9 @@
+// State hashes of worlds of several wires, each wire's own.
+#include "golden/golden_table.h"
+
+#include <doctest/doctest.h>
+
+TEST_SUITE("golden")
+{
+    TEST_CASE("golden: every wire of a world ends with the bits of the table") { seldinger::test::check_golden_table("worlds.txt"); }
+}
