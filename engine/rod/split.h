@@ -3,7 +3,7 @@
 // what the wire carries (axial force, moment, torque, momentum) does not jump.
 //
 // A chord is shorter than its arc: with the axial force kept, the rest lengths after a split sum to
-// h (kappa h)^2/32 more than before. That length is reported and is the caller's debt: feeding drains it from later
+// h (kappa h)^2/32 more than before. That length is reported and is the caller's surplus: feeding drains it from later
 // advance; taken out at once it would be an axial force jump of EA (kappa h)^2/32, newtons for a steel wire.
 
 #include "rod/elastic.h"

@@ -1,3 +1,5 @@
+// Feeding: the base edge grows and shrinks with what passes the inlet, nodes are born and go there.
+
 #include "solve/feed.h"
 
 #include "core/check.h"
