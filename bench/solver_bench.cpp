@@ -4,7 +4,7 @@
 //
 //     solver_bench [most nodes] > solver.csv
 //
-// The matrix is that of a step of a millisecond of a bent guidewire (0.014 inch nitinol, edges of 3 mm), safe Hessian and
+// The matrix is that of a step of a millisecond of a bent guidewire (0.014 inch nitinol, edges of 3 mm), projected Hessian and
 // inertia. Every solver gets it in its own storage before the clock starts; the clock has factorisation and one solve. Eigen's
 // symbolic analysis is done once.
 
@@ -55,7 +55,7 @@ BandMatrix newton_matrix(int n)
     BandMatrix matrix(4 * n);
     matrix.reset(4 * n);
     std::vector<double> gradient(4 * n);
-    add_elastic(rod, {}, frames, gradient, &matrix, HessianMode::Safe);
+    add_elastic(rod, {}, frames, gradient, &matrix, HessianMode::Projected);
     for (int i = 0; i < n; ++i) {
         for (int c = 0; c < 3; ++c) matrix.add(4 * i + c, 4 * i + c, rod.mass[i] / 1e-6);
         if (i < n - 1) matrix.add(4 * i + 3, 4 * i + 3, rod.spin_inertia[i] / 1e-6);

@@ -1,4 +1,4 @@
-// Factors of the band matrix, node by node.
+// Factors of the band matrix, node by node, and solutions with them.
 
 #include "math/band_matrix.h"
 
@@ -60,42 +60,6 @@ void BandMatrix::reset(int size)
     std::fill_n(rows_, static_cast<std::size_t>(size) * stride, 0.0);
 }
 
-void BandRows::fix(int i)
-{
-    std::fill_n(row(i), row_width, 0.0);
-    const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
-    for (int j = first; j <= last; ++j) row(j)[i - j + half_bandwidth] = 0.0;
-    row(i)[half_bandwidth] = 1.0;
-}
-
-void BandRows::scale(double factor)
-{
-    for (int k = 0; k < size_ * stride; ++k) rows_[k] *= factor;
-}
-
-void BandRows::add_scaled(const BandRows& other, double factor)
-{
-    SEL_ASSERT(other.size() == size_);
-    const double* entries = other.row(0);
-    for (int k = 0; k < size_ * stride; ++k) rows_[k] += factor * entries[k];
-}
-
-void BandRows::multiply(std::span<const double> x, std::span<double> y) const
-{
-    for (int i = 0; i < size_; ++i) {
-        const int first = std::max(0, i - half_bandwidth), last = std::min(size_ - 1, i + half_bandwidth);
-        double sum = 0;
-        for (int j = first; j <= last; ++j) sum += at(i, j) * x[j];
-        y[i] = sum;
-    }
-}
-
-void BandRows::add_column(int j, double x_j, std::span<double> y) const
-{
-    const int first = std::max(0, j - half_bandwidth), last = std::min(size_ - 1, j + half_bandwidth);
-    for (int i = first; i <= last; ++i) y[i] += at(i, j) * x_j;
-}
-
 double BandMatrix::row_scale(int i) const
 {
     double most[4] = {};  // side by side, which becomes vectors
@@ -135,6 +99,58 @@ void BandMatrix::load_lower()
         }
 }
 
+namespace {
+
+/// LDL^T of one node's four rows. @return pivots raised
+template <int active, class NodeFactor>
+inline int eliminate_node(NodeFactor& f, const NodeFactor& f1, const NodeFactor& f2, Vec4d (&near)[4], Vec4d (&far)[4])
+{
+    int raised = 0;
+    for (int p = 0; p < active; ++p) {
+        double pivot = f.upper[p][p];
+        for (int c = 0; c <= p; ++c) f.upper[p][c] = 0.0;  // so that the solve can use whole blocks
+        const Vec4d own = block(f.upper[p]), row1 = block(f.upper[p] + 4), row2 = block(f.upper[p] + 8);
+        const Vec4d bound = own * own * block(f.inverse_diagonal) + row1 * row1 * block(f1.inverse_diagonal) +
+                            row2 * row2 * block(f2.inverse_diagonal);
+        // the sum of three squares is at most three times the largest
+        const double needed = largest(bound) / 3;
+        if (!(pivot * f.inverse_diagonal[p] > BandMatrix::pivot_floor && pivot > 0.5 * needed)) {  // not-a-number too
+            pivot = std::max(1.0 / f.inverse_diagonal[p], needed);
+            ++raised;
+        }
+        const double inverse = 1.0 / pivot;
+        f.inverse_pivot[p] = inverse;
+        for (int q = p + 1; q < active; ++q) {
+            const double multiplier = f.upper[p][q] * inverse;
+            block(f.upper[q]) -= multiplier * own;
+            block(f.upper[q] + 4) -= multiplier * row1;
+            block(f.upper[q] + 8) -= multiplier * row2;
+        }
+        near[p] = row1 * inverse;
+        far[p] = row2 * inverse;
+    }
+    return raised;
+}
+
+/// What the node leaves of the rows of the next two.
+template <int active, class NodeFactor>
+inline void update_following(const NodeFactor& f, NodeFactor& f1, NodeFactor& f2, const Vec4d (&near)[4], const Vec4d (&far)[4])
+{
+    for (int t = 0; t < active; ++t) {
+        Vec4d a = block(f1.upper[t]), c = block(f1.upper[t] + 4), d = block(f2.upper[t]);
+        for (int p = 0; p < active; ++p) {
+            a -= near[p][t] * block(f.upper[p] + 4);
+            c -= near[p][t] * block(f.upper[p] + 8);
+            d -= far[p][t] * block(f.upper[p] + 8);
+        }
+        block(f1.upper[t]) = a;
+        block(f1.upper[t] + 4) = c;
+        block(f2.upper[t]) = d;
+    }
+}
+
+}  // namespace
+
 template <int active>
 int BandMatrix::factor_ldlt_of()
 {
@@ -149,40 +165,8 @@ int BandMatrix::factor_ldlt_of()
     for (int b = 0; b < nodes; ++b) {
         NodeFactor &f = factor_[b], &f1 = factor_[b + 1], &f2 = factor_[b + 2];
         Vec4d near[4], far[4];  // rows of the following two nodes' columns, scaled by the pivot
-        for (int p = 0; p < active; ++p) {
-            double pivot = f.upper[p][p];
-            for (int c = 0; c <= p; ++c) f.upper[p][c] = 0.0;  // so that the solve can use whole blocks
-            const Vec4d own = block(f.upper[p]), row1 = block(f.upper[p] + 4), row2 = block(f.upper[p] + 8);
-            const Vec4d bound = own * own * block(f.inverse_diagonal) + row1 * row1 * block(f1.inverse_diagonal) +
-                                row2 * row2 * block(f2.inverse_diagonal);
-            // the sum of three squares is at most three times the largest
-            const double needed = largest(bound) / 3;
-            if (!(pivot * f.inverse_diagonal[p] > pivot_floor && pivot > 0.5 * needed)) {  // not-a-number too
-                pivot = std::max(1.0 / f.inverse_diagonal[p], needed);
-                ++raised;
-            }
-            const double inverse = 1.0 / pivot;
-            f.inverse_pivot[p] = inverse;
-            for (int q = p + 1; q < active; ++q) {
-                const double multiplier = f.upper[p][q] * inverse;
-                block(f.upper[q]) -= multiplier * own;
-                block(f.upper[q] + 4) -= multiplier * row1;
-                block(f.upper[q] + 8) -= multiplier * row2;
-            }
-            near[p] = row1 * inverse;
-            far[p] = row2 * inverse;
-        }
-        for (int t = 0; t < active; ++t) {
-            Vec4d a = block(f1.upper[t]), c = block(f1.upper[t] + 4), d = block(f2.upper[t]);
-            for (int p = 0; p < active; ++p) {
-                a -= near[p][t] * block(f.upper[p] + 4);
-                c -= near[p][t] * block(f.upper[p] + 8);
-                d -= far[p][t] * block(f.upper[p] + 8);
-            }
-            block(f1.upper[t]) = a;
-            block(f1.upper[t] + 4) = c;
-            block(f2.upper[t]) = d;
-        }
+        raised += eliminate_node<active>(f, f1, f2, near, far);
+        update_following<active>(f, f1, f2, near, far);
     }
     return raised;
 }

@@ -2,7 +2,7 @@
 
 #include "math/banded_solver.h"
 
-#include <Eigen/Eigenvalues>
+#include "math/small_dense.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,89 @@ namespace {
 
 constexpr double good_residual = 1e-13;  // of the right side: no refinement needed
 
-double norm_of(std::span<const double> v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), v.size()).norm(); }
+double norm_of(std::span<const double> v)
+{
+    double squares = 0;
+    for (const double x : v) squares += x * x;
+    return std::sqrt(squares);
+}
 
 }  // namespace
+
+struct BandedSolver::Woodbury {
+    LowRank free;           // the columns with the rows of prescribed unknowns left out
+    SmallMatrix c;          // as it is solved with
+    std::vector<double> z;  // [rank][size] Z = A^-1 U
+    SmallMatrix vz;         // V^T Z
+    SmallLu lu;             // of S
+    int size = 0;
+
+    [[nodiscard]] int rank() const { return free.rank(); }
+    [[nodiscard]] std::span<double> column(int k) { return std::span(z).subspan(std::size_t(k) * size, size); }
+    void times_c(std::span<const double> in, std::span<double> out) const
+    {
+        for (int k = 0; k < rank(); ++k) {
+            out[k] = 0;
+            for (int l = 0; l < rank(); ++l) out[k] += c(k, l) * in[l];
+        }
+    }
+    void factor_small();
+    [[nodiscard]] int negative_eigenvalues() const;
+    void project();
+};
+
+/// S = I + C V^T Z
+void BandedSolver::Woodbury::factor_small()
+{
+    SmallMatrix s(rank());
+    for (int k = 0; k < rank(); ++k)
+        for (int l = 0; l < rank(); ++l) {
+            s(k, l) = k == l;
+            for (int m = 0; m < rank(); ++m) s(k, l) += c(k, m) * vz(m, l);
+        }
+    lu.factor(s);
+}
+
+/// Of the whole, A being positive definite. U = V: with U^T A^-1 U = L L^T those of I + L^T C L (symmetric parts, where they are
+/// not symmetric). Else the determinant tells whether their number is odd.
+int BandedSolver::Woodbury::negative_eigenvalues() const
+{
+    if (!free.same_sides()) return lu.sign() < 0 ? 1 : 0;
+    const int n = rank();
+    SmallMatrix g(n), m(n);
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l) g(k, l) = 0.5 * (vz(k, l) + vz(l, k));
+    const SmallMatrix root = small_cholesky(g);
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l) {
+            m(k, l) = k == l;
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j) m(k, l) += root(i, k) * 0.5 * (c(i, j) + c(j, i)) * root(j, l);
+        }
+    const SmallModes modes(m);
+    return static_cast<int>(std::count_if(modes.values.begin(), modes.values.end(), [](double value) { return value < 0; }));
+}
+
+/// A + U C U^T is positive definite where A is and C is positive semidefinite.
+void BandedSolver::Woodbury::project()
+{
+    const int n = rank();
+    SmallMatrix symmetric(n);
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l) symmetric(k, l) = 0.5 * (c(k, l) + c(l, k));
+    const SmallModes modes(symmetric);
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l) {
+            c(k, l) = 0;
+            for (int m = 0; m < n; ++m)
+                c(k, l) += modes.vectors(k, m) * std::max(modes.values[m], 0.0) * modes.vectors(l, m);
+        }
+    factor_small();
+}
+
+BandedSolver::BandedSolver(int max_size) : band(max_size), fixed_(max_size) {}
+
+BandedSolver::~BandedSolver() = default;
 
 void BandedSolver::reset(int size)
 {
@@ -43,8 +123,11 @@ int BandedSolver::factor_symmetric()
     exact_ = raised == 0;
     if (columns.empty()) return raised;
     factor_columns();
-    const int negative = negative_eigenvalues();
-    if (negative > 0) project_columns();
+    const int negative = woodbury_->negative_eigenvalues();
+    if (negative > 0) {
+        exact_ = false;
+        woodbury_->project();
+    }
     return raised + negative;
 }
 
@@ -54,44 +137,31 @@ int BandedSolver::factor_unsymmetric()
     if (!band.factor_lu()) return band.size();
     if (columns.empty()) return band.negative_pivots();
     factor_columns();
-    return band.negative_pivots() + negative_eigenvalues();
+    return band.negative_pivots() + woodbury_->negative_eigenvalues();
 }
 
 /// Z = A^-1 U and the factors of S.
 void BandedSolver::factor_columns()
 {
-    const int size = band.size(), rank = columns.rank();
-    free_ = columns;
-    free_.drop_rows({fixed_.data(), static_cast<std::size_t>(size)});
-    c_ = free_.c();
-    z_ = Eigen::MatrixXd::Zero(size, rank);
-    for (int k = 0; k < rank; ++k) {
-        const std::span<double> column(z_.col(k).data(), size);
-        free_.from_u(Eigen::VectorXd::Unit(rank, k), column);
-        solve_band(column);
+    if (!woodbury_) woodbury_ = std::make_unique<Woodbury>();
+    Woodbury& w = *woodbury_;
+    const int rank = columns.rank();
+    w.size = band.size();
+    w.free = columns;
+    w.free.drop_rows({fixed_.data(), static_cast<std::size_t>(w.size)});
+    w.c = w.vz = SmallMatrix(rank);
+    w.z.assign(static_cast<std::size_t>(rank) * w.size, 0.0);
+    std::vector<double> onto(static_cast<std::size_t>(rank));
+    for (int l = 0; l < rank; ++l) {
+        for (const auto& [unknown, value] : w.free.u(l)) w.column(l)[unknown] += value;
+        solve_band(w.column(l));
+        w.free.onto_v(w.column(l), onto);
+        for (int k = 0; k < rank; ++k) {
+            w.vz(k, l) = onto[k];
+            w.c(k, l) = columns.c(k, l);
+        }
     }
-    Eigen::MatrixXd s = Eigen::MatrixXd::Identity(rank, rank);
-    for (int k = 0; k < rank; ++k) s.col(k) += c_ * free_.onto_v({z_.col(k).data(), static_cast<std::size_t>(size)});
-    small_.compute(s);
-}
-
-int BandedSolver::negative_eigenvalues() const
-{
-    const auto values = Eigen::EigenSolver<Eigen::MatrixXd>(small_.reconstructedMatrix(), false).eigenvalues();
-    int count = 0;
-    for (int k = 0; k < values.size(); ++k) count += values[k].real() < 0;
-    return count;
-}
-
-/// A + U C U^T is positive definite where A and C are.
-void BandedSolver::project_columns()
-{
-    exact_ = false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (c_ + c_.transpose()));
-    c_ = modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
-    Eigen::MatrixXd s = Eigen::MatrixXd::Identity(c_.rows(), c_.cols());
-    for (int k = 0; k < c_.cols(); ++k) s.col(k) += c_ * free_.onto_v({z_.col(k).data(), static_cast<std::size_t>(z_.rows())});
-    small_.compute(s);
+    w.factor_small();
 }
 
 void BandedSolver::solve_band(std::span<double> rhs_to_x)
@@ -103,8 +173,13 @@ void BandedSolver::solve_band(std::span<double> rhs_to_x)
 void BandedSolver::solve_whole(std::span<double> rhs_to_x)
 {
     solve_band(rhs_to_x);
-    const Eigen::VectorXd z = small_.solve(c_ * free_.onto_v(rhs_to_x));
-    Eigen::Map<Eigen::VectorXd>(rhs_to_x.data(), band.size()) -= z_ * z;
+    Woodbury& w = *woodbury_;
+    std::vector<double> onto(static_cast<std::size_t>(w.rank())), share(onto.size());
+    w.free.onto_v(rhs_to_x, onto);
+    w.times_c(onto, share);
+    w.lu.solve(share);
+    for (int k = 0; k < w.rank(); ++k)
+        for (int i = 0; i < w.size; ++i) rhs_to_x[i] -= w.column(k)[i] * share[k];
 }
 
 /// r = b - A x into r_. @return |r|/|b|
@@ -112,7 +187,7 @@ double BandedSolver::residual_of(std::span<const double> b, std::span<const doub
 {
     r_.resize(b.size());
     band.multiply(x, r_);
-    free_.add_product(x, r_);
+    woodbury_->free.add_product(x, r_);
     for (std::size_t i = 0; i < b.size(); ++i) r_[i] = b[i] - r_[i];
     const double size = norm_of(b);
     return size > 0 ? norm_of(r_) / size : 0.0;

@@ -14,16 +14,16 @@
 #include "math/band_matrix.h"
 #include "math/low_rank.h"
 
-#include <Eigen/LU>
-
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace seldinger {
 
 class BandedSolver {
 public:
-    explicit BandedSolver(int max_size) : band(max_size), fixed_(max_size) {}
+    explicit BandedSolver(int max_size);
+    ~BandedSolver();
 
     /// Zero band of `size` unknowns, no columns.
     void reset(int size);
@@ -46,19 +46,16 @@ public:
     LowRank columns;
 
 private:
+    struct Woodbury;  // what is kept of the columns; made when there are any
     void factor_columns();
-    [[nodiscard]] int negative_eigenvalues() const;
-    void project_columns();
     void solve_band(std::span<double> rhs_to_x);
     void solve_whole(std::span<double> rhs_to_x);
     [[nodiscard]] double residual_of(std::span<const double> b, std::span<const double> x);
 
     bool unsymmetric_ = false;
     bool exact_ = true;                // factors are those of the matrix, with no pivot raised and no part of C left out
-    std::vector<std::uint8_t> fixed_;  // [max_size] with columns only
-    LowRank free_;                     // the columns with the rows of prescribed unknowns left out
-    Eigen::MatrixXd c_, z_;            // C as it is solved with, A^-1 U
-    Eigen::PartialPivLU<Eigen::MatrixXd> small_;  // of S
+    std::vector<std::uint8_t> fixed_;  // [max_size] prescribed unknowns
+    std::unique_ptr<Woodbury> woodbury_;
     std::vector<double> b_, r_;
     double last_residual_ = 0;
 };

@@ -4,62 +4,83 @@
 
 #include "core/check.h"
 
+#include <algorithm>
+
 namespace seldinger {
 
 void LowRank::clear()
 {
-    rank_ = 0;
     u_.clear();
     v_.clear();
-    c_.resize(0, 0);
+    c_.clear();
+    same_sides_ = true;
 }
 
-void LowRank::add(std::span<const std::vector<Entry>> u, const Eigen::MatrixXd& c, std::span<const std::vector<Entry>> v)
+void LowRank::add(std::span<const Column> u, std::span<const double> c)
 {
-    const int more = static_cast<int>(u.size());
-    SEL_ASSERT(c.rows() == more && c.cols() == more && static_cast<int>(v.size()) == more);
+    const bool same = same_sides_;
+    add(u, c, u);
+    same_sides_ = same;
+}
+
+void LowRank::add(std::span<const Column> u, std::span<const double> c, std::span<const Column> v)
+{
+    const std::size_t before = u_.size(), more = u.size(), all = before + more;
+    SEL_ASSERT(c.size() == more * more && v.size() == more);
+    std::vector<double> joined(all * all);
+    for (std::size_t k = 0; k < before; ++k) std::copy_n(&c_[k * before], before, &joined[k * all]);
+    for (std::size_t k = 0; k < more; ++k) std::copy_n(&c[k * more], more, &joined[(before + k) * all + before]);
+    c_ = std::move(joined);
     u_.insert(u_.end(), u.begin(), u.end());
     v_.insert(v_.end(), v.begin(), v.end());
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rank_ + more, rank_ + more);
-    all.topLeftCorner(rank_, rank_) = c_;
-    all.bottomRightCorner(more, more) = c;
-    c_ = all;
-    rank_ += more;
+    same_sides_ = false;
 }
 
-Eigen::VectorXd LowRank::onto_v(std::span<const double> x) const
+void LowRank::onto_v(std::span<const double> x, std::span<double> z) const
 {
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(rank_);
-    for (int k = 0; k < rank_; ++k)
+    for (int k = 0; k < rank(); ++k) {
+        z[k] = 0;
         for (const auto& [unknown, value] : v_[k]) z[k] += value * x[unknown];
-    return z;
+    }
 }
 
-void LowRank::from_u(const Eigen::VectorXd& z, std::span<double> y) const
+void LowRank::times_c(std::span<const double> z, std::span<double> cz) const
 {
-    for (int k = 0; k < rank_; ++k)
+    for (int k = 0; k < rank(); ++k) {
+        cz[k] = 0;
+        for (int l = 0; l < rank(); ++l) cz[k] += c(k, l) * z[l];
+    }
+}
+
+void LowRank::add_u(std::span<const double> z, std::span<double> y) const
+{
+    for (int k = 0; k < rank(); ++k)
         for (const auto& [unknown, value] : u_[k]) y[unknown] += value * z[k];
 }
 
 void LowRank::add_product(std::span<const double> x, std::span<double> y) const
 {
     if (empty()) return;
-    from_u(c_ * onto_v(x), y);
+    std::vector<double> z(u_.size()), cz(u_.size());
+    onto_v(x, z);
+    times_c(z, cz);
+    add_u(cz, y);
 }
 
 void LowRank::add_column(int j, double x_j, std::span<double> y) const
 {
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(rank_);
-    for (int k = 0; k < rank_; ++k)
+    std::vector<double> z(u_.size()), cz(u_.size());
+    for (int k = 0; k < rank(); ++k)
         for (const auto& [unknown, value] : v_[k])
             if (unknown == j) z[k] += value * x_j;
-    from_u(c_ * z, y);
+    times_c(z, cz);
+    add_u(cz, y);
 }
 
 void LowRank::drop_rows(std::span<const unsigned char> drop)
 {
     for (auto* columns : {&u_, &v_})
-        for (auto& column : *columns) std::erase_if(column, [&](const Entry& entry) { return drop[entry.unknown] != 0; });
+        for (Column& column : *columns) std::erase_if(column, [&](const Entry& entry) { return drop[entry.unknown] != 0; });
 }
 
 }  // namespace seldinger

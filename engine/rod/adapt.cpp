@@ -1,3 +1,5 @@
+// Which edges are split and which nodes are merged away, by the measures of adapt.h.
+
 #include "rod/adapt.h"
 
 #include "core/check.h"

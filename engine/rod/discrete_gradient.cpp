@@ -1,3 +1,5 @@
+// Discrete gradients of stretching, bending and twist, stencil by stencil.
+
 #include "rod/discrete_gradient.h"
 
 #include "core/check.h"

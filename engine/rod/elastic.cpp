@@ -314,7 +314,7 @@ struct Walk {
         return s;
     }
 
-    /// (D1). Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force. Safe drops the second term in compression, where it
+    /// (D1). Hessian: EA/rest t t^T + N/|e| (1 - t t^T), N the axial force. Projected drops the second term in compression, where it
     /// is negative: the buckling term.
     void stretch_blocks(int first, Lanes (&xx)[9]) const
     {
@@ -322,7 +322,7 @@ struct Walk {
         const LaneMask edges = first_lanes(left);
         const Lanes3 t = load_lanes3(frames.tangent, first);
         Lanes force = tension(first);
-        if (mode == HessianMode::Safe) force = force > 0 ? force : Lanes{};
+        if (mode == HessianMode::Projected) force = force > 0 ? force : Lanes{};
         const Lanes lateral = force / load_lanes(&frames.edge_length[first]);
         const Lanes axial = load_lanes(&rod.stretch_stiffness[first], left, 0) / load_lanes(&rod.rest_length[first], left, 1);
         for (int i = 0; i < 3; ++i)

@@ -74,7 +74,8 @@ struct RodFrames {
     int clamp_count = 0;
 };
 
-enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite per stencil, never indefinite
+/// Projected: to positive semidefinite, stencil by stencil (PSD projection); never indefinite.
+enum class HessianMode { None, Exact, Projected };
 
 /// Frames, curvature and twist at `trial`. O(n), no allocation. @return false where there is no such configuration: an edge of
 /// length 0, two edges (or edge and clamp) folded to pi, an edge turned by pi since the accepted state, anything not finite.
@@ -99,7 +100,7 @@ enum class HessianMode { None, Exact, Safe };  // Safe: positive semidefinite pe
 /// frames between iterations of a static solve, or test the residual instead, when that matters.
 ///
 /// `Exact` is the symmetric part of the derivative of this gradient, = d2E/dq2 at the accepted state.
-/// `Safe`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
+/// `Projected`: see rod/pair.h for bending and twist; stretch without the geometric term of a compressed edge.
 void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, std::span<double> gradient,
                  BandRows* hessian, HessianMode mode);
 

@@ -19,21 +19,21 @@
 // with the frame taken at a share lambda = 1/2 + mu of the twist, counted from e: mu = 0 between edges, +1/2 at a clamp that
 // is the tip-side partner (the frame is f's), -1/2 at one on the hub side.
 //
-// **Hessian, Safe.** Newton needs a descent direction, so each stencil must be positive semidefinite; an eigenvalue
+// **Hessian, projected.** Newton needs a descent direction, so each stencil must be positive semidefinite; an eigenvalue
 // decomposition of 8x8 per node costs as much as the whole step. In the basis of the stencil (in-plane g = b x t, out of
 // plane b = kb/|kb|) the exact Hessian of W splits, apart from the coupling of an edge's rotation with its own
 // lengthening, into 2x2 blocks whose projection onto the positive ones is known in closed form, c = chi - 1 = cos(phi):
 //     in plane, on the turning angle:   -c W' + sin^2 W''     (Gauss-Newton alone: chi^2 W'^2/(4 g^2))
 //     out of plane, on the difference:  -chi W'/2             (Gauss-Newton alone: g^2)
-// so Safe keeps exact curvature for every change of the turning angle and drops what is indefinite: the common out-of-plane
+// so the projection keeps exact curvature for every change of the turning angle and drops what is indefinite: the common out-of-plane
 // rotation of both edges, (2 - chi) W'/2, and the lengthening coupling, which stretching stiffness (EA l^2/B >= 100 for a
 // wire whose edges are five radii long) keeps from acting. With natural curvature and kappa near it, Gauss-Newton
 // B/l sum_a grad kappa_a grad kappa_a^T is exact. In between the two are blended by s = 1 - kappa.rest_kappa/|kappa|^2 in
 // [0, 1]: a convex combination of positive semidefinite matrices. Twist: Gauss-Newton (dropped: stored moment times the
-// Hessian of the writhe). So near a solution Newton with Safe converges linearly at a rate set by shear force and torque over
+// Hessian of the writhe). So near a solution Newton with it converges linearly at a rate set by shear force and torque over
 // stiffness, and quadratically with Exact, which is what to try first wherever it can be factorised. Measured: a
 // cantilever of 100 nodes whipped through large angles at 1 ms takes 4.0 iterations with either,
-// under axial load 5.3 (Safe) and 4.7 (Exact).
+// under axial load 5.3 (Projected) and 4.7 (Exact).
 
 #include "rod/curvature.h"
 #include "rod/elastic.h"
@@ -125,7 +125,7 @@ inline void add_bend_hessian_exact(const Pair& p, double stiffness, PairTerms& o
     out.ef += outer((d2 * p.inv_e * p.inv_f) * fe, ef) + d1 * chi.ef;
 }
 
-/// Safe Hessian: omega (projector on b) + alpha (projector on g) in each block, written so that nothing is singular in a
+/// Projected Hessian: omega (projector on b) + alpha (projector on g) in each block, written so that nothing is singular in a
 /// straight wire: b b^T = 1 - t t^T - g g^T, sin^2 g_e g_e^T = fe fe^T, and gamma = (alpha - omega)/sin^2.
 /// @param s      1: no natural curvature felt, projected exact Hessian; 0: Gauss-Newton
 /// @param share  1 between edges; 1 - |kb|^2/4 = 2 c/chi at a clamp whose frame follows the edge (Gauss-Newton's d kappa/dx
@@ -223,7 +223,7 @@ inline void add_bend(const Pair& p, double stiffness, const RestBend& rest, Hess
     add_bend_gradient(p, stiffness, out);
     if (!straight) add_rest_bend(p, stiffness, rest, mode, out);
     if (mode == HessianMode::Exact) add_bend_hessian_exact(p, stiffness, out);
-    if (mode != HessianMode::Safe) return;
+    if (mode != HessianMode::Projected) return;
     if (straight) return add_bend_hessian_safe(p, stiffness, 1, 1, out);
 
     const Eigen::Vector2d kappa = kappa_in(p, rest.n1);

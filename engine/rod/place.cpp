@@ -1,3 +1,5 @@
+// Shapes that a wire can be placed along.
+
 #include "rod/place.h"
 
 #include "core/error.h"

@@ -1,3 +1,5 @@
+// Memory of all wires, and the order of its arrays.
+
 #include "rod/rod_arrays.h"
 
 #include "core/check.h"

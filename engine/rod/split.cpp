@@ -1,3 +1,5 @@
+// Splitting and merging edges with what the wire carries kept.
+
 #include "rod/split.h"
 
 #include "core/check.h"

@@ -1,3 +1,5 @@
+// Sections of a wire: which one is at a material coordinate.
+
 #include "rod/wire_spec.h"
 
 #include <algorithm>

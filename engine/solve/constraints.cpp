@@ -1,3 +1,5 @@
+// Where holds, loads and links act: points of the wire found by their material distance, times by their keys.
+
 #include "solve/constraints.h"
 
 #include "core/error.h"

@@ -1,3 +1,5 @@
+// The sums that energy made is told from.
+
 #include "solve/energy_balance.h"
 
 namespace seldinger {

@@ -51,9 +51,9 @@ void LinearModel::factorise(bool shortened, const ForceTerms& terms)
     if (indefinite == 0 || (projected_steps_ >= 3 && indefinite < problem_.size())) return;
     unsymmetric_ = whole;
     ++projected_steps_;
-    if (factorise_with(HessianMode::Safe, terms) < problem_.size() || !unsymmetric_) return;
+    if (factorise_with(HessianMode::Projected, terms) < problem_.size() || !unsymmetric_) return;
     unsymmetric_ = false;
-    (void)factorise_with(HessianMode::Safe, terms);
+    (void)factorise_with(HessianMode::Projected, terms);
 }
 
 void LinearModel::factorise_shifted(const ForceTerms& terms)
@@ -61,7 +61,7 @@ void LinearModel::factorise_shifted(const ForceTerms& terms)
     unsymmetric_ = problem_.unsymmetric();
     int raised = factorise_with(HessianMode::Exact, terms);
     for (int attempt = 0; attempt < 12 && raised > 0; ++attempt) raised = raise_shift(std::max(4 * shift, smallest_shift));
-    if (raised > 0) (void)factorise_with(HessianMode::Safe, terms);
+    if (raised > 0) (void)factorise_with(HessianMode::Projected, terms);
 }
 
 bool LinearModel::stable(const ForceTerms& terms)

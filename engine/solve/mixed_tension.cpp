@@ -76,7 +76,7 @@ void MixedTension::change_tangent(const EdgeStretch& now, HessianMode mode, bool
 {
     using Mat3 = Eigen::Matrix3d;
     const RodView& rod = now.rod;
-    const double least = mode == HessianMode::Safe ? 0.0 : -std::numeric_limits<double>::infinity();
+    const double least = mode == HessianMode::Projected ? 0.0 : -std::numeric_limits<double>::infinity();
     for (int j = 0; j < rod.n - 1; ++j) {
         const Vec3& t = now.frames.tangent[j];
         const double tension = std::max(predicted_[j], least), at_end = now.frames.edge_length[j];

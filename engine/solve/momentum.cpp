@@ -1,3 +1,5 @@
+// The balance of momentum, gathered from what each term is reported from.
+
 #include "solve/momentum.h"
 
 #include "solve/solver.h"

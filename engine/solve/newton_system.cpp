@@ -1,4 +1,4 @@
-// The driver of Newton's method for one system: first guess, decision at each trial, new direction and trial.
+// The driver of Newton's method for one system: decision at each trial, new direction and trial. How it starts: newton_start.cpp.
 
 #include "solve/newton_system.h"
 
@@ -6,13 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace seldinger {
 
 namespace {
 
-constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils are safe far beyond it
 constexpr int most_chord_steps = 4;
 constexpr int most_mode_perturbations = 3;
 
@@ -30,75 +28,6 @@ void NewtonSystem::prefetch(SolveStage next) const
     if (next != SolveStage::Advance) return;
     for (const auto* array : {&base_, &base_residual_, &direction_}) seldinger::prefetch(*array, problem.size());
     model_.prefetch();
-}
-
-SolveReport NewtonSystem::report(const WireProblem& wire) const
-{
-    SolveReport report;
-    report.converged = converged();
-    report.best_effort = converged() && settling_;
-    report.non_finite = non_finite_;
-    report.iterations = iterations_;
-    report.evaluations = evaluations_;
-    report.residual = wire.norm;
-    report.tolerance = wire.tolerance + wire.rounding;
-    report.force_scale = wire.force_scale;
-    return report;
-}
-
-// ---- first guess: the accepted state moved on with its velocity -------------------------------------------------------
-
-void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
-{
-    options_ = options;
-    move_limit_ = std::numeric_limits<double>::infinity();
-    phase_ = Phase::Guess;
-    non_finite_ = shortened_ = settling_ = false;
-    iterations_ = first_iteration_ = evaluations_ = backtracks_ = mode_perturbations_ = jumps_passed_ = 0;
-    contraction_ = 0;
-    for (WireProblem* wire : problem.solved()) {
-        move_limit_ = std::min(move_limit_, terms.move_limit(wire->wire));
-        wire->norm = wire->rounding = 0;
-    }
-    model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
-    if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
-
-    for (const WireProblem* wire : problem.solved()) {
-        double* move = guess_.data() + (wire->q.start.data() - problem.start.data());
-        for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
-    }
-    const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
-    double fraction = 1;
-    if (move > move_limit_) fraction = move_limit_ / move;
-    if (turn * fraction > largest_edge_turn) fraction = largest_edge_turn / turn;
-    set_guess(std::isfinite(fraction) && move > 0 ? fraction : 0);
-}
-
-// A prescribed unknown that the guess all but meets is set exactly; one that it does not becomes part of the first direction.
-void NewtonSystem::set_guess(double fraction)
-{
-    guess_fraction_ = fraction;
-    const double met = 1e-6 * problem.length_scale();
-    for (int i = 0; i < problem.size(); ++i) {
-        problem.trial[i] = fraction == 0 ? problem.start[i] : problem.start[i] + fraction * guess_[i];
-        if (problem.prescribed[i] && std::abs(problem.prescribed_value[i] - problem.trial[i]) < met)
-            problem.trial[i] = problem.prescribed_value[i];
-    }
-}
-
-void NewtonSystem::resume()
-{
-    phase_ = Phase::Guess;
-    guess_fraction_ = 0;
-    model_.shift = 0;
-    shortened_ = false;
-    first_iteration_ = iterations_;
-}
-
-void NewtonSystem::stop_short()
-{
-    settling_ = options_.best_effort;
-    phase_ = settling_ ? Phase::Done : Phase::Failed;
 }
 
 // ---- one iteration ----------------------------------------------------------------------------------------------------------

@@ -70,8 +70,10 @@ private:
     enum class Phase { Guess, Search, Done, Failed };
     enum class Jump { None, Turns, Passed };
 
-    // the driver (newton_system.cpp)
+    // the start (newton_start.cpp)
     void set_guess(double fraction);
+
+    // the driver (newton_system.cpp)
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
     void take_linearised();
     void take_base();
@@ -101,6 +103,8 @@ private:
     void perturb_along_softest_mode();
 
     [[nodiscard]] std::span<double> part(std::span<double> v) const { return v.first(static_cast<std::size_t>(problem.size())); }
+
+    static constexpr double largest_edge_turn = 0.5;  // [rad] in one update; frames and stencils hold far beyond it
 
     LinearModel model_;
     NewtonOptions options_;

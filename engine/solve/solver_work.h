@@ -26,4 +26,12 @@ struct Solver::Workspaces {
     std::vector<std::unique_ptr<SystemProblem::Workspace>> of_thread;
 };
 
+void Solver::for_each_system(SolveStage stage, const auto& body)
+{
+    for_each_item(system_count(), wire_grain, [&](int s) {
+        prefetch_after(s, stage);
+        body(s);
+    });
+}
+
 }  // namespace seldinger

@@ -92,7 +92,7 @@ void WireProblem::set_stiffness_damping(const IntegratorSpec& spec)
     if (damping_stiffness_ == 0) return;
     damping_.reset(size());
     if (!update()) return;  // a broken start is found out by the first evaluation
-    add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Safe);
+    add_elastic(rod, clamps, frames, {}, &damping_, HessianMode::Projected);
 }
 
 void WireProblem::take_spins_in()

@@ -40,7 +40,7 @@ MatrixXd dense(const BandMatrix& band)
     return a;
 }
 
-using Columns = std::vector<std::vector<LowRank::Entry>>;
+using Columns = std::vector<LowRank::Column>;
 
 /// A spring between nodes a and b: one column for each coordinate.
 Columns between(int a, int b)
@@ -49,6 +49,15 @@ Columns between(int a, int b)
     for (int c = 0; c < RodDofs::coordinates; ++c)
         columns.push_back({{RodDofs::position(a, c), 1.0}, {RodDofs::position(b, c), -1.0}});
     return columns;
+}
+
+/// Of a symmetric or unsymmetric C, row by row.
+std::vector<double> rows_of(const MatrixXd& c)
+{
+    std::vector<double> rows;
+    for (int k = 0; k < c.rows(); ++k)
+        for (int l = 0; l < c.cols(); ++l) rows.push_back(c(k, l));
+    return rows;
 }
 
 MatrixXd dense(const Columns& columns)
@@ -108,8 +117,8 @@ TEST_SUITE("math/banded_solver")
         MatrixXd stiffness(3, 3);
         stiffness << 50, 3, 1, 3, 40, 2, 1, 2, 70;
         const Columns near = between(0, 13), far = between(2, 9);
-        solver.columns.add(near, stiffness);
-        solver.columns.add(far, 1e4 * stiffness);
+        solver.columns.add(near, rows_of(stiffness));
+        solver.columns.add(far, rows_of(1e4 * stiffness));
         CHECK(solver.factor_symmetric() == 0);
         const MatrixXd a = dense(solver.band) + dense(near) * stiffness * dense(near).transpose() +
                            1e4 * dense(far) * stiffness * dense(far).transpose();
@@ -127,7 +136,7 @@ TEST_SUITE("math/banded_solver")
         MatrixXd c(3, 3);
         c << 0, 5, 1, -4, 0, 2, 7, 1, 0;  // neither symmetric nor definite
         const Columns u = between(1, 12), v = between(3, 8);
-        solver.columns.add(u, c, v);
+        solver.columns.add(u, rows_of(c), v);
         CHECK(solver.factor_unsymmetric() < size);
         const MatrixXd a = dense(solver.band) + dense(u) * c * dense(v).transpose();
         const VectorXd b = any_vector();
@@ -146,7 +155,7 @@ TEST_SUITE("math/banded_solver")
             MatrixXd c = MatrixXd::Zero(3, 3);
             c.diagonal() << weakest, 20, 1.5 * weakest;
             const Columns u = between(0, 11);
-            solver.columns.add(u, c);
+            solver.columns.add(u, rows_of(c));
             const MatrixXd a = dense(solver.band), low = dense(u);
             const int negative = negative_eigenvalues(a + low * c * low.transpose());
             REQUIRE(negative == (weakest < -1 ? 2 : 0));
@@ -179,7 +188,7 @@ TEST_SUITE("math/banded_solver")
         Columns anchors;
         for (int c = 0; c < RodDofs::per_node; ++c) anchors.push_back({{c, 1.0}});
         const MatrixXd stiffness = 2 * MatrixXd::Identity(RodDofs::per_node, RodDofs::per_node);
-        solver.columns.add(anchors, stiffness);
+        solver.columns.add(anchors, rows_of(stiffness));
         REQUIRE(solver.factor_symmetric() == 0);
         const MatrixXd a = dense(solver.band) + dense(anchors) * stiffness * dense(anchors).transpose();
         const VectorXd b = any_vector();
@@ -196,7 +205,7 @@ TEST_SUITE("math/banded_solver")
         fill_band(solver.band, rng, 0.1);
         const MatrixXd stiffness = 30 * MatrixXd::Identity(3, 3);
         const Columns u = between(0, 13);
-        solver.columns.add(u, stiffness);
+        solver.columns.add(u, rows_of(stiffness));
         const MatrixXd a = dense(solver.band) + dense(u) * stiffness * dense(u).transpose();
         const int held = RodDofs::position(13, 1);
         const double value = 0.7;

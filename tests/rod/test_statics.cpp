@@ -248,7 +248,7 @@ TEST_SUITE("rod/elastic")
         for (int j = 0; j < n - 1; ++j) CHECK(wire.rod.theta[j] == about(6 * pi * (j + 0.5) / (n - 1)).epsilon(1e-10));
     }
 
-    // Euler: clamped-free, P = pi^2 B/(4 L^2). The exact Hessian loses its definiteness there, whatever Safe says.
+    // Euler: clamped-free, P = pi^2 B/(4 L^2). The exact Hessian loses its definiteness there, whatever the projected one says.
     TEST_CASE("analytic: the Hessian turns indefinite at Euler's load")
     {
         const int n = 41;
@@ -301,7 +301,7 @@ TEST_SUITE("rod/elastic")
         hold_position(held, n - 1);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(RodDofs::count(n));
         load[1] = 3;
-        const int used = equilibrate(wire, load, held, HessianMode::Safe, 1e-7, 400, 0.05);
+        const int used = equilibrate(wire, load, held, HessianMode::Projected, 1e-7, 400, 0.05);
         CAPTURE(used);
         CHECK(used >= 0);
         CHECK(wire.rod.y[0] == about(0.60325).epsilon(2e-3));  // [Mattiasson81], P L^2/B = 3; h^2 = 6e-4

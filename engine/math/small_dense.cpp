@@ -1,0 +1,103 @@
+// LU, Cholesky and Jacobi's eigenvalues of small dense matrices [Golub13, sec. 3.4, 4.2, 8.5].
+
+#include "math/small_dense.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+void SmallLu::factor(const SmallMatrix& matrix)
+{
+    lu_ = matrix;
+    const int n = lu_.size();
+    row_.assign(n, 0);
+    sign_ = 1;
+    for (int k = 0; k < n; ++k) {
+        int best = k;
+        for (int i = k + 1; i < n; ++i)
+            if (std::abs(lu_(i, k)) > std::abs(lu_(best, k))) best = i;
+        row_[k] = best;
+        for (int j = 0; j < n && best != k; ++j) std::swap(lu_(k, j), lu_(best, j));
+        if (best != k) sign_ = -sign_;
+        if (lu_(k, k) < 0) sign_ = -sign_;
+        if (lu_(k, k) == 0) sign_ = 0;
+        for (int i = k + 1; i < n; ++i) {
+            const double multiplier = lu_(i, k) /= lu_(k, k);
+            for (int j = k + 1; j < n; ++j) lu_(i, j) -= multiplier * lu_(k, j);
+        }
+    }
+}
+
+void SmallLu::solve(std::span<double> x) const
+{
+    const int n = lu_.size();
+    for (int k = 0; k < n; ++k) std::swap(x[k], x[row_[k]]);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < i; ++j) x[i] -= lu_(i, j) * x[j];
+    for (int i = n - 1; i >= 0; --i) {
+        for (int j = i + 1; j < n; ++j) x[i] -= lu_(i, j) * x[j];
+        x[i] /= lu_(i, i);
+    }
+}
+
+namespace {
+
+/// Rotates rows and columns p and q of `a` so that a(p, q) becomes 0.
+void rotate(SmallMatrix& a, SmallMatrix& vectors, int p, int q)
+{
+    if (a(p, q) == 0) return;
+    const double cot = (a(q, q) - a(p, p)) / (2 * a(p, q));
+    const double t = (cot >= 0 ? 1 : -1) / (std::abs(cot) + std::sqrt(1 + cot * cot));
+    const double c = 1 / std::sqrt(1 + t * t), s = t * c;
+    for (int k = 0; k < a.size(); ++k) {
+        const double kp = a(k, p), kq = a(k, q);
+        a(k, p) = c * kp - s * kq;
+        a(k, q) = s * kp + c * kq;
+    }
+    for (int k = 0; k < a.size(); ++k) {
+        const double pk = a(p, k), qk = a(q, k), vp = vectors(k, p), vq = vectors(k, q);
+        a(p, k) = c * pk - s * qk;
+        a(q, k) = s * pk + c * qk;
+        vectors(k, p) = c * vp - s * vq;
+        vectors(k, q) = s * vp + c * vq;
+    }
+}
+
+}  // namespace
+
+SmallModes::SmallModes(SmallMatrix a) : vectors(a.size())
+{
+    constexpr int most_sweeps = 30;  // convergence is quadratic: 6 to 10 are the rule
+    const int n = a.size();
+    for (int k = 0; k < n; ++k) vectors(k, k) = 1;
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        double off = 0, all = 0;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) (i == j ? all : off) += a(i, j) * a(i, j);
+        if (!(off > 1e-30 * all)) break;
+        for (int p = 0; p < n; ++p)
+            for (int q = p + 1; q < n; ++q) rotate(a, vectors, p, q);
+    }
+    for (int k = 0; k < n; ++k) values.push_back(a(k, k));
+}
+
+SmallMatrix small_cholesky(const SmallMatrix& symmetric)
+{
+    const int n = symmetric.size();
+    SmallMatrix l(n);
+    for (int j = 0; j < n; ++j) {
+        double pivot = symmetric(j, j);
+        for (int k = 0; k < j; ++k) pivot -= l(j, k) * l(j, k);
+        if (!(pivot > 1e-14 * std::abs(symmetric(j, j)))) continue;
+        l(j, j) = std::sqrt(pivot);
+        for (int i = j + 1; i < n; ++i) {
+            double entry = symmetric(i, j);
+            for (int k = 0; k < j; ++k) entry -= l(i, k) * l(j, k);
+            l(i, j) = entry / l(j, j);
+        }
+    }
+    return l;
+}
+
+}  // namespace seldinger
