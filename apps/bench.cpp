@@ -59,12 +59,12 @@ void measure_kernels(const Options& options, BenchResults& results)
     const bool fp64 = results.device.fp64;
     Context context(options.device, !fp64);
     show(options, "peaks");
-    for (const Lane lane : {Lane::Light, Lane::Heavy}) {
+    for (const Queue queue : {Queue::Inline, Queue::Pool}) {
         stop_when_asked();
-        if (lane == Lane::Light && !context.two_lanes()) continue;
-        results.peaks.push_back(measure_peaks(context, lane, how.repeats, options.quick ? 48 : 384));
+        if (queue == Queue::Inline && !context.two_queues()) continue;
+        results.peaks.push_back(measure_peaks(context, queue, how.repeats, options.quick ? 48 : 384));
     }
-    if (!context.two_lanes()) how.light.clear();
+    if (!context.two_queues()) how.light.clear();
     const kernel_bench::BenchWall wall = kernel_bench::make_bench_wall(context);
     const auto work = kernel_bench::count_work(wall, 4800);
     show(options, "kernels");

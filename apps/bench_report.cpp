@@ -51,7 +51,7 @@ Table device_table(const BenchResults& r)
     Table table;
     for (const device::Peaks& p : r.peaks) {
         Row row = origin(r);
-        row.update({{"lane", p.lane},
+        row.update({{"lane", p.queue},
                     {"compute_units", r.device.compute_units},
                     {"gb_per_s", rounded(p.bandwidth / 1e9)},
                     {"cached_gb_per_s", rounded(p.cached_bandwidth / 1e9)},
@@ -76,7 +76,7 @@ Table kernel_table(const BenchResults& r)
         Row row = origin(r);
         row.update({{"kernel", t.kernel},
                     {"precision", t.float32 ? "float32" : "float64"},
-                    {"lane", t.lane},
+                    {"lane", t.queue},
                     {"items", t.items},
                     {"time_us", rounded(1e6 * t.time)},
                     {"ns_per_item", rounded(1e9 * t.time / static_cast<double>(t.items))},
@@ -146,7 +146,7 @@ std::string csv(const Table& table)
 
 const device::Peaks& peaks_of(const std::string& lane, const std::vector<device::Peaks>& peaks)
 {
-    const auto found = std::find_if(peaks.begin(), peaks.end(), [&](const device::Peaks& p) { return p.lane == lane; });
+    const auto found = std::find_if(peaks.begin(), peaks.end(), [&](const device::Peaks& p) { return p.queue == lane; });
     return found != peaks.end() ? *found : peaks.front();
 }
 
@@ -154,7 +154,7 @@ const device::Peaks& peaks_of(const std::string& lane, const std::vector<device:
 
 double share_of_peak(const kernel_bench::KernelTiming& t, const std::vector<device::Peaks>& peaks)
 {
-    const device::Peaks& p = peaks_of(t.lane, peaks);
+    const device::Peaks& p = peaks_of(t.queue, peaks);
     // the time that the launch would take at the higher of the two limits, over what it took
     return std::max(t.flops / (t.float32 ? p.flops_float : p.flops_double), t.bytes / std::max(p.cached_bandwidth, p.bandwidth)) /
            t.time;
@@ -197,7 +197,7 @@ std::string bench_summary(const BenchResults& r)
     std::string text = fmt::format("{} ({}, {}): commit {}\n\n", r.device.name, r.device.type, r.chosen, SELDINGER_COMMIT);
     for (const device::Peaks& p : r.peaks) {
         text += fmt::format("{:6} {:.1f} GB/s from memory, {:.1f} from cache; {:.1f} GFLOP/s in float ({} wide; {:.1f} scalar)",
-                            p.lane, p.bandwidth / 1e9, p.cached_bandwidth / 1e9, p.flops_float / 1e9, p.width_float,
+                            p.queue, p.bandwidth / 1e9, p.cached_bandwidth / 1e9, p.flops_float / 1e9, p.width_float,
                             p.scalar_float / 1e9);
         if (p.flops_double > 0)
             text += fmt::format(", {:.1f} in double ({} wide; {:.1f} scalar)", p.flops_double / 1e9, p.width_double,
@@ -209,7 +209,7 @@ std::string bench_summary(const BenchResults& r)
                         "us", "ns/item", "Mpairs/s", "GFLOP/s", "GB/s", "roof");
     for (const kernel_bench::KernelTiming& t : r.kernels)
         text += fmt::format("{:20} {:8} {:6} {:7} {:11.2f} {:9.1f} {:10.2f} {:9.3f} {:8.2f} {:6.1f}%\n", t.kernel,
-                            t.float32 ? "float32" : "float64", t.lane, t.items, 1e6 * t.time,
+                            t.float32 ? "float32" : "float64", t.queue, t.items, 1e6 * t.time,
                             1e9 * t.time / static_cast<double>(t.items), t.pairs / t.time / 1e6, t.flops / t.time / 1e9,
                             t.bytes / t.time / 1e9, 100 * share_of_peak(t, r.peaks));
     if (!r.scenes.empty())

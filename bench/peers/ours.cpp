@@ -116,7 +116,7 @@ private:
         }
     }
 
-    static constexpr device::Lane lane = device::Lane::Heavy;
+    static constexpr device::Queue lane = device::Queue::Pool;
     device::Context context_;
     device::Kernel capsule_, nearest_;
     device::Buffer nodes_, vertices_, queries_, points_, found_, counts_, closest_, triangles_;

@@ -28,7 +28,7 @@ bool collect(RTCPointQueryFunctionArguments* args)
     return false;
 }
 
-bool shrink(RTCPointQueryFunctionArguments* args)
+bool radius_reduction(RTCPointQueryFunctionArguments* args)
 {
     auto& asked = *static_cast<Asked*>(args->userPtr);
     seldinger::vec3 point;
@@ -145,7 +145,7 @@ public:
         on_two_threads(problem.points.size(), [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 Asked asked{&problem, k};
-                ask(problem.points[k], 1.0, shrink, asked);
+                ask(problem.points[k], 1.0, radius_reduction, asked);
                 out[k] = std::sqrt(asked.best2);
             }
         });

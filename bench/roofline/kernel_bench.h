@@ -1,9 +1,9 @@
 #pragma once
 // Every contact kernel by itself on a made-up load of realistic size, with the work that it does counted: for `seldinger bench`.
 //
-// The load: wires of 300 samples and 61 nodes that lie in the wall of a tube (radius 10 mm, length 0.3 m, about 30,000 triangles)
-// along helices of their own, one radius apart as samples are, within a few micrometres of touching: so that about half of them
-// touch.
+// The load: wires of 300 quadrature points and 61 nodes that lie in the wall of a tube (radius 10 mm, length 0.3 m, about 30,000
+// triangles) along helices of their own, one radius apart as quadrature points are, within a few micrometres of touching: so that
+// about half of them touch.
 //
 // Includes nothing of kernels/shared: those headers are compiled in double, in float and with numbers that count
 // (kernel_bench_*.cpp).
@@ -19,7 +19,7 @@ namespace seldinger::kernel_bench {
 struct BenchWall {
     std::vector<unsigned char> nodes;  // TreeNode
     std::vector<float> vertices;
-    std::vector<std::uint32_t> rims;
+    std::vector<std::uint32_t> boundary;
     std::size_t triangles = 0;
     double radius = 0.01, length = 0.3;  // along x through the origin [m]
 };
@@ -34,23 +34,24 @@ struct KernelWork {
 };
 
 struct KernelTiming {
-    std::string kernel, lane;
+    std::string kernel, queue;
     bool float32 = false;
     std::size_t items = 0;
     double time = 0;   // of a launch that is waited for, median [s]
-    double pairs = 0;  // of a sample and a cell of the tree (walk.h); reduce, start, multipliers: samples; layer: pairs
+    double pairs = 0;  // of a quadrature point and a BVH node of the tree (walk.h); reduce, start, multipliers: quadrature
+                       // points; layer: pairs
     double flops = 0;  // of the launch
     double bytes = 0;  // read and written by the launch, however often: traffic between a core and its nearest cache
 };
 
 struct KernelBenchOptions {
-    std::vector<std::size_t> light = {300, 4800}, heavy = {4800, 76800};  // samples in a launch: 1, 16 and 256 wires
+    std::vector<std::size_t> light = {300, 4800}, heavy = {4800, 76800};  // quadrature points in a launch: 1, 16 and 256 wires
     int repeats = 5;
     double least = 2e-3;  // of one timing [s]
 };
 
-/// Counted with the host twins on `samples` samples.
-[[nodiscard]] std::vector<KernelWork> count_work(const BenchWall& wall, std::size_t samples);
+/// Counted with the host references on `quadrature points` quadrature points.
+[[nodiscard]] std::vector<KernelWork> count_work(const BenchWall& wall, std::size_t points);
 
 /// All kernels, in the precision of the context.
 [[nodiscard]] std::vector<KernelTiming> time_kernels(device::Context& context, const BenchWall& wall,

@@ -18,13 +18,13 @@ BenchWall make_bench_wall(device::Context& context)
     spec.triangles = 30000;
     const WallMesh mesh = make_tube(spec).mesh;
     const WallTree tree = build_wall_tree(mesh);
-    const DeviceWall on_device(context, tree, mesh);
+    const DeviceWall on_device(context, tree, mesh, 0);
     wall.triangles = tree.triangle_count();
     wall.nodes.resize(tree.nodes.size() * sizeof(TreeNode));
     std::memcpy(wall.nodes.data(), tree.nodes.data(), wall.nodes.size());
     wall.vertices = tree.vertices;
-    wall.rims.resize(wall.triangles);
-    context.read(device::Lane::Light, on_device.rims, wall.rims.data(), wall.triangles * sizeof(std::uint32_t));
+    wall.boundary.resize(wall.triangles);
+    context.read(device::Queue::Inline, on_device.boundary, wall.boundary.data(), wall.triangles * sizeof(std::uint32_t));
     return wall;
 }
 

@@ -1,7 +1,9 @@
 // The load of the kernel bench: compiled in double, in float, and with numbers that count, each under a namespace of its own
 // (kernel_bench_double.cpp, kernel_bench_float32.cpp, kernel_bench_work.cpp).
-#include "shared/hard_step.h"
+#include "shared/barrier_path.h"
+#include "shared/edge_sums.h"
 #include "shared/layer.h"
+#include "shared/multipliers.h"
 #include "shared/sweep.h"
 
 #include <algorithm>
@@ -29,31 +31,38 @@ double draw(uint k, double lo, double hi)
 struct Load {
     std::vector<float> hi, hi_t0;
     std::vector<real> lo, lo_t0, theta, theta_t0;
-    std::vector<uint> list, first;  // samples in order; of each edge its first
-    std::vector<SampleModel> models;
-    std::vector<SamplePlace> places;
-    std::vector<TouchState> touches_t0;
-    std::vector<HardState> hard;
+    std::vector<uint> list, first;  // quadrature points in order; of each edge its first
+    std::vector<QuadratureModel> models;
+    std::vector<QuadraturePlace> places;
+    std::vector<ContactState> states_t0;
+    std::vector<MultiplierState> multipliers;
     std::vector<LayerEdge> layer_edges;
     std::vector<TreeNode> nodes;
     ContactParams par{};
 
-    Load(const BenchWall& wall, std::size_t samples)
+    Load(const BenchWall& wall, std::size_t points)
     {
         nodes.resize(wall.nodes.size() / sizeof(TreeNode));
         std::memcpy(nodes.data(), wall.nodes.data(), wall.nodes.size());
         const uint wires =
-            static_cast<uint>((samples + samples_per_edge * edges_per_wire - 1) / (samples_per_edge * edges_per_wire));
-        for (uint w = 0; w < wires; ++w) add_wire(wall, w, samples);
+            static_cast<uint>((points + samples_per_edge * edges_per_wire - 1) / (samples_per_edge * edges_per_wire));
+        for (uint w = 0; w < wires; ++w) add_wire(wall, w, points);
         first.push_back(static_cast<uint>(models.size()));
         par.slots = slots;
         par.friction = SEL_FRICTION_STICK_SLIP;
         par.inv_dt = static_cast<real>(1000.0);
-        par.blend = static_cast<real>(0.002);
+        par.smoothing = static_cast<real>(0.002);
         par.smooth_speed = static_cast<real>(1e-3);
     }
 
-    void add_wire(const BenchWall& wall, uint w, std::size_t samples)
+    [[nodiscard]] WallView view(const BenchWall& wall) const
+    {
+        return wall_view(nodes.data(), wall.vertices.data(), wall.boundary.data());
+    }
+    [[nodiscard]] NodeView now() const { return node_view(hi.data(), lo.data(), theta.data()); }
+    [[nodiscard]] NodeView before() const { return node_view(hi_t0.data(), lo_t0.data(), theta_t0.data()); }
+
+    void add_wire(const BenchWall& wall, uint w, std::size_t points)
     {
         const uint base = static_cast<uint>(theta.size());
         const double turn = draw(3 * w + 1, 0, 6.283), twist = draw(3 * w + 2, -6, 6), spacing = wire_radius;
@@ -73,24 +82,24 @@ struct Load {
             theta.push_back(static_cast<real>(1e-3 * i));
             theta_t0.push_back(static_cast<real>(1e-3 * i - 1e-4));
         }
-        for (uint e = 0; e < edges_per_wire && models.size() < samples; ++e) {
+        for (uint e = 0; e < edges_per_wire && models.size() < points; ++e) {
             first.push_back(static_cast<uint>(models.size()));
             LayerEdge edge{};
             edge.node = base + e;
-            edge.stamp = 9;
+            edge.epoch = 9;
             edge.model = model(1e-3);
             edge.reach = static_cast<real>(wire_radius / 2);
             edge.width = static_cast<real>(wire_radius * (0.25 + 1.75 * wire_radius / wall.radius));
             edge.height = static_cast<real>(1.5 * wire_radius);
             layer_edges.push_back(edge);
-            for (uint k = 0; k < samples_per_edge && models.size() < samples; ++k)
-                add_sample(base + e, (k + 0.5) / samples_per_edge, turn + twist * (e * samples_per_edge + k) * spacing);
+            for (uint k = 0; k < samples_per_edge && models.size() < points; ++k)
+                add_point(base + e, (k + 0.5) / samples_per_edge, turn + twist * (e * samples_per_edge + k) * spacing);
         }
     }
 
-    static SampleModel model(double weight)
+    static QuadratureModel model(double weight)
     {
-        SampleModel m{};
+        QuadratureModel m{};
         m.weight = m.length = static_cast<real>(weight);
         m.radius = static_cast<real>(wire_radius);
         m.reach = static_cast<real>(reach);
@@ -104,40 +113,40 @@ struct Load {
         m.damping = static_cast<real>(1.43);
         m.roll_arm = static_cast<real>(0.04);
         m.roll_depth = static_cast<real>(2 * wire_radius);
-        m.hard_stiffness = static_cast<real>(1e5);
-        m.hard_length = static_cast<real>(1e-5);
+        m.penalty_stiffness = static_cast<real>(1e5);
+        m.law_length = static_cast<real>(1e-5);
         m.line_mass = static_cast<real>(5e-3);
         m.restitution = static_cast<real>(0.5);
         return m;
     }
 
-    void add_sample(uint edge, double bary, double angle)
+    void add_point(uint edge, double bary, double angle)
     {
         list.push_back(static_cast<uint>(models.size()));
         models.push_back(model(wire_radius));
-        SamplePlace p{};
+        QuadraturePlace p{};
         p.edge = p.edge_t0 = edge;
         p.bary = p.bary_t0 = static_cast<real>(bary);
-        p.stamp = 9;
-        p.shrink = static_cast<real>(0.0);
+        p.epoch = 9;
+        p.radius_reduction = static_cast<real>(0.0);
         places.push_back(p);
         for (int side = 0; side < 2; ++side) {
-            TouchState t{};
+            ContactState t{};
             t.normal[1] = static_cast<real>(-std::cos(angle));
             t.normal[2] = static_cast<real>(-std::sin(angle));
             t.slip[0] = static_cast<real>(1e-7);
             t.gap = static_cast<real>(-1e-6);
             t.approach = static_cast<real>(1e-3);
             t.normal_force = static_cast<real>(1e-3);
-            t.flags = SEL_TOUCH_ACTIVE | SEL_TOUCH_STUCK;
-            t.stamp = side == 0 ? 8 : 3;  // one touch lives, as in a wide lumen
-            touches_t0.push_back(t);
-            HardState h{};
+            t.flags = SEL_CONTACT_ACTIVE | SEL_CONTACT_STUCK;
+            t.epoch = side == 0 ? 8 : 3;  // one contact point lives, as in a wide lumen
+            states_t0.push_back(t);
+            MultiplierState h{};
             for (int i = 0; i < 3; ++i) h.normal[i] = t.normal[i];
             h.force = static_cast<real>(0.5);
             h.stiffness = static_cast<real>(1e6);
             h.live = side == 0;
-            hard.push_back(h);
+            multipliers.push_back(h);
         }
     }
 };

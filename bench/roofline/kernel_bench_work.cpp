@@ -1,4 +1,4 @@
-// Operations and loads of every kernel, counted by running its host twin with a number that counts.
+// Operations and loads of every kernel, counted by running its host reference with a number that counts.
 #include "roofline/kernel_bench.h"
 
 #include <array>
@@ -66,41 +66,43 @@ void count(std::vector<KernelWork>& out, const char* kernel, std::size_t items, 
 
 }  // namespace
 
-std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t samples)
+std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t points)
 {
-    const Load s(wall, samples);
+    const Load s(wall, points);
     const std::size_t n = s.models.size(), edges = s.layer_edges.size();
+    const WallView view = s.view(wall);
     std::vector<KernelWork> work;
-    std::vector<uint> cells(n * slots), counts(n);
-    double cell_pairs = 0;
+    std::vector<uint> near_nodes(n * slots), counts(n);
+    const auto point = [&](uint k) {
+        return point_view(k, s.models[k], s.places[k], near_wall_view(view, &near_nodes[k * slots], counts[k]));
+    };
+    double near_pairs = 0;
     count(work, "contact_find", n, [&] {
         for (const uint k : s.list) {
-            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
-            counts[k] = std::min(slots, find_cells(at.offset, at.origin, s.models[k].radius + s.models[k].reach + real(slack),
-                                                   SEL_CELL_SIZE * s.models[k].radius, s.nodes.data(), wall.vertices.data(),
-                                                   slots, &cells[k * slots]));
-            cell_pairs += counts[k];
+            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.now());
+            const real radius = s.models[k].radius;
+            counts[k] = std::min(slots, find_near_nodes(at, radius + s.models[k].reach + real(slack), SEL_NEAR_NODE_SIZE * radius,
+                                                        view, slots, &near_nodes[k * slots]));
+            near_pairs += counts[k];
         }
-        return cell_pairs;
+        return near_pairs;
     });
 
     count(work, "contact_distance", n, [&] {
         for (const uint k : s.list) {
-            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data());
-            (void)wall_distance(at.origin + at.offset, real(1), s.nodes.data(), wall.vertices.data());
+            const AxisPoint at = axis_point(s.places[k].edge, s.places[k].bary, s.now());
+            (void)wall_distance(at.origin + at.offset, real(1), view);
         }
         return static_cast<double>(n);
     });
 
-    std::vector<SampleForce> forces(n);
-    std::vector<TouchState> touches = s.touches_t0;
+    std::vector<ContactForce> forces(n);
+    std::vector<ContactState> states = s.states_t0;
     count(work, "contact_evaluate", n, [&] {
         for (const uint k : s.list)
-            forces[k] =
-                evaluate_sample(k, s.par, s.models[k], s.places[k], &cells[k * slots], counts[k], s.nodes.data(),
-                                wall.vertices.data(), wall.rims.data(), s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(),
-                                s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(), touches.data(), s.hard.data());
-        return cell_pairs;
+            forces[k] = evaluate_point(point(k), s.par, s.now(), s.before(),
+                                       state_view(s.states_t0.data(), states.data(), s.multipliers.data()));
+        return near_pairs;
     });
     std::vector<real> barys(n);
     for (std::size_t k = 0; k < n; ++k) barys[k] = s.places[k].bary;
@@ -110,42 +112,37 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
     });
     ContactParams par = s.par;
     par.normal_law = SEL_NORMAL_AUGMENTED;
-    std::vector<HardState> hard = s.hard;
+    std::vector<MultiplierState> multipliers = s.multipliers;
     count(work, "contact_start", n, [&] {
-        for (std::size_t k = 0; k < 2 * n; ++k) hard[k] = hard_start(s.touches_t0[k], 9, s.models[k / 2], par);
+        for (std::size_t k = 0; k < 2 * n; ++k) multipliers[k] = multiplier_start(s.states_t0[k], 9, s.models[k / 2], par);
         return static_cast<double>(n);
     });
     count(work, "contact_multipliers", n, [&] {
         for (std::size_t k = 0; k < 2 * n; ++k) {
             real ratio = 0;
-            (void)hard_next(hard[k], touches[k], s.touches_t0[k], 9, s.models[k / 2], par, &ratio);
+            (void)multiplier_update(multipliers[k], states[k], s.states_t0[k], 9, s.models[k / 2], par, &ratio);
         }
         return static_cast<double>(n);
     });
     par.normal_law = SEL_NORMAL_BARRIER;
     count(work, "contact_clearance", n, [&] {
-        for (const uint k : s.list)
-            (void)sample_gap(axis_point(s.places[k].edge, s.places[k].bary, s.hi.data(), s.lo.data()), s.models[k], par,
-                             s.touches_t0[2 * k], s.touches_t0[2 * k + 1], 9, &cells[k * slots], counts[k], s.nodes.data(),
-                             wall.vertices.data(), wall.rims.data());
-        return cell_pairs;
+        for (const uint k : s.list) (void)gap_of_point(point(k), par, s.now(), s.states_t0.data());
+        return near_pairs;
     });
     count(work, "contact_sweep", n, [&] {
         for (const uint k : s.list) {
-            const SamplePlace& p = s.places[k];
-            (void)sweep_sample(axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data()),
-                               axis_point(p.edge, p.bary, s.hi.data(), s.lo.data()), s.models[k].radius, &cells[k * slots],
-                               counts[k], s.nodes.data(), wall.vertices.data(), wall.rims.data());
+            const QuadraturePlace& p = s.places[k];
+            (void)sweep_point(axis_point(p.edge, p.bary, s.before()), axis_point(p.edge, p.bary, s.now()), s.models[k].radius,
+                              point(k).near);
         }
-        return cell_pairs;
+        return near_pairs;
     });
     std::vector<uint> found(edges * slots), pair_counts(edges);
     double layer_pairs = 0;
     count(work, "layer_find", edges, [&] {
         for (std::size_t e = 0; e < edges; ++e) {
             real touching;
-            pair_counts[e] = find_pairs(s.layer_edges[e], s.hi.data(), s.lo.data(), s.nodes.data(), wall.vertices.data(), slots,
-                                        &found[e * slots], &touching);
+            pair_counts[e] = find_pairs(s.layer_edges[e], s.now(), view, slots, &found[e * slots], &touching);
             layer_pairs += pair_counts[e] = std::min(pair_counts[e], slots);
         }
         return layer_pairs;
@@ -155,9 +152,8 @@ std::vector<KernelWork> sel_bench::count_work(const BenchWall& wall, std::size_t
             for (uint k = 0; k < pair_counts[e]; ++k) {
                 real bary;
                 const LayerPair pair{static_cast<uint>(e), found[e * slots + k], 0, 0};
-                (void)evaluate_pair(0, s.par, pair, s.layer_edges[e], wall.vertices.data(), s.hi.data(), s.lo.data(),
-                                    s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
-                                    touches.data(), &bary);
+                (void)evaluate_pair(pair, s.layer_edges[e], s.par, s.now(), s.before(), wall.vertices.data(), s.states_t0[0],
+                                    states.data(), &bary);
             }
         return layer_pairs;
     });

@@ -19,7 +19,7 @@ constexpr double least_time = 2e-3;               // [s], a hundred times the re
 using Clock = std::chrono::steady_clock;
 
 /// The best of the vector widths: a processor wants a cache line an item, a graphics card 16 bytes.
-double triad(Context& context, Lane lane, std::size_t bytes, int repeats, double launch)
+double triad(Context& context, Queue queue, std::size_t bytes, int repeats, double launch)
 {
     constexpr std::size_t widest = 16 * sizeof(float) * 1024;  // whole work-groups of any size
     const std::size_t size = std::max<std::size_t>(bytes / 3 / widest, 1) * widest;
@@ -29,8 +29,8 @@ double triad(Context& context, Lane lane, std::size_t bytes, int repeats, double
         Kernel kernel(context, file, ("peak_triad_float" + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Short);
         const double time = median_time(
             [&] {
-                kernel.launch(lane, size / sizeof(float) / width, a, b, c, 0.5f);
-                context.finish(lane);
+                kernel.launch(queue, size / sizeof(float) / width, a, b, c, 0.5f);
+                context.finish(queue);
             },
             repeats, least_time, 0);
         best = std::max(best, 3.0 * static_cast<double>(size) / std::max(time - launch, time / 10));
@@ -38,14 +38,14 @@ double triad(Context& context, Lane lane, std::size_t bytes, int repeats, double
     return best;
 }
 
-double fma_rate(Context& context, Lane lane, const std::string& type, int width, std::size_t size, int repeats)
+double fma_rate(Context& context, Queue queue, const std::string& type, int width, std::size_t size, int repeats)
 {
     const Buffer out(context, fma_items * static_cast<std::size_t>(width) * size);
     Kernel kernel(context, file, ("peak_fma_" + type + (width > 1 ? std::to_string(width) : "")).c_str(), Items::Short);
     const double time = median_time(
         [&] {
-            kernel.launch(lane, fma_items, out, 0.999f);
-            context.finish(lane);
+            kernel.launch(queue, fma_items, out, 0.999f);
+            context.finish(queue);
         },
         repeats, least_time, 0);
     return fma_operations * width * static_cast<double>(fma_items) / time;
@@ -74,32 +74,32 @@ double median_time(const std::function<void()>& call, int repeats, double least,
     return times[static_cast<std::size_t>(rank * (repeats - 1) + 0.5)];
 }
 
-Peaks measure_peaks(Context& context, Lane lane, int repeats, int mega_bytes)
+Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes)
 {
     add_bench_kernels();
     Peaks peaks;
-    peaks.lane = lane == Lane::Light ? "light" : "heavy";
-    context.enter(lane);
+    peaks.queue = queue == Queue::Inline ? "light" : "heavy";
+    context.enter(queue);
     const Buffer data(context, 4096);
     std::vector<char> host(4096, 0);
     Kernel nothing(context, file, "peak_nothing", Items::Short);
     peaks.launch = median_time(
         [&] {
-            nothing.launch(lane, 1, cl_uint{0}, data);
-            context.finish(lane);
+            nothing.launch(queue, 1, cl_uint{0}, data);
+            context.finish(queue);
         },
         repeats, least_time);
     const std::size_t memory = static_cast<std::size_t>(mega_bytes) << 20;
-    peaks.bandwidth = triad(context, lane, memory, repeats, 0);
-    peaks.cached_bandwidth = triad(context, lane, 384 << 10, repeats, peaks.launch);
+    peaks.bandwidth = triad(context, queue, memory, repeats, 0);
+    peaks.cached_bandwidth = triad(context, queue, 384 << 10, repeats, peaks.launch);
     for (const int width : {1, 4, 8, 16}) {
-        const double rate = fma_rate(context, lane, "float", width, 4, repeats);
+        const double rate = fma_rate(context, queue, "float", width, 4, repeats);
         if (width == 1) peaks.scalar_float = rate;
         if (rate > peaks.flops_float) peaks.flops_float = rate, peaks.width_float = width;
     }
     if (!context.float32()) {
         for (const int width : {1, 2, 4, 8}) {
-            const double rate = fma_rate(context, lane, "double", width, 8, repeats);
+            const double rate = fma_rate(context, queue, "double", width, 8, repeats);
             if (width == 1) peaks.scalar_double = rate;
             if (rate > peaks.flops_double) peaks.flops_double = rate, peaks.width_double = width;
         }
@@ -108,16 +108,16 @@ Peaks measure_peaks(Context& context, Lane lane, int repeats, int mega_bytes)
     constexpr int chain = 64;
     const double chained = median_time(
         [&] {
-            for (int k = 0; k < chain; ++k) nothing.launch(lane, 1, cl_uint{0}, data);
-            context.finish(lane);
+            for (int k = 0; k < chain; ++k) nothing.launch(queue, 1, cl_uint{0}, data);
+            context.finish(queue);
         },
         repeats, least_time);
     peaks.chained = (chained - peaks.launch) / (chain - 1);
     peaks.round_trip = median_time(
         [&] {
-            context.write(lane, data, host.data(), host.size());
-            nothing.launch(lane, 1, cl_uint{0}, data);
-            context.read(lane, data, host.data(), host.size());
+            context.write(queue, data, host.data(), host.size());
+            nothing.launch(queue, 1, cl_uint{0}, data);
+            context.read(queue, data, host.data(), host.size());
         },
         repeats, least_time);
     return peaks;

@@ -9,9 +9,9 @@
 
 namespace seldinger::device {
 
-/// One lane of a context. On PoCL's CPU pair `light` is one core, `heavy` all of them; elsewhere they are the same queue.
+/// One queue of a context. On PoCL's CPU pair `light` is one core, `heavy` all of them; elsewhere they are the same queue.
 struct Peaks {
-    std::string lane;                            // "light", "heavy"
+    std::string queue;                           // "light", "heavy"
     double bandwidth = 0;                        // triad from memory, bytes it must move: 3 per element [B/s]
     double cached_bandwidth = 0;                 // the same on arrays of 384 kB in all, less the launch [B/s]
     double flops_float = 0;                      // [1/s], a multiply-add is two; the best vector width
@@ -26,7 +26,7 @@ struct Peaks {
 /// Rates: the best of `repeats` timings of a few milliseconds each, since a roof is what nothing goes above; costs of launches:
 /// medians.
 /// @param mega_bytes  of memory that the triad walks through
-[[nodiscard]] Peaks measure_peaks(Context& context, Lane lane, int repeats, int mega_bytes);
+[[nodiscard]] Peaks measure_peaks(Context& context, Queue queue, int repeats, int mega_bytes);
 
 /// Median (rank 0.5; 0: the shortest) over `repeats` timings of call() [s], each of so many calls in a row that it lasts `least`
 /// seconds; call() must wait for its own end.

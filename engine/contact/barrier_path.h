@@ -1,46 +1,48 @@
 #pragma once
-// What the barrier law needs beside its force: no sample ever passes through the wall between two states that Newton takes
-// (continuous detection, kernels/shared/sweep.h), and samples that a step starts with in overlap are freed (barrier_start in
-// kernels/shared/hard_step.h).
+// What the barrier law needs beside its force: no quadrature point ever passes through the wall between two states that Newton
+// takes (continuous detection, kernels/shared/sweep.h), and quadrature points that a step starts with in overlap are freed
+// (barrier_start in kernels/shared/barrier_path.h).
 
-#include "contact/sample_buffers.h"
+#include "contact/quadrature.h"
+#include "contact/quadrature_buffers.h"
 
 namespace seldinger {
 
 class BarrierPath {
 public:
-    BarrierPath(device::Context& context, const SampleSet& samples, int node_capacity);
+    BarrierPath(device::Context& context, const DeviceWall& wall, const QuadratureSet& points, int node_capacity);
 
-    /// Start of a step, candidates and `list` of the start known: sets SamplePlace::shrink, which the caller uploads.
-    void begin(device::Lane at, ContactParams par, const SampleBuffers& buffers, SampleSet& samples,
+    /// Start of a step, candidates and `list` of the start known: sets QuadraturePlace::radius_reduction, which the caller
+    /// uploads.
+    void begin(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, QuadratureSet& points,
                std::span<const std::uint32_t> list);
-    /// Whether no sample of the wire, with the shrink that it has, overlaps where `buffers.nodes` are.
-    [[nodiscard]] bool is_clear(device::Lane at, ContactParams par, const SampleBuffers& buffers, const SampleSet& samples,
-                                std::span<const std::uint32_t> list, int wire);
+    /// Whether no quadrature point of the wire, with the radius_reduction that it has, overlaps where `buffers.nodes` are.
+    [[nodiscard]] bool is_clear(device::Queue at, ContactParams par, const QuadratureBuffers& buffers,
+                                const QuadratureSet& points, std::span<const std::uint32_t> list, int wire);
     /// Nodes [from, to) of `nodes` are where the next trials start from.
     void take(const DeviceNodes& nodes, int from, int to);
-    /// The way from the last state taken to `nodes`, for wires that have samples in `list`.
-    void sweep(device::Lane at, ContactParams par, const SampleBuffers& buffers, const SampleSet& samples,
+    /// The way from the last state taken to `nodes`, for wires that have quadrature points in `list`.
+    void sweep(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, const QuadratureSet& points,
                std::span<const std::uint32_t> list);
     /// How much of that way is free, 1: all.
     [[nodiscard]] double feasible_step(int wire) const { return feasible_step_[wire]; }
-    void commit(const SampleSet& samples, std::span<const std::uint8_t> active);
+    void commit(const QuadratureSet& points, std::span<const std::uint8_t> active);
 
     void save(std::vector<std::uint8_t>& bytes) const;
-    void save(std::vector<std::uint8_t>& bytes, const WireSamples& wire) const;
+    void save(std::vector<std::uint8_t>& bytes, const WireQuadrature& wire) const;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
-    void warm_up(device::Lane at, ContactParams none, const SampleBuffers& buffers);
+    void warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& buffers);
 
 private:
-    void measure_gaps(device::Lane at, ContactParams par, const SampleBuffers& buffers, std::size_t count);
+    void measure_gaps(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, std::size_t count);
 
     device::Context& context_;
     device::Kernel clearance_, sweep_;
     DeviceNodes base_;
     device::Buffer result_buffer_;
-    std::vector<real> result_;      // [list]
-    std::vector<real> shrink_t0_;   // [samples] of the accepted state [m]
-    std::vector<double> feasible_step_;  // [wires]
+    std::vector<real> result_;               // [list]
+    std::vector<real> radius_reduction_t0_;  // [points] of the accepted state [m]
+    std::vector<double> feasible_step_;           // [wires]
 };
 
 }  // namespace seldinger

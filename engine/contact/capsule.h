@@ -1,12 +1,17 @@
 #pragma once
-// `capsule`, `swept` and `nodes`: samples of the wire against the exact mesh. See contact_system.h for the order of calls.
+// `capsule`, `swept` and `nodes`: quadrature points of the wire against the exact mesh. See contact_system.h for the order of
+// calls. The stages of an evaluation: near_wall.h finds what is near, active_set.h lists what is evaluated, evaluation.h makes
+// forces and their sums; point_states.h carries the state, multipliers.h and barrier_path.h serve their laws.
 
+#include "contact/active_set.h"
 #include "contact/barrier_path.h"
 #include "contact/contact_storage.h"
+#include "contact/contact_system.h"
+#include "contact/evaluation.h"
 #include "contact/multipliers.h"
 #include "contact/near_wall.h"
+#include "contact/point_states.h"
 
-#include <chrono>
 #include <optional>
 
 namespace seldinger {
@@ -34,39 +39,29 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
 private:
-    void find_near(std::span<const std::uint8_t> active);
-    void rebuild_active_list(std::span<const std::uint8_t> active);
-    [[nodiscard]] std::vector<TouchState> living_touches(int first_wire, int end_wire);
+    void set_limits();
     void warm_up();
-    void launch_evaluate(device::Lane at, std::size_t items, const ContactParams& par, const device::Buffer& list);
-    [[nodiscard]] bool pick_some(std::span<const std::uint8_t> active);
-    void spread_sums(std::span<const std::uint8_t> active);
-    [[nodiscard]] device::Lane lane(std::size_t samples) const;
-    [[nodiscard]] SampleBuffers sample_buffers() const;
-    void write_places(device::Lane at);
-    [[nodiscard]] std::string describe_law(const SampleModel& m) const;
-    void upload_places();
+    void find_near(std::span<const std::uint8_t> active);
+    void set_wire_nodes(DeviceNodes& nodes, int wire, const RodView& rod) const;
+    void evaluate_list(const ActiveList& list, bool part, double h);
     void start_barrier();
+    [[nodiscard]] QuadratureBuffers buffers(const ActiveList& list) const;
+    [[nodiscard]] QuadratureBuffers buffers() const { return buffers(active_.all()); }
+    [[nodiscard]] const device::Buffer* multiplier_states() const { return multipliers_ ? &multipliers_->states() : nullptr; }
+    [[nodiscard]] ContactRow row_of(int wire, int edge, int point, const ContactState& state) const;
+    [[nodiscard]] std::string describe_law(const QuadratureModel& m) const;
 
     bool swept_;
-    SampleSet samples_;
-    std::vector<ContactStorage> storage_;             // [wires]
-    std::vector<std::uint32_t> active_, edge_first_;  // samples that have cells, by edges
-    std::vector<std::uint32_t> listed_;               // [samples] stamp of the last step in which the sample was evaluated
-    std::vector<std::uint32_t> some_, some_first_;    // as active_, edge_first_, of the wires that are evaluated now
-    std::vector<EdgeForce> last_edges_;               // scratch
-    std::vector<int> last_wire_edges_;
-    device::Buffer models_, places_;
+    QuadratureSet quadrature_;
+    std::vector<ContactStorage> storage_;  // [wires]
+    PointStates states_;
     NearWall near_;
-    device::Kernel evaluate_, reduce_;
-    device::Buffer active_list_, first_buffer_, some_list_, some_first_buffer_, forces_, barys_, edge_buffer_, last_edge_buffer_;
-    device::Buffer touches_t0_, touches_;
-    device::Buffer no_multipliers_;           // for the laws that have none
+    ActiveSet active_;
+    Evaluation evaluation_;
     std::optional<Multipliers> multipliers_;  // augmented, constraint, impulse
     std::optional<BarrierPath> barrier_;      // barrier
     std::vector<double> move_limit_;          // [wires] [m]
-    bool list_stale_ = true;
-    std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)
+    std::vector<std::uint32_t> narrow_;       // scratch of a float32 context (device_records.h)
 };
 
 }  // namespace seldinger

@@ -5,15 +5,24 @@
 
 namespace seldinger {
 
-/// One contact of the accepted state, sorted by (wire, edge, triangle).
+enum class BodyKind { Rod, Wall };
+
+/// One of the two bodies of a contact, and where on it.
+struct ContactSide {
+    BodyKind kind = BodyKind::Rod;
+    int body = 0;     // which rod of the world; 0 of the wall
+    int element = 0;  // edge of the rod, counted from the tip; triangle of WorldSetup::mesh
+};
+
+/// One contact of the accepted state, sorted by the bodies and elements of its sides, `a` before `b`.
 struct ContactRow {
-    int wire = 0, edge = 0, triangle = 0;  // triangle: index in WorldSetup::mesh
-    Vec3 point = Vec3::Zero();             // on the wall [m]
-    Vec3 normal = Vec3::Zero();            // unit, into the lumen
-    double gap = 0;                        // [m], < 0 when overlapping
-    double normal_force = 0;               // [N] >= 0
-    Vec3 friction = Vec3::Zero();          // on the wire [N]
-    double rolling_moment = 0;             // about the wire's tangent [N m]
+    ContactSide a, b{BodyKind::Wall};  // against the wall: `a` is the rod
+    Vec3 point = Vec3::Zero();         // on side b [m]
+    Vec3 normal = Vec3::Zero();        // unit, from b to a: into the lumen
+    double gap = 0;                    // [m], < 0 when overlapping
+    double normal_force = 0;           // [N] >= 0
+    Vec3 friction = Vec3::Zero();      // on a [N]
+    double rolling_moment = 0;         // about the wire's tangent [N m]
     bool stuck = false;
     double length = 0;  // metres of wire this contact stands for (0 for a pair of `layer`)
 };

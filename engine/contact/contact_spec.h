@@ -5,10 +5,10 @@ namespace seldinger {
 
 enum class Detection { Swept, Capsule, Layer, Nodes };
 enum class NormalLaw { HuntCrossley, LankaraniNikravesh, Augmented, Constraint, Impulse, Barrier };
-/// Laws of kernels/shared/hard_law.h: they live on material samples and on Newton's method.
-[[nodiscard]] constexpr bool is_hard(NormalLaw law) { return law >= NormalLaw::Augmented; }
+/// Laws of kernels/shared/multiplier_law.h: they live on material quadrature points and on Newton's method.
+[[nodiscard]] constexpr bool is_nonpenetrating(NormalLaw law) { return law >= NormalLaw::Augmented; }
 
-/// Numbers of the laws in kernels/shared/hard_law.h where the user gives none, as fractions of the wire's radius.
+/// Numbers of the laws in kernels/shared/multiplier_law.h where the user gives none, as fractions of the wire's radius.
 inline constexpr double augmented_overlap = 1e-2, constraint_overlap = 1e-5, barrier_distance = 2e-2;
 /// Barriers act from no farther than this, a fraction of the radius: contact is looked for just there.
 inline constexpr double contact_reach = 0.1;
@@ -33,7 +33,7 @@ struct ContactSpec {
     double rolling_sigma_b = 0, rolling_sigma_s = 0, rolling_hardness = 1e6;  // [Pa] (D10)
     double layer_height = 0;   // h of the published layer [m]; 0: chosen, see contact/layer.h
     double pair_distance = 0;  // H of the published pair test [m]; 0: chosen
-    int samples_per_edge = 0;  // 0: spacing of one wire radius, less over sharp ridges (contact/samples.h)
+    int samples_per_edge = 0;  // 0: spacing of one wire radius, less over sharp ridges (contact/quadrature.h)
     Precision precision = Precision::Float64;
 };
 

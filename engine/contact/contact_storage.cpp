@@ -1,3 +1,5 @@
+// The most energy that contacts can give back.
+
 #include "contact/contact_storage.h"
 
 #include "shared/contact_law.h"
@@ -9,7 +11,7 @@ namespace seldinger {
 namespace {
 
 /// Of the static law, per unit of weight.
-double static_energy(double depth, const SampleModel& m)
+double static_energy(double depth, const QuadratureModel& m)
 {
     if (depth <= 0) return 0;
     real slope;
@@ -18,14 +20,14 @@ double static_energy(double depth, const SampleModel& m)
 
 }  // namespace
 
-ContactStorage::ContactStorage(std::span<const SampleModel> models, uint normal_law) : law_(normal_law)
+ContactStorage::ContactStorage(std::span<const QuadratureModel> models, uint normal_law) : law_(normal_law)
 {
     tip_ = models.front();
     line_ = models.back();
-    for (const SampleModel& m : models.subspan(models.size() > 1 ? 1 : 0)) {
+    for (const QuadratureModel& m : models.subspan(models.size() > 1 ? 1 : 0)) {
         line_.stiffness = std::max(line_.stiffness, m.stiffness);
         line_.depth_limit = std::min(line_.depth_limit, m.depth_limit);
-        line_.hard_length = std::max(line_.hard_length, m.hard_length);
+        line_.law_length = std::max(line_.law_length, m.law_length);
         line_.weight = std::min(line_.weight, m.weight);
         line_.radius = std::min(line_.radius, m.radius);
         line_.friction_stiffness = std::min(line_.friction_stiffness, m.friction_stiffness);
@@ -38,11 +40,11 @@ double ContactStorage::normal(const EdgeForce& sum, double length, bool tip) con
         case SEL_NORMAL_DAMPED:
             return length * static_energy(sum.depth, line_) + (tip ? static_energy(sum.depth, tip_) : 0.0);
         case SEL_NORMAL_BARRIER:
-            return sum.normal_sum * line_.hard_length;
-        case SEL_NORMAL_IMPULSE:  // hard_length is a speed there
+            return sum.normal_sum * line_.law_length;
+        case SEL_NORMAL_IMPULSE:  // law_length is a speed there
             return sum.normal_sum * std::max<double>(sum.depth, 0);
         default:
-            return sum.normal_sum * (std::max<double>(sum.depth, 0) + line_.hard_length);
+            return sum.normal_sum * (std::max<double>(sum.depth, 0) + line_.law_length);
     }
 }
 

@@ -3,11 +3,11 @@
 // An upper bound, so that no honest rebound passes for energy made.
 //
 // Normal, damped laws: f(depth)/depth^n grows with depth (hardening included), so a metre of wire holds at most f depth/(n+1) of
-// the static law. Taken for the whole edge at its deepest sample, with the stiffest section's law, whatever the dashpots make of
-// the force: f is 0 while a contact flies apart, but what its spring holds may still come out. The tip's own law on top.
-// `barrier`: f falls with the gap d, so it holds at most f (d_hat - d). Multipliers: the force over the overlap allowed and
-// found. Friction and rolling: springs k_t and k_t r^2 per metre of wire, of a sample's length at least: F^2/(2 k_t w), M^2/(2
-// k_t w r^2).
+// the static law. Taken for the whole edge at its deepest quadrature point, with the stiffest section's law, whatever the
+// dashpots make of the force: f is 0 while a contact flies apart, but what its spring holds may still come out. The tip's own law
+// on top. `barrier`: f falls with the gap d, so it holds at most f (d_hat - d). Multipliers: the force over the overlap allowed
+// and found. Friction and rolling: springs k_t and k_t r^2 per metre of wire, of a quadrature point's length at least: F^2/(2 k_t
+// w), M^2/(2 k_t w r^2).
 
 #include "contact/edge_sums.h"
 
@@ -17,8 +17,8 @@ namespace seldinger {
 
 class ContactStorage {
 public:
-    /// @param models  samples of one wire, the tip's first
-    ContactStorage(std::span<const SampleModel> models, uint normal_law);
+    /// @param models  quadrature points of one wire, the tip's first
+    ContactStorage(std::span<const QuadratureModel> models, uint normal_law);
 
     /// At the last evaluation [J]. @param begin  first node of the wire in the concatenated arrays
     [[nodiscard]] double most(const EdgeSums& sums, int wire, int begin, const RodView& rod) const;
@@ -26,7 +26,7 @@ public:
 private:
     [[nodiscard]] double normal(const EdgeForce& sum, double length, bool tip) const;
 
-    SampleModel line_{}, tip_{};
+    QuadratureModel line_{}, tip_{};
     uint law_;
 };
 

@@ -1,5 +1,8 @@
+// What all detection methods share.
+
 #include "contact/contact_system.h"
 
+#include "core/check.h"
 #include "core/parallel.h"
 
 namespace seldinger {
@@ -7,11 +10,25 @@ namespace seldinger {
 ContactMethod::ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : context_(context),
       rods_(rods),
-      wall_(context, tree, setup.wall.mesh),
+      wall_(context, tree, setup.wall.mesh, setup.wall_moves ? setup.system_count() : 0),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity())
 {
+    if (setup.wall_moves) moving_wall_.emplace(context, wall_, tree, setup.wall.mesh);
     if (setup.known_velocities) nodes_known_.emplace(context, rods.total_capacity());
+    for (int w = 0; w < rods.wire_count(); ++w) system_.push_back(setup.system_of(w));
+}
+
+void ContactMethod::move_wall(int system, std::span<const Vec3> displacement)
+{
+    SEL_ASSERT(moving_wall_);
+    moving_wall_->move(system, displacement);
+}
+
+void ContactMethod::accept_wall(std::span<const std::uint8_t> active)
+{
+    for (std::size_t w = 0; moving_wall_ && w < active.size(); ++w)
+        if (active[w]) moving_wall_->accept(system_[w]);
 }
 
 void ContactMethod::set_nodes(DeviceNodes& nodes, const TrialState& state) const
@@ -23,10 +40,10 @@ void ContactMethod::set_nodes(DeviceNodes& nodes, const TrialState& state) const
     });
 }
 
-void ContactMethod::upload_nodes(device::Lane lane)
+void ContactMethod::upload_nodes(device::Queue queue)
 {
-    nodes_.upload(context_, lane);
-    if (params_.known) nodes_known_->upload(context_, lane);
+    nodes_.upload(context_, queue);
+    if (params_.known) nodes_known_->upload(context_, queue);
 }
 
 void ContactMethod::evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,

@@ -1,17 +1,19 @@
 #pragma once
 // Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
-// `nodes` is the same with one sample at each control node). Implements what the solver asks for.
+// `nodes` is the same with one quadrature point at each control node). Implements what the solver asks for.
 //
-// Per step: begin_step (start of the step is remembered), prepare (samples are put on the edges, candidates renewed where a
-// sample has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one read-back of the
-// edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
+// Per step: begin_step (start of the step is remembered), prepare (quadrature points are put on the edges, candidates renewed
+// where a quadrature point has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one
+// read-back of the edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
 #include "contact/contact_row.h"
 #include "contact/contact_setup.h"
+#include "contact/device_views.h"
 #include "contact/edge_sums.h"
-#include "contact/samples.h"
-#include "device/device.h"
+#include "contact/moving_wall.h"
+#include "contact/quadrature.h"
 #include "core/stage_times.h"
+#include "device/device.h"
 #include "solve/force_term.h"
 #include "vessel/tree.h"
 
@@ -20,36 +22,21 @@
 
 namespace seldinger {
 
-/// The wall on the device, shared by all detection methods.
-struct DeviceWall {
-    DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh);
-    device::Buffer nodes, vertices, rims;
-    Vec3 centre;                          // world position of the device's origin [m]
-    std::vector<std::uint32_t> original;  // leaf order -> triangle of the mesh
-};
-
-/// Node positions of all wires as the kernels take them: hi + lo relative to the wall's centre.
-struct DeviceNodes {
-    DeviceNodes(device::Context& context, int total_capacity);
-    std::vector<float> hi;          // [nodes][3]
-    std::vector<double> lo, theta;  // [nodes][3], [nodes]
-    device::Buffer hi_buffer, lo_buffer, theta_buffer;
-    std::vector<std::uint32_t> narrow_lo, narrow_theta;  // what goes up to a float32 context
-    void set(int node, double x, double y, double z, double angle, const Vec3& centre);
-    void upload(device::Context& context, device::Lane lane);
-};
-
 /// A detection method: what World needs of it beside what the solver needs. However contact is found, the device leaves sums per
 /// edge (edge_sums.h), and what the solver asks is answered from those.
 class ContactMethod : public ForceTerm {
 public:
-    /// Node positions, angles and sample places at the start of the step.
+    /// Node positions, angles and the places of quadrature points at the start of the step.
     void begin_step(RodArrays& rods) override = 0;
-    /// Samples on the present node set.
+    /// Quadrature points on the present node set.
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override = 0;
     void commit(std::span<const std::uint8_t> active) override = 0;
     void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
                         std::span<const std::uint8_t> active) final;
+    /// Where the wall of a system is at the end of the step to come, as displacement of the mesh's vertices [m]. Asked of contact
+    /// that was set up for a wall that moves; commit() makes it where the next step starts. A move must be small against the
+    /// wire's radius: nothing looks for what the wall passes on its way.
+    void move_wall(int system, std::span<const Vec3> displacement);
     void set_settling(Settling how) final
     {
         params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
@@ -91,12 +78,16 @@ protected:
     /// Where a trial's moves begin: the start of the step, or what stands before it.
     [[nodiscard]] const DeviceNodes& nodes_before() const { return params_.known ? *nodes_known_ : nodes_t0_; }
     void set_nodes(DeviceNodes& nodes, const TrialState& state) const;
+    /// The wall of systems in which a wire took the step is accepted where it is.
+    void accept_wall(std::span<const std::uint8_t> active);
     /// Positions that an evaluation needs.
-    void upload_nodes(device::Lane lane);
+    void upload_nodes(device::Queue queue);
 
     device::Context& context_;
     RodArrays& rods_;
     DeviceWall wall_;
+    std::optional<MovingWall> moving_wall_;
+    std::vector<int> system_;                 // [wires]
     DeviceNodes nodes_, nodes_t0_;            // at the trial, at the start of the step
     std::optional<DeviceNodes> nodes_known_;  // see evaluate_start; schemes that start from known velocities only
     ContactParams params_{};

@@ -1,3 +1,5 @@
+// Records narrowed for a float32 device, and widened again.
+
 #include "contact/device_records.h"
 
 #include <bit>

@@ -24,15 +24,15 @@ inline constexpr int record_words = 0;
 template <>
 inline constexpr WordRun record_words<double>[] = {{1, true}};
 template <>
-inline constexpr WordRun record_words<SampleModel>[] = {{21, true}};
+inline constexpr WordRun record_words<QuadratureModel>[] = {{21, true}};
 template <>
-inline constexpr WordRun record_words<SamplePlace>[] = {{2, false}, {2, true}, {2, false}, {1, true}};
+inline constexpr WordRun record_words<QuadraturePlace>[] = {{2, false}, {2, true}, {2, false}, {1, true}};
 template <>
-inline constexpr WordRun record_words<TouchState>[] = {{18, true}, {4, false}};
+inline constexpr WordRun record_words<ContactState>[] = {{18, true}, {4, false}};
 template <>
-inline constexpr WordRun record_words<SampleForce>[] = {{62, true}, {2, false}};
+inline constexpr WordRun record_words<ContactForce>[] = {{62, true}, {2, false}};
 template <>
-inline constexpr WordRun record_words<HardState>[] = {{9, true}, {2, false}};
+inline constexpr WordRun record_words<MultiplierState>[] = {{9, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<EdgeForce>[] = {{83, true}, {2, false}};
 template <>
@@ -72,25 +72,25 @@ struct NarrowParams {
 [[nodiscard]] NarrowParams narrow(const ContactParams& par);
 
 /// Writes records, narrowed where the context asks for it. `scratch` must stay as it is until the next read() or finish() on the
-/// lane.
+/// queue.
 template <class Record>
-void write_records(device::Context& context, device::Lane lane, const device::Buffer& to, const std::vector<Record>& from,
+void write_records(device::Context& context, device::Queue queue, const device::Buffer& to, const std::vector<Record>& from,
                    std::vector<std::uint32_t>& scratch)
 {
-    if (!context.float32()) return context.write(lane, to, from.data(), from.size() * sizeof(Record));
+    if (!context.float32()) return context.write(queue, to, from.data(), from.size() * sizeof(Record));
     narrow_words(record_words<Record>, from.data(), from.size(), scratch);
-    context.write(lane, to, scratch.data(), scratch.size() * sizeof(std::uint32_t));
+    context.write(queue, to, scratch.data(), scratch.size() * sizeof(std::uint32_t));
 }
 
 /// Reads `count` records from the first-th on, and waits.
 template <class Record>
-void read_records(device::Context& context, device::Lane lane, const device::Buffer& from, Record* to, std::size_t count,
+void read_records(device::Context& context, device::Queue queue, const device::Buffer& from, Record* to, std::size_t count,
                   std::size_t first, std::vector<std::uint32_t>& scratch)
 {
     const std::size_t size = device_size<Record>(context);
-    if (!context.float32()) return context.read(lane, from, to, count * size, first * size);
+    if (!context.float32()) return context.read(queue, from, to, count * size, first * size);
     scratch.resize(count * size / sizeof(std::uint32_t));
-    context.read(lane, from, scratch.data(), count * size, first * size);
+    context.read(queue, from, scratch.data(), count * size, first * size);
     widen_words(record_words<Record>, scratch.data(), count, to);
 }
 

@@ -1,3 +1,5 @@
+// Sums per edge as the solver takes them.
+
 #include "contact/edge_sums.h"
 
 #include <algorithm>
@@ -8,14 +10,14 @@ namespace seldinger {
 bool EdgeSums::admissible(int wire) const
 {
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
-        if (edges[e].flags & SEL_SAMPLE_BLOCKED) return false;
+        if (edges[e].flags & SEL_FORCE_BLOCKED) return false;
     return true;
 }
 
 bool EdgeSums::unsymmetric(int wire) const
 {
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)
-        if (edges[e].flags & SEL_SAMPLE_SLIDING) return true;
+        if (edges[e].flags & SEL_FORCE_SLIDING) return true;
     return false;
 }
 
@@ -54,7 +56,7 @@ void EdgeSums::add(int wire, int begin, std::span<double> gradient, BandRows* ja
         }
         gradient[t] -= f.torque;
         if (!jacobian) continue;
-        const bool skew = !symmetric && (f.flags & SEL_SAMPLE_SLIDING);
+        const bool skew = !symmetric && (f.flags & SEL_FORCE_SLIDING);
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
                 const int k = tri[i][j], u = 3 * i + j;
@@ -79,7 +81,7 @@ ContactTotals EdgeSums::totals(int wire, double radius) const
         const EdgeForce& f = edges[e];
         sum.contacts += static_cast<int>(f.contacts);
         sum.depth = std::max(sum.depth, static_cast<double>(f.depth));
-        if (f.flags & SEL_SAMPLE_OUTSIDE) sum.outside = std::max(sum.outside, f.depth - radius);
+        if (f.flags & SEL_FORCE_OUTSIDE) sum.outside = std::max(sum.outside, f.depth - radius);
         sum.normal += f.normal_sum;
         sum.friction += f.friction_sum;
         sum.sliding += f.sliding_sum;

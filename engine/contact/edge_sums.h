@@ -2,9 +2,9 @@
 // What the device's reduction leaves on the host: force, moment and tangent summed per edge of wire that has contact, and how the
 // solver's banded system takes them. The same for every detection method.
 
+#include "math/band_matrix.h"
 #include "rod/rod_arrays.h"
 #include "shared/contact_types.h"
-#include "math/band_matrix.h"
 
 #include <cstdint>
 #include <span>

@@ -1,3 +1,5 @@
+// The published layer method: pairs found, evaluated and carried on from step to step.
+
 #include "contact/layer.h"
 
 #include "contact/wall_law.h"
@@ -16,7 +18,7 @@ namespace seldinger {
 namespace {
 
 constexpr double pair_length = 1e-3;  // stiffness of one pair = line stiffness x 1 mm [m]
-constexpr device::Lane light = device::Lane::Light;
+constexpr device::Queue light = device::Queue::Inline;
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -41,7 +43,7 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
       typical_radius_(setup.wall.typical_lumen_radius),
       find_(context, "contact/layer.cl", "layer_find"),
       evaluate_(context, "contact/layer.cl", "layer_evaluate"),
-      reduce_(context, "contact/capsule.cl", "contact_reduce")
+      reduce_(context, "contact/edge_sums.cl", "contact_reduce")
 {
     params_.slots = 64;
     params_.friction = static_cast<uint>(setup.method().friction);
@@ -50,7 +52,7 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
     edges_.reserve(n);
     sums_.edges.resize(n);
     sums_.wire_edges.assign(rods.wire_count() + 1, 0);
-    stamps_.assign(rods.wire_count(), 2);  // see WireSamples::stamp
+    epochs_.assign(rods.wire_count(), 2);  // see WireQuadrature::epoch
     edge_list_ = device::Buffer(context, n * sizeof(LayerEdge));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     touching_buffer_ = device::Buffer(context, n * sizeof(real));
@@ -89,11 +91,11 @@ void LayerContact::list_edges(std::span<const std::uint8_t> live)
             const WireSection& section = wire.at((rod.material_s[j] + rod.material_s[j + 1]) / 2);
             LayerEdge edge{};
             edge.node = static_cast<uint>(rods_.node_begin(w) + j);
-            edge.stamp = stamps_[w];
+            edge.epoch = epochs_[w];
             edge.reach = pair_distance(contact, section.radius);
             edge.height = layer_height(contact, section.radius);
             edge.width = layer_width(section.radius, lumen_radius_at((rod.pos(j) + rod.pos(j + 1)) / 2));
-            edge.model = line_sample(section, contact, setup_.wall.spec, typical_radius_, pair_length);
+            edge.model = line_model(section, contact, setup_.wall.spec, typical_radius_, pair_length);
             edge.model.length = 0;
             edge.model.depth_limit = 0;  // as published: no hardening
             edges_.push_back(edge);
@@ -119,8 +121,7 @@ void LayerContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
         context_.write(light, edge_list_, edges_.data(), edges_.size() * sizeof(LayerEdge));
         for (bool again = true; again;) {
             params_.item_count = static_cast<uint>(edges_.size());
-            find_.launch(light, edges_.size(), params_, edge_list_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                         wall_.vertices, candidates_, count_buffer_, touching_buffer_);
+            find_.launch(light, edges_.size(), params_, edge_list_, nodes_, wall_, candidates_, count_buffer_, touching_buffer_);
             context_.read(light, count_buffer_, counts_.data(), counts_.size() * sizeof(std::uint32_t));
             const std::uint32_t most = *std::max_element(counts_.begin(), counts_.end());
             again = most > params_.slots;
@@ -166,12 +167,12 @@ void LayerContact::list_pairs()
     }
     first_.push_back(static_cast<std::uint32_t>(pairs_.size()));
     const std::size_t n = std::max<std::size_t>(pairs_.size(), 1);
-    if (forces_.bytes() < n * sizeof(SampleForce)) {  // grows in a few jumps at the start of a run
+    if (forces_.bytes() < n * sizeof(ContactForce)) {  // grows in a few jumps at the start of a run
         const std::size_t room = 2 * n;
-        forces_ = device::Buffer(context_, room * sizeof(SampleForce));
+        forces_ = device::Buffer(context_, room * sizeof(ContactForce));
         barys_ = device::Buffer(context_, room * sizeof(real));
         pair_list_ = device::Buffer(context_, room * sizeof(LayerPair));
-        touches_ = device::Buffer(context_, room * sizeof(TouchState));
+        states_ = device::Buffer(context_, room * sizeof(ContactState));
     }
     context_.write(light, pair_list_, pairs_.data(), pairs_.size() * sizeof(LayerPair));
     context_.write(light, first_buffer_, first_.data(), first_.size() * sizeof(std::uint32_t));
@@ -187,11 +188,10 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         upload_nodes(light);
         params_.item_count = static_cast<uint>(pairs_.size());
         params_.inv_dt = h > 0 ? 1 / h : 0;
-        if (touches_t0_.bytes() == 0) touches_t0_ = device::Buffer(context_, sizeof(TouchState));
+        if (states_t0_.bytes() == 0) states_t0_ = device::Buffer(context_, sizeof(ContactState));
         const DeviceNodes& before = nodes_before();
-        evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_.vertices, nodes_.hi_buffer,
-                         nodes_.lo_buffer, nodes_.theta_buffer, before.hi_buffer, before.lo_buffer, before.theta_buffer,
-                         touches_t0_, touches_, forces_, barys_);
+        evaluate_.launch(light, pairs_.size(), params_, pair_list_, edge_list_, wall_, nodes_, before, states_t0_, states_,
+                         forces_, barys_);
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
         context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
@@ -207,24 +207,24 @@ double LayerContact::move_limit(int) const { return std::numeric_limits<double>:
 void LayerContact::commit(std::span<const std::uint8_t> active)
 {
     if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
-        std::swap(touches_t0_, touches_);
-        if (touches_.bytes() < touches_t0_.bytes()) touches_ = device::Buffer(context_, touches_t0_.bytes());
+        std::swap(states_t0_, states_);
+        if (states_.bytes() < states_t0_.bytes()) states_ = device::Buffer(context_, states_t0_.bytes());
         last_keys_ = keys_;
     } else {
         merge_records(active);
     }
-    for (std::size_t w = 0; w < stamps_.size(); ++w)
-        if (active[w]) stamps_[w]++;
+    for (std::size_t w = 0; w < epochs_.size(); ++w)
+        if (active[w]) epochs_[w]++;
 }
 
 // New records for the wires that took the trial, the last ones for the others (which did not converge, or had no part in this
 // sub-step). Both lists are ordered by wire. Rare, so on the host.
 void LayerContact::merge_records(std::span<const std::uint8_t> active)
 {
-    std::vector<TouchState> now(keys_.size()), before(last_keys_.size()), merged;
+    std::vector<ContactState> now(keys_.size()), before(last_keys_.size()), merged;
     context_.enter(light);
-    context_.read(light, touches_, now.data(), now.size() * sizeof(TouchState));
-    context_.read(light, touches_t0_, before.data(), before.size() * sizeof(TouchState));
+    context_.read(light, states_, now.data(), now.size() * sizeof(ContactState));
+    context_.read(light, states_t0_, before.data(), before.size() * sizeof(ContactState));
     std::vector<Key> keys;
     for (std::size_t w = 0; w < active.size(); ++w) {
         const std::vector<Key>& from = active[w] ? keys_ : last_keys_;
@@ -235,36 +235,36 @@ void LayerContact::merge_records(std::span<const std::uint8_t> active)
         }
     }
     last_keys_ = std::move(keys);
-    if (touches_t0_.bytes() < merged.size() * sizeof(TouchState))
-        touches_t0_ = device::Buffer(context_, 2 * merged.size() * sizeof(TouchState));
-    context_.write(light, touches_t0_, merged.data(), merged.size() * sizeof(TouchState));
+    if (states_t0_.bytes() < merged.size() * sizeof(ContactState))
+        states_t0_ = device::Buffer(context_, 2 * merged.size() * sizeof(ContactState));
+    context_.write(light, states_t0_, merged.data(), merged.size() * sizeof(ContactState));
     context_.finish(light);
 }
 
 std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
 {
-    std::vector<TouchState> touches(last_keys_.size());
+    std::vector<ContactState> states(last_keys_.size());
     context_.enter(light);
-    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState));
+    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
     std::vector<ContactRow> rows;
-    for (std::size_t k = 0; k < touches.size(); ++k) {
-        const TouchState& touch = touches[k];
-        if (!(touch.flags & SEL_TOUCH_ACTIVE)) continue;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const ContactState& state = states[k];
+        if (!(state.flags & SEL_CONTACT_ACTIVE)) continue;
         ContactRow row;
-        row.wire = static_cast<int>(last_keys_[k].wire);
-        row.edge = static_cast<int>(last_keys_[k].edge) - rods.node_begin(row.wire);
-        row.triangle = static_cast<int>(wall_.original[last_keys_[k].triangle]);
-        row.point = wall_.centre + Vec3(touch.point[0], touch.point[1], touch.point[2]);
-        row.normal = {touch.normal[0], touch.normal[1], touch.normal[2]};
-        row.gap = touch.gap;
-        row.normal_force = touch.normal_force;
-        row.friction = {touch.friction[0], touch.friction[1], touch.friction[2]};
-        row.rolling_moment = touch.moment;
-        row.stuck = touch.flags & SEL_TOUCH_STUCK;
+        const int wire = static_cast<int>(last_keys_[k].wire);
+        row.a = {BodyKind::Rod, wire, static_cast<int>(last_keys_[k].edge) - rods.node_begin(wire)};
+        row.b = {BodyKind::Wall, 0, static_cast<int>(wall_.original[last_keys_[k].triangle])};
+        row.point = wall_.centre + Vec3(state.point[0], state.point[1], state.point[2]);
+        row.normal = {state.normal[0], state.normal[1], state.normal[2]};
+        row.gap = state.gap;
+        row.normal_force = state.normal_force;
+        row.friction = {state.friction[0], state.friction[1], state.friction[2]};
+        row.rolling_moment = state.moment;
+        row.stuck = state.flags & SEL_CONTACT_STUCK;
         rows.push_back(row);
     }
-    std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& a, const ContactRow& b) {
-        return std::tie(a.wire, a.edge, a.triangle) < std::tie(b.wire, b.edge, b.triangle);
+    std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& x, const ContactRow& y) {
+        return std::tie(x.a.body, x.a.element, x.b.element) < std::tie(y.a.body, y.a.element, y.b.element);
     });
     return rows;
 }
@@ -273,7 +273,7 @@ std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
 {
     const WireSection& section = setup_.wires[0].shaft;
     const ContactSpec& contact = setup_.method();
-    const SampleModel m = line_sample(section, contact, setup_.wall.spec, typical_radius_, pair_length);
+    const QuadratureModel m = line_model(section, contact, setup_.wall.spec, typical_radius_, pair_length);
     return {{"layer", fmt::format("L' by {} halvings, w = r (1/4 + 7/4 r/R), h {:.3g} mm, H {:.3g} mm", SEL_LAYER_HALVINGS,
                                   1e3 * layer_height(contact, section.radius), 1e3 * pair_distance(contact, section.radius))},
             {"pair stiffness", fmt::format("{:.4g} N/m^{:.3g} (line stiffness x 1 mm), exponent {}", m.stiffness * m.weight,
@@ -282,14 +282,14 @@ std::vector<std::pair<std::string, std::string>> LayerContact::describe() const
 
 void LayerContact::save(std::vector<std::uint8_t>& bytes)
 {
-    std::vector<TouchState> touches(last_keys_.size());
+    std::vector<ContactState> states(last_keys_.size());
     context_.enter(light);
-    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState));
-    const std::uint64_t count = touches.size();
+    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
+    const std::uint64_t count = states.size();
     put_bytes(bytes, &count, 1);
     put_bytes(bytes, last_keys_.data(), last_keys_.size());
-    put_bytes(bytes, touches.data(), touches.size());
-    put_bytes(bytes, stamps_.data(), stamps_.size());
+    put_bytes(bytes, states.data(), states.size());
+    put_bytes(bytes, epochs_.data(), epochs_.size());
 }
 
 void LayerContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
@@ -298,31 +298,31 @@ void LayerContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     const auto end = std::lower_bound(first, last_keys_.end(), Key{static_cast<std::uint32_t>(wire) + 1, 0, 0});
     std::vector<Key> keys(first, end);
     for (Key& key : keys) key = {0, key.edge - static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
-    std::vector<TouchState> touches(keys.size());
+    std::vector<ContactState> states(keys.size());
     context_.enter(light);
-    context_.read(light, touches_t0_, touches.data(), touches.size() * sizeof(TouchState),
-                  static_cast<std::size_t>(first - last_keys_.begin()) * sizeof(TouchState));
-    const std::uint64_t count = touches.size();
+    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState),
+                  static_cast<std::size_t>(first - last_keys_.begin()) * sizeof(ContactState));
+    const std::uint64_t count = states.size();
     put_bytes(bytes, &count, 1);
     put_bytes(bytes, keys.data(), keys.size());
-    put_bytes(bytes, touches.data(), touches.size());
-    put_bytes(bytes, &stamps_[wire], 1);
+    put_bytes(bytes, states.data(), states.size());
+    put_bytes(bytes, &epochs_[wire], 1);
 }
 
 void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::uint64_t count = 0;
     take_bytes(bytes, end, &count, 1);
-    if (count * sizeof(TouchState) > static_cast<std::size_t>(end - bytes))
+    if (count * sizeof(ContactState) > static_cast<std::size_t>(end - bytes))
         throw Error(ExitCode::BadFile,
                     "the saved state is shorter than this scene's; it was written by another scene or version");
     last_keys_.resize(count);
-    std::vector<TouchState> touches(count);
+    std::vector<ContactState> states(count);
     take_bytes(bytes, end, last_keys_.data(), count);
-    take_bytes(bytes, end, touches.data(), count);
-    take_bytes(bytes, end, stamps_.data(), stamps_.size());
-    touches_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(TouchState));
-    context_.write(light, touches_t0_, touches.data(), count * sizeof(TouchState));
+    take_bytes(bytes, end, states.data(), count);
+    take_bytes(bytes, end, epochs_.data(), epochs_.size());
+    states_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(ContactState));
+    context_.write(light, states_t0_, states.data(), count * sizeof(ContactState));
     context_.finish(light);
 }
 

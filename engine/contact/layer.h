@@ -1,6 +1,6 @@
 #pragma once
 // The published layer method (kernels/shared/layer.h): pairs are found once per step, at its start, and evaluated per Newton
-// iteration. A pair's friction anchor is carried on by (edge, triangle), since the method has no material samples.
+// iteration. A pair's friction anchor is carried on by (edge, triangle), since the method has no material quadrature points.
 
 #include "contact/contact_system.h"
 #include "shared/layer.h"
@@ -39,7 +39,7 @@ private:
 
     const ContactSetup setup_;
     double typical_radius_;
-    std::vector<std::uint32_t> stamps_;  // [wires] of the step being solved; commit raises it
+    std::vector<std::uint32_t> epochs_;  // [wires] of the step being solved; commit raises it
     int centreline_hint_ = -1;
     std::vector<LayerEdge> edges_;          // of this step
     std::vector<std::uint32_t> edge_wire_;  // [edges]
@@ -50,7 +50,7 @@ private:
     std::vector<Key> keys_, last_keys_;  // [pairs], of this and of the last accepted step, both ordered
     device::Kernel find_, evaluate_, reduce_;
     device::Buffer edge_list_, candidates_, count_buffer_, touching_buffer_, pair_list_, first_buffer_, forces_, barys_,
-        edge_sums_, touches_t0_, touches_;
+        edge_sums_, states_t0_, states_;
 };
 
 }  // namespace seldinger

@@ -10,13 +10,17 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
 {
     const WallTree tree = build_wall_tree(setup.wall.mesh);
     const ContactSpec& contact = setup.method();
-    if (is_hard(contact.normal) && contact.detection == Detection::Layer)
+    if (is_nonpenetrating(contact.normal) && contact.detection == Detection::Layer)
         throw Error(ExitCode::BadScene,
                     "contact.normal: this law lives on material samples, which detection = \"layer\" has not");
-    if (context.float32() && (is_hard(contact.normal) || contact.detection == Detection::Layer))
+    if (context.float32() && (is_nonpenetrating(contact.normal) || contact.detection == Detection::Layer))
         throw Error(ExitCode::BadScene,
                     "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "
                     "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
+    if (setup.wall_moves && contact.detection == Detection::Layer)
+        throw Error(ExitCode::BadScene,
+                    "contact.detection: \"layer\" takes the wall as standing still; use \"swept\", \"capsule\" or \"nodes\" "
+                    "where it moves");
     switch (contact.detection) {
         case Detection::Swept:
         case Detection::Capsule:

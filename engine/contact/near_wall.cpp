@@ -1,3 +1,5 @@
+// Near wall of quadrature points: what is known, and what is found anew.
+
 #include "contact/near_wall.h"
 
 #include "contact/device_records.h"
@@ -10,38 +12,38 @@ namespace seldinger {
 
 namespace {
 
-constexpr std::size_t heavy_find = 256;  // samples below which the caller's thread is faster than waking the pool (15 us)
+constexpr std::size_t pool_find =
+    256;  // quadrature points below which the caller's thread is faster than waking the pool (15 us)
 constexpr uint first_slots = 24;
 
 constexpr std::size_t bytes_of(const std::vector<std::uint32_t>& v) { return v.size() * sizeof(std::uint32_t); }
 
 }  // namespace
 
-NearWall::NearWall(device::Context& context, const SampleSet& samples, const DeviceWall& wall, DeviceNodes& nodes,
-                   const device::Buffer& models, const device::Buffer& places, const Lengths& lengths)
+NearWall::NearWall(device::Context& context, const QuadratureSet& points, const DeviceWall& wall, DeviceNodes& nodes,
+                   const PointStates& states, const Lengths& lengths)
     : context_(context),
-      samples_(samples),
+      quadrature_(points),
       wall_(wall),
       nodes_(nodes),
-      models_(models),
-      places_(places),
+      states_(states),
       lengths_(lengths),
       slots_(first_slots),
-      find_(context, "contact/capsule.cl", "contact_find"),
-      distance_(context, "contact/capsule.cl", "contact_distance")
+      find_(context, "contact/near_wall.cl", "contact_find", device::Items::Branching, wall.defines()),
+      distance_(context, "contact/near_wall.cl", "contact_distance", device::Items::Branching, wall.defines())
 {
-    const std::size_t n = samples.models.size();
+    const std::size_t n = points.models.size();
     at_.resize(n);
     keep_.assign(n, 0);
     clear_.resize(n);
     counts_.resize(n);
     forget();
     stale_.resize(n);
-    stale_count_.resize(samples.wires.size());
+    stale_count_.resize(points.wires.size());
     to_find_.reserve(n);
     found_.resize(n);
     distances_.resize(n);
-    cells_ = device::Buffer(context, n * slots_ * sizeof(std::uint32_t));
+    near_nodes_ = device::Buffer(context, n * slots_ * sizeof(std::uint32_t));
     count_buffer_ = device::Buffer(context, n * sizeof(std::uint32_t));
     clearances_ = device::Buffer(context, n * device_size<Clearance>(context));
     list_ = device::Buffer(context, n * sizeof(std::uint32_t));
@@ -49,45 +51,45 @@ NearWall::NearWall(device::Context& context, const SampleSet& samples, const Dev
     distance_buffer_ = device::Buffer(context, n * device_size<double>(context));
 }
 
-void NearWall::warm_up(device::Lane at, const ContactParams& none)
+void NearWall::warm_up(device::Queue at, const ContactParams& none)
 {
     launch_find(at, 1, none);
     launch_distance(at, 0);
 }
 
-void NearWall::launch_find(device::Lane at, std::size_t items, const ContactParams& par)
+void NearWall::launch_find(device::Queue at, std::size_t items, const ContactParams& par)
 {
     const auto launch = [&](const auto& params, const auto& margin) {
-        find_.launch(at, items, params, margin, list_, models_, places_, nodes_.hi_buffer, nodes_.lo_buffer, wall_.nodes,
-                     wall_.vertices, cells_, count_buffer_, found_buffer_, clearances_);
+        find_.launch(at, items, params, margin, list_, states_.models(), states_.places(), nodes_, wall_, near_nodes_,
+                     count_buffer_, found_buffer_, clearances_);
     };
     if (context_.float32()) launch(narrow(par), static_cast<float>(lengths_.margin));
     else launch(par, lengths_.margin);
 }
 
-void NearWall::launch_distance(device::Lane at, std::size_t items)
+void NearWall::launch_distance(device::Queue at, std::size_t items)
 {
     const auto launch = [&](const auto& most) {
-        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, list_, places_, nodes_.hi_buffer,
-                         nodes_.lo_buffer, wall_.nodes, wall_.vertices, distance_buffer_);
+        distance_.launch(at, std::max<std::size_t>(items, 1), static_cast<cl_uint>(items), most, list_, states_.places(), nodes_,
+                         wall_, distance_buffer_);
     };
     if (context_.float32()) launch(static_cast<float>(lengths_.farthest));
     else launch(lengths_.farthest);
 }
 
 /// What a launch over to_find_ reads. @return where to launch it
-device::Lane NearWall::upload_list()
+device::Queue NearWall::upload_list()
 {
-    const device::Lane at = to_find_.size() < heavy_find ? device::Lane::Light : device::Lane::Heavy;
+    const device::Queue at = to_find_.size() < pool_find ? device::Queue::Inline : device::Queue::Pool;
     context_.enter(at);
     nodes_.upload(context_, at);
     context_.write(at, list_, to_find_.data(), bytes_of(to_find_));
     return at;
 }
 
-Vec3 NearWall::position(int sample) const
+Vec3 NearWall::position(int point) const
 {
-    const SamplePlace& place = samples_.places[sample];
+    const QuadraturePlace& place = quadrature_.places[point];
     const double b = place.bary, a = 1 - b;
     const float* hi = &nodes_.hi[3 * place.edge];
     const double* lo = &nodes_.lo[3 * place.edge];
@@ -115,36 +117,40 @@ void NearWall::forget()
     std::fill(counts_.begin(), counts_.end(), 0u);
 }
 
-/// Samples of which nothing is known any more. @return whether there are any
+/// Quadrature points of which nothing is known any more. @return whether there are any
 bool NearWall::mark(bool all)
 {
-    for_each_item(static_cast<int>(samples_.wires.size()), wire_grain, [&](int w) { mark_stale(w, all); });
+    for_each_item(static_cast<int>(quadrature_.wires.size()), wire_grain, [&](int w) { mark_stale(w, all); });
     return std::any_of(stale_count_.begin(), stale_count_.end(), [](int count) { return count > 0; });
 }
 
-// Samples that have left their sphere, and are in none of a neighbour's.
+// Quadrature points that have left their sphere, and are in none of a neighbour's.
 void NearWall::mark_stale(int w, bool all)
 {
-    const WireSamples& wire = samples_.wires[w];
+    const WireQuadrature& wire = quadrature_.wires[w];
+    const double moved = this->moved(wire.begin);
     stale_count_[w] = 0;
-    for (int s = wire.begin; s < wire.begin + wire.live; ++s)
-        if (all || !((position(s) - at_[s]).squaredNorm() <= keep_[s] * keep_[s]))
+    for (int s = wire.begin; s < wire.begin + wire.live; ++s) {
+        const double keep = keep_[s] - moved;
+        if (all || keep < 0 || !((position(s) - at_[s]).squaredNorm() <= keep * keep))
             stale_[wire.begin + stale_count_[w]++] = static_cast<std::uint32_t>(s);
+    }
     if (!all) take_spheres(w);
 }
 
-// Stale samples within a neighbour's sphere take it for their own, from the tip on and back.
+// Stale quadrature points within a neighbour's sphere take it for their own, from the tip on and back.
 void NearWall::take_spheres(int w)
 {
-    const WireSamples& wire = samples_.wires[w];
+    const WireQuadrature& wire = quadrature_.wires[w];
     std::uint32_t* const stale = stale_.data() + wire.begin;
+    const double moved = this->moved(wire.begin);
     const auto covered = [&](int s, int neighbour) {
         if (neighbour < wire.begin || neighbour >= wire.begin + wire.live || !(clear_[neighbour] > 0)) return false;
-        const double keep = clear_[neighbour] - need(s);
+        const double keep = clear_[neighbour] - moved - need(s);
         if (!((position(s) - at_[neighbour]).squaredNorm() <= keep * keep) || keep < 0) return false;
         at_[s] = at_[neighbour];
         clear_[s] = clear_[neighbour];
-        keep_[s] = keep;
+        keep_[s] = keep + moved;
         counts_[s] = 0;
         return true;
     };
@@ -163,59 +169,59 @@ void NearWall::take_spheres(int w)
     }
 }
 
-// Distances from the wall of every `stride`-th stale sample, but for those that had cells the last time.
+// Distances from the wall of every `stride`-th stale quadrature point, but for those that had BVH nodes the last time.
 void NearWall::probe(int stride)
 {
     to_find_.clear();
-    for (std::size_t w = 0; w < samples_.wires.size(); ++w)
+    for (std::size_t w = 0; w < quadrature_.wires.size(); ++w)
         for (int i = 0; i < stale_count_[w]; ++i) {
-            const std::uint32_t s = stale_[samples_.wires[w].begin + i];
+            const std::uint32_t s = stale_[quadrature_.wires[w].begin + i];
             if (i % stride == stride / 2 && counts_[s] == 0) to_find_.push_back(s);
         }
     if (to_find_.empty()) return;
-    const device::Lane at = upload_list();
+    const device::Queue at = upload_list();
     launch_distance(at, to_find_.size());
     read_records(context_, at, distance_buffer_, distances_.data(), to_find_.size(), 0, narrow_);
     for (std::size_t i = 0; i < to_find_.size(); ++i) {
         const int s = static_cast<int>(to_find_[i]);
-        const double clear = distances_[i] - 1e-3 * samples_.models[s].radius;  // rounding is far below that
+        const double clear = distances_[i] - 1e-3 * quadrature_.models[s].radius;  // rounding is far below that
         if (clear < need(s) + lengths_.slack) continue;
         at_[s] = position(s);
-        clear_[s] = clear;
-        keep_[s] = clear - need(s);
+        clear_[s] = clear + moved(s);
+        keep_[s] = clear - need(s) + moved(s);
         counts_[s] = 0;
     }
-    for_each_item(static_cast<int>(samples_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
+    for_each_item(static_cast<int>(quadrature_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
 }
 
-/// Lists of the samples that are stale still. Slacks differ a little from sample to sample, so that renewals spread over steps
-/// instead of coming all at once. @return false: one did not have room; now it has
+/// Lists of the quadrature points that are stale still. Slacks differ a little from quadrature point to quadrature point, so that
+/// renewals spread over steps instead of coming all at once. @return false: one did not have room; now it has
 bool NearWall::find_listed(const ContactParams& params)
 {
     to_find_.clear();
-    for (std::size_t w = 0; w < samples_.wires.size(); ++w) {
-        const WireSamples& wire = samples_.wires[w];
+    for (std::size_t w = 0; w < quadrature_.wires.size(); ++w) {
+        const WireQuadrature& wire = quadrature_.wires[w];
         for (int i = 0; i < stale_count_[w]; ++i) {
             const std::uint32_t s = stale_[wire.begin + i];
             const int k = static_cast<int>(s) - wire.begin;
             to_find_.push_back(s);
             at_[s] = position(static_cast<int>(s));
             clear_[s] = 0;
-            keep_[s] = lengths_.slack * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
+            keep_[s] = lengths_.slack * (0.5 + 0.5 * ((k * 7) % 16) / 16.0) + moved(static_cast<int>(s));
         }
     }
     if (to_find_.empty()) return true;
     ContactParams par = params;
     par.slots = slots_;
     par.item_count = static_cast<uint>(to_find_.size());
-    const device::Lane at = upload_list();
+    const device::Queue at = upload_list();
     launch_find(at, to_find_.size(), par);
     context_.read(at, found_buffer_, found_.data(), bytes_of(to_find_));
     std::uint32_t most = 0;
     for (std::size_t i = 0; i < to_find_.size(); ++i) most = std::max(most, counts_[to_find_[i]] = found_[i]);
     if (most <= slots_) return true;
     slots_ = (most + most / 2 + 7) / 8 * 8;
-    cells_ = device::Buffer(context_, counts_.size() * slots_ * sizeof(std::uint32_t));
+    near_nodes_ = device::Buffer(context_, counts_.size() * slots_ * sizeof(std::uint32_t));
     return false;
 }
 

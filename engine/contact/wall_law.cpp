@@ -1,3 +1,5 @@
+// Constants of the contact laws from what the user gave.
+
 #include "contact/wall_law.h"
 
 #include "core/check.h"
@@ -24,11 +26,12 @@ double own_weight(const WireSection& section)
     return section.density * pi * section.radius * section.radius * weight_gravity;  // [N/m]
 }
 
-double effective_radius(double r, double lumen_radius) { return 1 / (1 / r - (lumen_radius > r ? 1 / lumen_radius : 0)); }
+double radius_in_lumen(double r, double lumen_radius) { return effective_radius(rod_side(r, 0), wall_side(lumen_radius, r, 0)); }
 
 // (D10): moment per force = arm * a. From the wall's law a^2 = 2 r* depth; from a user's stiffness the Hertz half-width
 // a^2 = (4 r / pi) f ((1-nu1^2)/E1 + (1-nu2^2)/E2), f per metre, with a wire that gives no modulus taken as rigid.
-void set_rolling(SampleModel& m, const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double r_star)
+void set_rolling(QuadratureModel& m, const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
+                 double r_star)
 {
     m.roll_arm = m.roll_depth = m.roll_force = 0;
     if (!contact.rolling) return;
@@ -44,7 +47,7 @@ void set_rolling(SampleModel& m, const WireSection& section, const ContactSpec& 
 
 // Constants that follow from the depth under the wire's own weight: k_t = 2/3 of the normal stiffness there (D9), and the floor
 // of v- (D7): at smaller approach speeds the damping of a resting contact would exceed critical.
-void set_scales(SampleModel& m, double own_load)
+void set_scales(QuadratureModel& m, double own_load)
 {
     const double depth = depth_under(own_load, m.stiffness, m.exponent);
     m.friction_stiffness = 2.0 / 3.0 * m.exponent * own_load / depth;
@@ -53,31 +56,32 @@ void set_scales(SampleModel& m, double own_load)
 
 constexpr double impulse_speed = 1e-4;  // that may be left in the normal direction [m/s], against feeds of centimetres a second
 
-// hard_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its distance
-// what the wall carries that deep. @param mass  that the sample's law acts on per unit of its weight [kg/m], or [kg] at the tip
-void set_hard_law(SampleModel& m, const ContactSpec& contact, double mass)
+// multiplier_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its
+// distance what the wall carries that deep. @param mass  that the quadrature point's law acts on per unit of its weight [kg/m],
+// or [kg] at the tip
+void set_nonpenetration(QuadratureModel& m, const ContactSpec& contact, double mass)
 {
     const double r = m.radius;
     m.line_mass = mass;
     m.restitution = contact.restitution;
-    m.hard_stiffness = m.exponent * m.stiffness * std::pow(r / 100, m.exponent - 1);
+    m.penalty_stiffness = m.exponent * m.stiffness * std::pow(r / 100, m.exponent - 1);
     double ignored;
-    m.hard_most = elastic_normal(0.95 * m.depth_limit, m, &ignored);
+    m.multiplier_most = elastic_normal(0.95 * m.depth_limit, m, &ignored);
     switch (contact.normal) {
         case NormalLaw::HuntCrossley:
         case NormalLaw::LankaraniNikravesh:
             break;
         case NormalLaw::Augmented:
         case NormalLaw::Constraint:
-            m.hard_length = contact.overlap;
+            m.law_length = contact.overlap;
             break;
         case NormalLaw::Impulse:
-            m.hard_length = impulse_speed;
+            m.law_length = impulse_speed;
             break;
         case NormalLaw::Barrier: {
-            m.hard_length = contact.barrier_distance;
-            m.hard_stiffness =
-                elastic_normal(m.depth_limit / 2, m, &ignored) / barrier_law(m.hard_length / 10, m.hard_length, 1, &ignored);
+            m.law_length = contact.barrier_distance;
+            m.penalty_stiffness =
+                elastic_normal(m.depth_limit / 2, m, &ignored) / barrier_law(m.law_length / 10, m.law_length, 1, &ignored);
         }
     }
 }
@@ -123,27 +127,28 @@ double foundation_modulus(const VesselSpec& wall)
     return wall.youngs * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * wall.thickness);
 }
 
-double line_stiffness(double modulus, double wire_radius, double lumen_radius)
+double line_stiffness(const LawSide& a, const LawSide& b)
 {
-    return 4.0 / 3.0 * modulus * std::sqrt(2 * effective_radius(wire_radius, lumen_radius));
+    return 4.0 / 3.0 * effective_modulus(a, b) * std::sqrt(2 * effective_radius(a, b));
 }
 
 double tip_stiffness(double line, double n, double wire_radius, double lumen_radius)
 {
     const double beta = std::sqrt(pi) * std::tgamma(n + 0.5) / std::tgamma(n + 1);  // B(1/2, n + 1/2)
-    return line * 2 * pi * wire_radius / ((n + 0.5) * std::sqrt(2 * effective_radius(wire_radius, lumen_radius)) * beta);
+    return line * 2 * pi * wire_radius / ((n + 0.5) * std::sqrt(2 * radius_in_lumen(wire_radius, lumen_radius)) * beta);
 }
 
 double depth_under(double load, double stiffness, double exponent) { return std::pow(load / stiffness, 1 / exponent); }
 
-SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius,
-                        double weight)
+QuadratureModel line_model(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius,
+                           double weight)
 {
-    SampleModel m{};
+    QuadratureModel m{};
     m.weight = m.length = weight;
     m.radius = section.radius;
     if (contact.stiffness_from_wall) {
-        m.stiffness = line_stiffness(foundation_modulus(wall), section.radius, lumen_radius);
+        m.stiffness =
+            line_stiffness(rod_side(section.radius, 0), wall_side(lumen_radius, section.radius, foundation_modulus(wall)));
         m.exponent = 1.5;
         m.depth_limit = std::min(wall.thickness, section.radius) / 2;
     } else {
@@ -157,21 +162,21 @@ SampleModel line_sample(const WireSection& section, const ContactSpec& contact, 
     m.mu_static = section.mu_static;
     m.mu_sliding = section.mu_sliding;
     set_scales(m, own_weight(section));
-    set_hard_law(m, contact, own_weight(section) / weight_gravity);
-    set_rolling(m, section, contact, wall, effective_radius(section.radius, lumen_radius));
+    set_nonpenetration(m, contact, own_weight(section) / weight_gravity);
+    set_rolling(m, section, contact, wall, radius_in_lumen(section.radius, lumen_radius));
     return m;
 }
 
-SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius)
+QuadratureModel tip_model(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall, double lumen_radius)
 {
-    SampleModel m = line_sample(section, contact, wall, lumen_radius, 1.0);
+    QuadratureModel m = line_model(section, contact, wall, lumen_radius, 1.0);
     m.length = 0;
     m.stiffness = contact.stiffness_from_wall ? pi * foundation_modulus(wall) * section.radius
                                               : tip_stiffness(m.stiffness, m.exponent, section.radius, lumen_radius);
     m.exponent += 0.5;
     m.roll_arm = 0;                                            // a ball's end rolls on the line contact behind it
     set_scales(m, own_weight(section) * 10 * section.radius);  // ten radii of wire rest on the tip
-    set_hard_law(m, contact, own_weight(section) / weight_gravity * section.radius);
+    set_nonpenetration(m, contact, own_weight(section) / weight_gravity * section.radius);
     return m;
 }
 

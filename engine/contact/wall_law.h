@@ -3,6 +3,7 @@
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"
+#include "shared/contact_sides.h"
 #include "shared/contact_types.h"
 #include "vessel/vessel_spec.h"
 
@@ -21,9 +22,9 @@ inline constexpr double weight_gravity = 9.81;
 /// Foundation modulus of a thin layer on a stiff bed, k_f = E (1-nu) / ((1+nu) (1-2nu) H)  [N/m^3] (D6)
 [[nodiscard]] double foundation_modulus(const VesselSpec& wall);
 
-/// Line law of a wire lying along a lumen: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre, 1/r* = 1/r - 1/R (D6b).
-/// @param lumen_radius  R [m]; infinity for a plane
-[[nodiscard]] double line_stiffness(double modulus, double wire_radius, double lumen_radius);
+/// Line law of two bodies that lie along each other: f = (4/3) k_f sqrt(2 r*) depth^1.5 per metre, with r* and k_f of both sides
+/// (D6b: a rigid wire along a lumen, 1/r* = 1/r - 1/R).
+[[nodiscard]] double line_stiffness(const LawSide& a, const LawSide& b);
 
 /// Point law of a wire's round tip on the bed whose line law is `line` depth^n: a bed of pressure p = c depth^(n - 1/2) carries
 ///   line  c sqrt(2 r*) B(1/2, n + 1/2) depth^n per metre,     tip  2 pi r c depth^(n + 1/2) / (n + 1/2),
@@ -36,14 +37,14 @@ inline constexpr double weight_gravity = 9.81;
 /// SEL_NORMAL_* of a law.
 [[nodiscard]] uint kernel_law(NormalLaw law);
 
-/// Everything that the kernels need for a sample of `weight` metres on this section; lengths of hard laws as `contact` has them
-/// (make_samples fills in what the user left open).
-[[nodiscard]] SampleModel line_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
-                                      double lumen_radius, double weight);
+/// Everything that the kernels need for a quadrature point of `weight` metres on this section; lengths of multiplier laws as
+/// `contact` has them (make_quadrature fills in what the user left open).
+[[nodiscard]] QuadratureModel line_model(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
+                                         double lumen_radius, double weight);
 
 /// The tip's own point law f = pi k_f r depth^2 (D6c), added to its share of the line law; with a stiffness given by the user the
 /// law of the same bed (tip_stiffness). Without it a tip pushed head on sinks half a radius before anything behind it touches.
-[[nodiscard]] SampleModel tip_sample(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
-                                     double lumen_radius);
+[[nodiscard]] QuadratureModel tip_model(const WireSection& section, const ContactSpec& contact, const VesselSpec& wall,
+                                        double lumen_radius);
 
 }  // namespace seldinger

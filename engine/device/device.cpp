@@ -81,8 +81,8 @@ Buffer::Buffer(Context& context, std::size_t bytes) : bytes_(bytes == 0 ? 16 : b
     check(status, "clCreateBuffer");
     context.counters().buffers_created++;
     const std::vector<char> zeros(bytes_, 0);
-    context.write(Lane::Light, *this, zeros.data(), bytes_);
-    context.finish(Lane::Light);
+    context.write(Queue::Inline, *this, zeros.data(), bytes_);
+    context.finish(Queue::Inline);
 }
 
 Buffer::Buffer(Context& context, void* host, std::size_t bytes)
@@ -152,8 +152,8 @@ Context::Context(int index, bool float32) : float32_(float32)
     check(status, "clCreateCommandQueue");
     const std::lock_guard<std::mutex> turn(launching);
     for (Context* other : alive) {  // who was alone until now has not waited for its last launches
-        other->finish(Lane::Light);
-        other->finish(Lane::Heavy);
+        other->finish(Queue::Inline);
+        other->finish(Queue::Pool);
     }
     alive.push_back(this);
 }
@@ -171,43 +171,43 @@ Context::~Context()
 
 cl_context Context::handle() const { return shared_->handle(); }
 
-void Context::enter(Lane lane)
+void Context::enter(Queue queue)
 {
-    if (lane != lane_ && queues_[0] != queues_[1]) finish(lane_);
-    lane_ = lane;
+    if (queue != queue_ && queues_[0] != queues_[1]) finish(queue_);
+    queue_ = queue;
 }
 
-void Context::write(Lane lane, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset)
+void Context::write(Queue queue, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset)
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= to.bytes());
-    CL_CHECK(clEnqueueWriteBuffer(queue(lane), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
+    CL_CHECK(clEnqueueWriteBuffer(command_queue(queue), to.handle(), CL_FALSE, offset, bytes, source, 0, nullptr, nullptr));
     counters_.writes++;
 }
 
-void Context::read(Lane lane, const Buffer& from, void* target, std::size_t bytes, std::size_t offset)
+void Context::read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset)
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= from.bytes());
-    CL_CHECK(clEnqueueReadBuffer(queue(lane), from.handle(), CL_TRUE, offset, bytes, target, 0, nullptr, nullptr));
+    CL_CHECK(clEnqueueReadBuffer(command_queue(queue), from.handle(), CL_TRUE, offset, bytes, target, 0, nullptr, nullptr));
     counters_.reads++;
 }
 
-void Context::copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
+void Context::copy(Queue queue, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset)
 {
     if (bytes == 0) return;
     SEL_ASSERT(offset + bytes <= from.bytes() && offset + bytes <= to.bytes());
-    CL_CHECK(clEnqueueCopyBuffer(queue(lane), from.handle(), to.handle(), offset, offset, bytes, 0, nullptr, nullptr));
+    CL_CHECK(clEnqueueCopyBuffer(command_queue(queue), from.handle(), to.handle(), offset, offset, bytes, 0, nullptr, nullptr));
 }
 
-void Context::finish(Lane lane) { CL_CHECK(clFinish(queue(lane))); }
+void Context::finish(Queue queue) { CL_CHECK(clFinish(command_queue(queue))); }
 
-void Context::enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup)
+void Context::enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup)
 {
     const std::size_t global = (items + workgroup - 1) / workgroup * workgroup;
     const std::lock_guard<std::mutex> turn(launching);
-    CL_CHECK(clEnqueueNDRangeKernel(queue(lane), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
-    if (alive.size() > 1) CL_CHECK(clFinish(queue(lane)));
+    CL_CHECK(clEnqueueNDRangeKernel(command_queue(queue), kernel, 1, nullptr, &global, &workgroup, 0, nullptr, nullptr));
+    if (alive.size() > 1) CL_CHECK(clFinish(command_queue(queue)));
     counters_.launches++;
 }
 
@@ -217,22 +217,23 @@ std::size_t Context::workgroup(Items items) const
     return cpu_ && items == Items::Branching ? 1 : 64;
 }
 
-cl_program Context::program(const std::string& file, std::size_t workgroup)
+cl_program Context::program(const std::string& file, std::size_t workgroup, const std::string& defines)
 {
-    for (const auto& [known_file, known_size, program] : programs_)
-        if (known_file == file && known_size == workgroup) return program;
-    const std::string options = fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}", workgroup, float32_ ? " -DSEL_FLOAT32" : "");
+    for (const auto& [known_file, known_size, known_defines, program] : programs_)
+        if (known_file == file && known_size == workgroup && known_defines == defines) return program;
+    const std::string options =
+        fmt::format("-cl-std=CL1.2 -DSEL_WORKGROUP={}{}{}", workgroup, float32_ ? " -DSEL_FLOAT32" : "", defines);
     const auto [program, fresh] = shared_->program(file, assemble_source(file), options);
     if (fresh) counters_.programs_built++;
-    programs_.emplace_back(file, workgroup, program);
+    programs_.emplace_back(file, workgroup, defines, program);
     return program;
 }
 
-Kernel::Kernel(Context& context, const std::string& file, const char* name, Items items)
+Kernel::Kernel(Context& context, const std::string& file, const char* name, Items items, const std::string& defines)
     : context_(&context), workgroup_(context.workgroup(items))
 {
     cl_int status = CL_SUCCESS;
-    kernel_ = clCreateKernel(context.program(file, workgroup_), name, &status);
+    kernel_ = clCreateKernel(context.program(file, workgroup_, defines), name, &status);
     check(status, "clCreateKernel");
 }
 

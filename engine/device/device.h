@@ -52,7 +52,7 @@ private:
 };
 
 /// Which queue a chain of launches goes to.
-enum class Lane { Light, Heavy };
+enum class Queue { Inline, Pool };
 
 /// What a kernel's items are like. Branching: long, each its own way (walks, contact laws): on a CPU one item is a work-group, as
 /// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
@@ -68,38 +68,39 @@ public:
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
 
-    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the lane.
-    void write(Lane lane, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
-    /// Copies and waits for everything enqueued on the lane before.
-    void read(Lane lane, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
-    void copy(Lane lane, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset = 0);
-    void finish(Lane lane);
-    /// Waits for the other lane when the lane changes, so that buffers written there are seen here.
-    void enter(Lane lane);
+    /// Copies without waiting: `source` must stay as it is until the next read() or finish() on the queue.
+    void write(Queue queue, const Buffer& to, const void* source, std::size_t bytes, std::size_t offset = 0);
+    /// Copies and waits for everything enqueued on the queue before.
+    void read(Queue queue, const Buffer& from, void* target, std::size_t bytes, std::size_t offset = 0);
+    void copy(Queue queue, const Buffer& from, const Buffer& to, std::size_t bytes, std::size_t offset = 0);
+    void finish(Queue queue);
+    /// Waits for the other queue when the queue changes, so that buffers written there are seen here.
+    void enter(Queue queue);
 
     /// Builds the .cl file (name relative to kernels/) for work-groups of that size, once per process (shared_context.h).
-    [[nodiscard]] cl_program program(const std::string& file, std::size_t workgroup);
+    /// @param defines  further compiler options, as " -DNAME"
+    [[nodiscard]] cl_program program(const std::string& file, std::size_t workgroup, const std::string& defines = "");
     [[nodiscard]] cl_program program(const std::string& file) { return program(file, workgroup(Items::Branching)); }
     /// Items of a work-group for kernels of this sort.
     [[nodiscard]] std::size_t workgroup(Items items) const;
-    void enqueue(Lane lane, cl_kernel kernel, std::size_t items, std::size_t workgroup);
+    void enqueue(Queue queue, cl_kernel kernel, std::size_t items, std::size_t workgroup);
 
     [[nodiscard]] cl_context handle() const;
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool float32() const { return float32_; }
     [[nodiscard]] bool on_cpu() const { return cpu_; }
-    /// Whether the lanes are two devices; else both name the same queue.
-    [[nodiscard]] bool two_lanes() const { return queues_[0] != queues_[1]; }
+    /// Whether the queues are two devices; else both name the same queue.
+    [[nodiscard]] bool two_queues() const { return queues_[0] != queues_[1]; }
     [[nodiscard]] Counters& counters() { return counters_; }
 
 private:
-    [[nodiscard]] cl_command_queue queue(Lane lane) const { return queues_[lane == Lane::Light ? 0 : 1]; }
+    [[nodiscard]] cl_command_queue command_queue(Queue queue) const { return queues_[queue == Queue::Inline ? 0 : 1]; }
     SharedContext* shared_ = nullptr;
     cl_command_queue queues_[2] = {nullptr, nullptr};                         // light, heavy; the same queue on one device
-    std::vector<std::tuple<std::string, std::size_t, cl_program>> programs_;  // file, work-group size
+    std::vector<std::tuple<std::string, std::size_t, std::string, cl_program>> programs_;  // file, work-group size, defines
     std::string name_;
     bool float32_ = false, cpu_ = false;
-    Lane lane_ = Lane::Light;
+    Queue queue_ = Queue::Inline;
     Counters counters_;
 };
 
@@ -107,22 +108,31 @@ private:
 class Kernel {
 public:
     Kernel() = default;
-    Kernel(Context& context, const std::string& file, const char* name, Items items = Items::Branching);
+    Kernel(Context& context, const std::string& file, const char* name, Items items = Items::Branching,
+           const std::string& defines = "");
     ~Kernel();
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
 
-    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items.
+    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. What has for_each_argument(f)
+    /// stands for all that f is called with: arguments that kernels take together (contact/device_views.h).
     template <class... Args>
-    void launch(Lane lane, std::size_t items, const Args&... args)
+    void launch(Queue queue, std::size_t items, const Args&... args)
     {
         if (items == 0) return;
         cl_uint index = 0;
-        (set(index++, args), ...);
-        context_->enqueue(lane, kernel_, items, workgroup_);
+        (set_next(index, args), ...);
+        context_->enqueue(queue, kernel_, items, workgroup_);
     }
 
 private:
+    template <class T>
+    void set_next(cl_uint& index, const T& argument)
+    {
+        if constexpr (requires { argument.for_each_argument([](const auto&) {}); })
+            argument.for_each_argument([&](const auto& part) { set(index++, part); });
+        else set(index++, argument);
+    }
     void set(cl_uint index, const Buffer& buffer)
     {
         cl_mem memory = buffer.handle();

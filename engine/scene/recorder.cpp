@@ -245,7 +245,7 @@ void Recorder::write_contact_table(const Output& now)
 {
     std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m\n";
     for (const ContactRow& c : now.contacts) {
-        table += fmt::format("{},{}", c.edge, c.triangle);
+        table += fmt::format("{},{}", c.a.element, c.b.element);
         for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
                                c.normal_force, c.friction.norm()})
             table += "," + csv(v);

@@ -97,11 +97,11 @@ const std::initializer_list<std::string_view> contact_keys = {"detection",
                                                               "barrier_distance_m",
                                                               "precision"};
 
-/// What the laws of kernels/shared/hard_law.h cannot be joined with.
+/// What the laws of kernels/shared/multiplier_law.h cannot be joined with.
 void check_hard_law(const TableReader& t, const Scene& scene)
 {
     const ContactSpec& spec = scene.contact;
-    if (!is_hard(spec.normal)) return;
+    if (!is_nonpenetrating(spec.normal)) return;
     const std::string_view law = word_of(normal_words, spec.normal);
     const Scheme scheme = scene.integrator.scheme;
     if (spec.detection == Detection::Layer)
@@ -117,7 +117,7 @@ void check_hard_law(const TableReader& t, const Scene& scene)
 
 void check_precision(const TableReader& t, const ContactSpec& spec)
 {
-    if (spec.precision == Precision::Float32 && (is_hard(spec.normal) || spec.detection == Detection::Layer))
+    if (spec.precision == Precision::Float32 && (is_nonpenetrating(spec.normal) || spec.detection == Detection::Layer))
         t.fail("precision",
                "\"float32\" is there for detection = \"swept\", \"capsule\" and \"nodes\" with normal = \"hunt-crossley\" and "
                "\"lankarani-nikravesh\"; take it out");

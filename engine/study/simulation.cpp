@@ -35,10 +35,10 @@ public:
         const ConstRodView rod = world_.rod(0);
         std::vector<ForceAt> forces;
         for (const ContactRow& row : world_.contacts()) {
-            if (row.wire != 0 || row.edge + 1 >= rod.n) continue;
-            const Vec3 edge = rod.pos(row.edge + 1) - rod.pos(row.edge);
-            const double along = std::clamp((row.point - rod.pos(row.edge)).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-            forces.push_back({rod.material_s[row.edge] + along * rod.rest_length[row.edge], row.normal_force});
+            if (row.a.body != 0 || row.a.element + 1 >= rod.n) continue;
+            const Vec3 edge = rod.pos(row.a.element + 1) - rod.pos(row.a.element);
+            const double along = std::clamp((row.point - rod.pos(row.a.element)).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+            forces.push_back({rod.material_s[row.a.element] + along * rod.rest_length[row.a.element], row.normal_force});
         }
         return forces;
     }

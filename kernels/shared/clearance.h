@@ -1,6 +1,7 @@
-// Where a sample is known to touch nothing. Of the samples with a list of cells, those along which a wire merely runs near the
-// wall, four in five touch nothing: a sphere round each in which that stays so costs one distance now and then in place of an
-// evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it and without.
+// Where a quadrature point is known to touch nothing. Of the quadrature points with a list of BVH nodes, those along which a wire
+// merely runs near the wall, four in five touch nothing: a sphere round each in which that stays so costs one distance now and
+// then in place of an evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it
+// and without.
 #ifndef SEL_SHARED_CLEARANCE_H
 #define SEL_SHARED_CLEARANCE_H
 #include "shared/contact_types.h"
@@ -26,47 +27,46 @@ SEL_FN real distance_from(vec3 p, const real* at)
 }
 
 // What contact_find knows: the list, and that it is empty only if nothing is within `range`.
-SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count)
+SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count, real moved)
 {
     Clearance known;
     known.list_at[0] = known.at[0] = p.x;
     known.list_at[1] = known.at[1] = p.y;
     known.list_at[2] = known.at[2] = p.z;
-    known.range = range;
-    known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius;
+    known.range = range + moved;
+    known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius + moved;
     return known;
 }
 
-// Distance from p to the nearest triangle of the cells, or `most`.
-SEL_FN real cells_distance(vec3 p, vec3 origin, real most, SEL_GLOBAL const uint* cells, uint count,
-                           SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices)
+// Distance from p to the nearest triangle below the listed nodes, or `most`.
+SEL_FN real near_distance(AxisPoint at, real most, NearWallView near)
 {
     real best = most;
     Walk walk;
-    walk.top = walk.next = 0;
+    start_walk(&walk);
     TreeNode leaf;
-    while (next_leaf(&walk, cells, count, nodes, p, origin, best, best, make_vec3(0, 0, 0), &leaf))
+    while (next_leaf(&walk, near, ball_query(at.offset, at.origin, best), &leaf))
         for (uint k = 0; k < leaf.count; ++k)
-            best = min_r(best, sqrt(triangle_distance2(p, origin, leaf.left_or_first + k, vertices)));
+            best = min_r(best, sqrt(triangle_distance2(at.offset, at.origin, leaf.left_or_first + k, near.wall.vertices)));
     return best;
 }
 
-// Is it known, or can it be known from the list, that a sample at origin + offset touches nothing? Renews the sphere.
-SEL_FN int touches_nothing(vec3 offset, vec3 origin, SampleModel m, SEL_GLOBAL const uint* cells, uint count,
-                           SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL Clearance* clearance)
+// Is it known, or can it be known from the list, that a quadrature point touches nothing? Renews the sphere.
+SEL_FN int is_clear_of_wall(AxisPoint at, QuadratureModel m, NearWallView near, SEL_GLOBAL Clearance* clearance)
 {
     Clearance known = *clearance;
-    const vec3 p = origin + offset;
-    if (distance_from(p, known.at) < known.clear) return 1;
+    const real moved = wall_moved(near.wall);
+    const vec3 p = at.origin + at.offset;
+    if (distance_from(p, known.at) < known.clear - moved) return 1;
     const real margin = SEL_CLEARANCE_MARGIN * m.radius, touching = m.radius + m.reach + margin;
-    const real listed = known.range - distance_from(p, known.list_at) - margin;
+    const real listed = known.range - distance_from(p, known.list_at) - margin - moved;
     if (!(listed > touching)) return 0;
-    const real distance = cells_distance(offset, origin, listed, cells, count, nodes, vertices);
+    const real distance = near_distance(at, listed, near);
     if (!(distance > touching)) return 0;
     known.at[0] = p.x;
     known.at[1] = p.y;
     known.at[2] = p.z;
-    known.clear = distance - touching;
+    known.clear = distance - touching + moved;
     *clearance = known;
     return 1;
 }

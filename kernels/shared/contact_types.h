@@ -1,8 +1,9 @@
-// Layouts of the contact stage, shared by kernels, their host twins and the code that fills the buffers.
+// Layouts of the contact stage, shared by kernels, their host references and the code that fills the buffers.
 //
-// Quadrature points of the wire ("samples") are fixed in the material; what they carry from step to step (anchors, approach
-// speed, rolling angle) therefore survives splits, merges and changes of triangle. Records are structs, not split arrays: every
-// kernel that touches a sample reads its whole record, so one cache line serves it; nodes and triangles are split arrays.
+// Quadrature points of the wire ("quadrature points") are fixed in the material; what they carry from step to step (anchors,
+// approach speed, rolling angle) therefore survives splits, merges and changes of triangle. Records are structs, not split
+// arrays: every kernel that touches a quadrature point reads its whole record, so one cache line serves it; nodes and triangles
+// are split arrays.
 #ifndef SEL_SHARED_CONTACT_TYPES_H
 #define SEL_SHARED_CONTACT_TYPES_H
 #include "shared/portable.h"
@@ -22,14 +23,14 @@ SEL_BEGIN
 #define SEL_NORMAL_IMPULSE 3
 #define SEL_NORMAL_BARRIER 4
 
-// Flags of a touch.
-#define SEL_TOUCH_ACTIVE 1u   // normal force > 0
-#define SEL_TOUCH_STUCK 2u    // inside the static cone
-#define SEL_TOUCH_OUTSIDE 4u  // the sample is beyond the wall
+// Flags of a contact point.
+#define SEL_CONTACT_ACTIVE 1u   // normal force > 0
+#define SEL_CONTACT_STUCK 2u    // inside the static cone
+#define SEL_CONTACT_OUTSIDE 4u  // the quadrature point is beyond the wall
 
-// Constant while the wire's sections stand. A sample stands for `weight` metres of wire; the tip's own point law (D6c) has weight
-// 1 and stiffness in N/m^n.
-typedef struct SampleModel {
+// Constant while the wire's sections stand. A quadrature point stands for `weight` metres of wire; the tip's own point law (D6c)
+// has weight 1 and stiffness in N/m^n.
+typedef struct QuadratureModel {
     real weight;              // [m]; 1 for the tip's point law
     real length;              // metres of wire that it stands for in readings: weight, or 0 at the tip
     real radius;              // wire [m]
@@ -45,29 +46,29 @@ typedef struct SampleModel {
     real roll_arm;     // bracket of (D10): moment per metre = roll_arm a f; 0: no rolling resistance
     real roll_depth;   // a^2 = roll_depth depth + roll_force f  (half-width of the line contact) [m]
     real roll_force;   // [m^2 / (N/m)]
-    // of the laws in hard_law.h only
-    real hard_stiffness;  // augmented, constraint, impulse: least k of (D8) [N/m^2]; barrier: kappa [N/m^2]
-    real hard_length;     // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
-    real line_mass;       // of the wire [kg/m]
-    real restitution;     // impulse
-    real hard_most;       // augmented, constraint, impulse: largest multiplier [N/m]
-} SampleModel;
+    // of the laws in multiplier_law.h only
+    real penalty_stiffness;  // augmented, constraint, impulse: least k of (D8) [N/m^2]; barrier: kappa [N/m^2]
+    real law_length;         // augmented, constraint: overlap allowed [m]; impulse: speed allowed [m/s]; barrier: d_hat [m]
+    real line_mass;          // of the wire [kg/m]
+    real restitution;        // impulse
+    real multiplier_most;    // augmented, constraint, impulse: largest multiplier [N/m]
+} QuadratureModel;
 
-// Which edge a sample lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in the
-// concatenated node arrays.
-typedef struct SamplePlace {
+// Which edge a quadrature point lies on at the end of the step and where it was at its start. Edge: index of its tip-side node in
+// the concatenated node arrays.
+typedef struct QuadraturePlace {
     uint edge;     // at the end of the step
-    uint edge_t0;  // at its start; SEL_NO_EDGE: the sample has just been fed in
+    uint edge_t0;  // at its start; SEL_NO_EDGE: the quadrature point has just been fed in
     real bary;     // position = (1 - bary) node[edge] + bary node[edge + 1]
     real bary_t0;
-    uint stamp;  // of this step for the sample's wire; what the last one wrote has stamp - 1
-    uint pad;
-    real shrink;  // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
-} SamplePlace;
+    uint epoch;  // of this step for the quadrature point's wire; what the last one wrote has epoch - 1
+    uint system;  // whose wall it meets
+    real radius_reduction;  // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
+} QuadraturePlace;
 #define SEL_NO_EDGE 0xffffffffu
 
-// What one touch (a sample against one side of the lumen) carries from step to step, and what it last exerted.
-typedef struct TouchState {
+// What one contact point (a quadrature point against one side of the lumen) carries from step to step, and what it last exerted.
+typedef struct ContactState {
     real slip[3];       // elastic part of the tangential displacement (D9) [m]
     real normal[3];     // unit, into the lumen
     real point[3];      // on the wall, relative to the mesh centre [m]
@@ -80,26 +81,26 @@ typedef struct TouchState {
     real moment;        // rolling, about the tangent [N m]
     uint triangle;      // in leaf order
     uint flags;
-    uint stamp;  // step that wrote it; an older stamp means no contact in the last step
+    uint epoch;  // step that wrote it; an older epoch means no contact in the last step
     uint pad;
-} TouchState;
+} ContactState;
 
-// What augmented, constraint and impulse know of one touch while a step is solved (hard_law.h).
-typedef struct HardState {
+// What augmented, constraint and impulse know of one contact point while a step is solved (multiplier_law.h).
+typedef struct MultiplierState {
     real normal[3];    // of the wall that it speaks of
     real force;        // lambda of (D8) [N/m]
     real friction[3];  // tangential multiplier of `constraint` [N/m]
     real stiffness;    // k of (D8) [N/m^2]
     real miss;         // |change of a multiplier| / its stiffness at the last update [m]
-    uint live;         // there is such a touch
+    uint live;         // there is such a contact point
     uint pad;
-} HardState;
+} MultiplierState;
 
-// What one sample exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding friction
-// makes unsymmetric. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with: what friction does
-// at the surface is, seen from the nodes, a force on the axis point, a torque, and a couple. `contacts` 0: only depth and flags
-// are written; without SEL_SAMPLE_COUPLE what stands in the second block is 0.
-typedef struct SampleForce {
+// What one quadrature point exerts, to be reduced to its edge. F, and -dF/dq split so that the host may leave out what sliding
+// friction makes unsymmetric. q = (x, y, z, theta), and the edge's vector w = x_b - x_a, which the section turns with: what
+// friction does at the surface is, seen from the nodes, a force on the axis point, a torque, and a couple. `contacts` 0: only
+// depth and flags are written; without SEL_FORCE_COUPLE what stands in the second block is 0.
+typedef struct ContactForce {
     real force[4];  // on the axis point [N], about the tangent [N m]
     real sym[10];   // symmetric part: xx xy xz xt yy yz yt zz zt tt
     real
@@ -113,16 +114,16 @@ typedef struct SampleForce {
     real depth;                                               // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
     real length;                                              // metres of wire in contact
-    uint flags;                                               // SEL_SAMPLE_*
+    uint flags;                                               // SEL_FORCE_*
     uint contacts;
-} SampleForce;
-#define SEL_SAMPLE_BLOCKED 1u  // deeper than the law allows, and deepening: the trial is inadmissible
-#define SEL_SAMPLE_SLIDING 2u  // `skew` is not zero
-#define SEL_SAMPLE_OUTSIDE 4u
-#define SEL_SAMPLE_COUPLE 8u  // friction acts
+} ContactForce;
+#define SEL_FORCE_BLOCKED 1u  // deeper than the law allows, and deepening: the trial is inadmissible
+#define SEL_FORCE_SLIDING 2u  // `skew` is not zero
+#define SEL_FORCE_OUTSIDE 4u
+#define SEL_FORCE_COUPLE 8u  // friction acts
 
-// Sum over an edge's samples, in sample order: generalised force on (x_a, x_b, theta) and blocks of -dF/dq. Index s: 6 entries
-// xx xy xz yy yz zz of a symmetric 3 x 3 block; s_ab and u: 9 entries, row-major.
+// Sum over an edge's quadrature points, in quadrature point order: generalised force on (x_a, x_b, theta) and blocks of -dF/dq.
+// Index s: 6 entries xx xy xz yy yz zz of a symmetric 3 x 3 block; s_ab and u: 9 entries, row-major.
 typedef struct EdgeForce {
     real force_a[3], force_b[3], torque;
     real s_aa[6], s_ab[9], s_bb[6];
@@ -133,24 +134,25 @@ typedef struct EdgeForce {
     uint flags, contacts;
 } EdgeForce;
 
-#define SEL_SETTLE_STUCK 1u    // every touch sticks, whatever the cone
-#define SEL_SETTLE_SLIDING 2u  // every touch has slid to where it is: its cone is that of mu_sliding
+#define SEL_SETTLE_STUCK 1u    // every contact point sticks, whatever the cone
+#define SEL_SETTLE_SLIDING 2u  // every contact point has slid to where it is: its cone is that of mu_sliding
 
-// What a step of one Newton iteration, or an explicit one, takes contact from: the state at its start and the velocity known there.
-// Where the step starts (`hi_t0`, `theta_t0`) is then where that velocity comes from in inv_dt, so that `move` is the known one.
+// What a step of one Newton iteration, or an explicit one, takes contact from: the state at its start and the velocity known
+// there. Where the step starts (`hi_t0`, `theta_t0`) is then where that velocity comes from in inv_dt, so that `move` is the
+// known one.
 #define SEL_KNOWN_LINEAR 1u  // linearised (D5): force and tangent as functions of the move from the start of the step
 #define SEL_KNOWN_FORCE 2u   // explicit: the force alone
 
 // One step of one launch; passed by value.
 typedef struct ContactParams {
     uint item_count;
-    uint slots;       // per sample: cells of the tree (walk.h); layer: triangles
-    uint friction;    // SEL_FRICTION_*
-    uint settling;    // SEL_SETTLE_*, scene start = "settled"; 0: not settling
-    uint normal_law;  // SEL_NORMAL_*
-    uint known;       // SEL_KNOWN_*; 0: the law at the trial, moves are those of the step
+    uint slots;         // per quadrature point: BVH nodes of the tree (walk.h); layer: triangles
+    uint friction;      // SEL_FRICTION_*
+    uint settling;      // SEL_SETTLE_*, scene start = "settled"; 0: not settling
+    uint normal_law;    // SEL_NORMAL_*
+    uint known;         // SEL_KNOWN_*; 0: the law at the trial, moves are those of the step
     real inv_dt;        // [1/s]; 0 in static equilibrium: no damping
-    real blend;         // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
+    real smoothing;     // width of the smooth maximum over neighbouring facets, as a fraction of the radius [-]
     real smooth_speed;  // regularisation of `smooth` [m/s]
 } ContactParams;
 

@@ -11,11 +11,24 @@
 //   H          r / 2
 #ifndef SEL_SHARED_LAYER_H
 #define SEL_SHARED_LAYER_H
-#include "shared/contact_sample.h"
+#include "shared/contact_law.h"
+#include "shared/contact_records.h"
+#include "shared/point_motion.h"
+#include "shared/wall_distance.h"
 
 SEL_BEGIN
 
 #define SEL_LAYER_HALVINGS 8
+
+// A wire's edge for the layer: what changes from edge to edge.
+typedef struct LayerEdge {
+    uint node;              // tip-side node in the concatenated arrays
+    uint epoch;             // see QuadraturePlace
+    real width;             // w [m]
+    real height;            // h [m]
+    real reach;             // H [m]
+    QuadratureModel model;  // of one pair: line stiffness x 1 mm (weight 1e-3)
+} LayerEdge;
 
 typedef struct Layer {
     vec3 centre, along, side, up;  // unit axes; up points from the axis to the wall
@@ -25,16 +38,16 @@ typedef struct Layer {
 } Layer;
 
 // Does the sphere touch the wall? Adds the inward normals of the triangles it touches to *normal.
-SEL_FN int sphere_touches(vec3 p, real radius, SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, vec3* normal)
+SEL_FN int sphere_touches(vec3 p, real radius, WallView wall, vec3* normal)
 {
     const real r2 = radius * radius;
     const vec3 zero = make_vec3(0, 0, 0);
     uint stack[SEL_TREE_STACK];
     uint top = 0;
-    int touches = 0;
+    int states = 0;
     stack[top++] = 0;
     while (top > 0) {
-        const TreeNode node = nodes[stack[--top]];
+        const TreeNode node = wall.nodes[stack[--top]];
         if (box_distance2(p, node) > r2) continue;
         if (node.count == 0) {
             stack[top++] = node.left_or_first + 1;
@@ -42,28 +55,28 @@ SEL_FN int sphere_touches(vec3 p, real radius, SEL_GLOBAL const TreeNode* nodes,
             continue;
         }
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
-            const Triangle tri = load_triangle(vertices, node.left_or_first + k, zero);
+            const Triangle tri = load_triangle(wall.vertices, node.left_or_first + k, zero);
             int feature;
             const vec3 v = p - closest_on_triangle(p, tri, &feature);
             if (dot3(v, v) > r2) continue;
-            touches = 1;
+            states = 1;
             *normal = *normal + triangle_normal(tri);
         }
     }
-    return touches;
+    return states;
 }
 
 // Steps 2 to 4: the layer of the edge a -> b.
-SEL_FN Layer make_layer(vec3 a, vec3 b, real radius, real width, real height, real reach, SEL_GLOBAL const TreeNode* nodes,
-                        SEL_GLOBAL const float* vertices)
+SEL_FN Layer make_layer(vec3 a, vec3 b, LayerEdge e, WallView wall)
 {
+    const real radius = e.model.radius, reach = e.reach;
     Layer layer;
     layer.found = 0;
     layer.from = 0;
     layer.to = 1;
     vec3 normal = make_vec3(0, 0, 0);
-    const int at_a = sphere_touches(a, radius + reach, nodes, vertices, &normal);
-    const int at_b = sphere_touches(b, radius + reach, nodes, vertices, &normal);
+    const int at_a = sphere_touches(a, radius + reach, wall, &normal);
+    const int at_b = sphere_touches(b, radius + reach, wall, &normal);
     if (!at_a && !at_b) return layer;
     const vec3 edge = b - a;
     if (at_a != at_b) {
@@ -72,7 +85,7 @@ SEL_FN Layer make_layer(vec3 a, vec3 b, real radius, real width, real height, re
         for (int k = 0; k < SEL_LAYER_HALVINGS; ++k) {
             const real mid = (in + out) / 2;
             vec3 ignored = make_vec3(0, 0, 0);
-            if (sphere_touches(a + mid * edge, radius + reach, nodes, vertices, &ignored)) in = mid;
+            if (sphere_touches(a + mid * edge, radius + reach, wall, &ignored)) in = mid;
             else out = mid;
         }
         if (at_a) layer.to = in;
@@ -86,10 +99,10 @@ SEL_FN Layer make_layer(vec3 a, vec3 b, real radius, real width, real height, re
     layer.up = (1 / size) * up;
     layer.side = cross3(layer.along, layer.up);
     layer.extent[0] =
-        max_r((layer.to - layer.from) * length / 2, radius / 8);  // a touch at a node alone keeps a sliver of length
-    layer.extent[1] = width / 2;
-    layer.extent[2] = height / 2;
-    layer.centre = a + ((layer.from + layer.to) / 2) * edge + (height / 2) * layer.up;
+        max_r((layer.to - layer.from) * length / 2, radius / 8);  // a contact point at a node alone keeps a sliver of length
+    layer.extent[1] = e.width / 2;
+    layer.extent[2] = e.height / 2;
+    layer.centre = a + ((layer.from + layer.to) / 2) * edge + (e.height / 2) * layer.up;
     layer.found = 1;
     return layer;
 }
@@ -178,16 +191,6 @@ SEL_FN RayHit ray_against_wire(Triangle tri, vec3 a, vec3 edge, real radius)
     return out;
 }
 
-// A wire's edge for the layer: what changes from edge to edge.
-typedef struct LayerEdge {
-    uint node;          // tip-side node in the concatenated arrays
-    uint stamp;         // see SamplePlace
-    real width;         // w [m]
-    real height;        // h [m]
-    real reach;         // H [m]
-    SampleModel model;  // of one pair: line stiffness x 1 mm (weight 1e-3)
-} LayerEdge;
-
 // A pair found by the layer: which edge (index among LayerEdge), which triangle, and its record of the last step.
 typedef struct LayerPair {
     uint edge, triangle;
@@ -195,24 +198,30 @@ typedef struct LayerPair {
     uint pad;
 } LayerPair;
 
+SEL_FN ContactState empty_pair(uint triangle, real reach)
+{
+    ContactState state = no_contact_state();
+    state.gap = reach;
+    state.triangle = triangle;
+    return state;
+}
+
 // Candidates of one edge: triangles that meet its layer and whose ray hits within H. Writes at most `slots`, and L' [m] to
-// *touching;
-// @return how many
-SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const TreeNode* nodes,
-                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
+// *touching. @return how many
+SEL_FN uint find_pairs(LayerEdge e, NodeView nodes, WallView wall, uint slots, SEL_GLOBAL uint* found, SEL_GLOBAL real* touching)
 {
     *touching = 0;
-    const AxisPoint at = axis_point(e.node, 0, hi, lo);
+    const AxisPoint at = axis_point(e.node, 0, nodes);
     const vec3 a = at.origin + at.offset;
     const vec3 zero = make_vec3(0, 0, 0);
-    const Layer layer = make_layer(a, a + at.edge, e.model.radius, e.width, e.height, e.reach, nodes, vertices);
+    const Layer layer = make_layer(a, a + at.edge, e, wall);
     if (!layer.found) return 0;
     *touching = (layer.to - layer.from) * sqrt(dot3(at.edge, at.edge));
     uint stack[SEL_TREE_STACK];
     uint top = 0, count = 0;
     stack[top++] = 0;
     while (top > 0) {
-        const TreeNode node = nodes[stack[--top]];
+        const TreeNode node = wall.nodes[stack[--top]];
         if (!layer_meets_box(layer, node)) continue;
         if (node.count == 0) {
             stack[top++] = node.left_or_first + 1;
@@ -221,7 +230,7 @@ SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const
         }
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(node.count); ++k) {
             const uint t = node.left_or_first + k;
-            const Triangle tri = load_triangle(vertices, t, zero);
+            const Triangle tri = load_triangle(wall.vertices, t, zero);
             if (!layer_meets_triangle(layer, tri)) continue;
             const RayHit ray = ray_against_wire(tri, a, at.edge, e.model.radius);
             if (!ray.hit || ray.gap > e.reach) continue;
@@ -232,50 +241,46 @@ SEL_FN uint find_pairs(LayerEdge e, SEL_GLOBAL const float* hi, SEL_GLOBAL const
     return count;
 }
 
-// Contact of one pair; *bary gets its place on the edge. touches: [pairs], touches_t0: of the last step's pairs.
-SEL_FN SampleForce evaluate_pair(uint item, ContactParams par, LayerPair pair, LayerEdge e, SEL_GLOBAL const float* vertices,
-                                 SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta,
-                                 SEL_GLOBAL const float* hi_t0, SEL_GLOBAL const real* lo_t0, SEL_GLOBAL const real* theta_t0,
-                                 SEL_GLOBAL const TouchState* touches_t0, SEL_GLOBAL TouchState* touches, real* bary)
+// The published pair as a contact point of the wire's axis point p.
+SEL_FN ContactPoint contact_of_ray(RayHit ray, vec3 p, uint triangle)
 {
-    SampleForce out = no_force(e.model);
-    out.depth = -e.reach;
-    TouchState old, now;
-    for (int i = 0; i < 3; ++i) now.slip[i] = now.friction[i] = now.normal[i] = now.point[i] = 0;
-    now.gap = e.reach;
-    now.rate = now.approach = now.roll = now.normal_force = now.moment = 0;
-    now.triangle = pair.triangle;
-    now.flags = now.stamp = now.pad = 0;
-    old = now;
-    if (pair.last != SEL_NO_EDGE) old = touches_t0[pair.last];
+    ContactPoint contact = no_contact_point(0);
+    contact.normal = ray.normal;
+    contact.to_wall = ray.centre - p;
+    contact.depth = -ray.gap;
+    contact.triangle = triangle;
+    contact.found = 1;
+    return contact;
+}
 
-    const AxisPoint at = axis_point(e.node, 0, hi, lo);
-    const Triangle tri = load_triangle(vertices, pair.triangle, at.origin);
-    const RayHit ray = ray_against_wire(tri, at.offset, at.edge, e.model.radius);
+// Contact of one pair; *bary gets its place on the edge. old, now: its records; of the last step, and written.
+SEL_FN ContactForce evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, NodeView nodes, NodeView nodes_t0,
+                                  SEL_GLOBAL const float* vertices, ContactState old, SEL_GLOBAL ContactState* now, real* bary)
+{
+    ContactForce out = no_force(e.model);
+    out.depth = -e.reach;
+    ContactState state = empty_pair(pair.triangle, e.reach);
+    const AxisPoint start = axis_point(e.node, 0, nodes);
+    const Triangle tri = load_triangle(vertices, pair.triangle, start.origin);
+    const RayHit ray = ray_against_wire(tri, start.offset, start.edge, e.model.radius);
     *bary = clamp_r(ray.bary, 0, 1);
     if (ray.hit) {
-        const AxisPoint was = axis_point(e.node, *bary, hi_t0, lo_t0);
-        const vec3 p = at.offset + *bary * at.edge;
-        SampleMove mv;
-        mv.length = sqrt(dot3(at.edge, at.edge));
-        mv.tangent = (1 / mv.length) * at.edge;
-        mv.turn = mv.tangent - (1 / sqrt(dot3(was.edge, was.edge))) * was.edge;
-        mv.move = (at.origin - was.origin) + (p - was.offset);
-        mv.spin = theta[e.node] - theta_t0[e.node];
-        mv.fresh = 0;
-        mv.stamp = e.stamp;
-        mv.shrink = 0;
-        Touch touch;
-        touch.normal = ray.normal;
-        touch.to_wall = ray.centre - p;
-        touch.depth = -ray.gap;
-        for (int k = 0; k < 6; ++k) touch.bend[k] = 0;
-        touch.triangle = pair.triangle;
-        touch.found = 1;
-        touch.outside = 0;
-        add_touch(touch, at.origin + p, e.model, mv, par, old, no_hard_state(), &now, &out);
+        QuadraturePlace place;
+        place.edge = place.edge_t0 = e.node;
+        place.bary = place.bary_t0 = *bary;
+        place.epoch = e.epoch;
+        place.system = 0;
+        place.radius_reduction = 0;
+        AxisPoint at = start;
+        at.offset = start.offset + *bary * start.edge;
+        LawContext c;
+        c.m = e.model;
+        c.par = par;
+        c.mv = motion_of(place, at, nodes, nodes_t0);
+        add_contact_point(contact_of_ray(ray, at.offset, pair.triangle), at.origin + at.offset, old, no_multiplier(), &c, &state,
+                          &out);
     }
-    touches[item] = now;
+    *now = state;
     return out;
 }
 

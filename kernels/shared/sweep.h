@@ -2,7 +2,7 @@
 // vertices [Ericson05, sec. 5.5.6]; a ball that moves apart from what it touches already is free.
 #ifndef SEL_SHARED_SWEEP_H
 #define SEL_SHARED_SWEEP_H
-#include "shared/contact_sample.h"
+#include "shared/contact_gap.h"
 
 SEL_BEGIN
 
@@ -16,9 +16,9 @@ SEL_FN real first_root(real A, real B, real C, real most)
     return min_r(C / (sqrt(root) - B), most);
 }
 
-// p: the ball's centre, move: its way; relative to the same origin as tri. rims: see contact_gap.h. What lies behind a facet is
-// not held up by it, but by its rim.
-SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint rims)
+// p: the ball's centre, move: its way; relative to the same origin as tri. boundary features: see contact_gap.h. What lies behind
+// a facet is not held up by it, but by its boundary feature.
+SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint boundary)
 {
     real most = 1;
     const vec3 n = triangle_normal(tri);
@@ -36,8 +36,8 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint ri
         const vec3 edge = (k == 0 ? tri.b : k == 1 ? tri.c : tri.a) - from;
         const vec3 w = p - from;
         const real m2 = dot3(move, move), wm = dot3(w, move), gap2 = dot3(w, w) - radius * radius;
-        if (!behind || ((rims >> (3 + k)) & 1u)) most = first_root(m2, wm, gap2, most);
-        if (behind && !((rims >> k) & 1u)) continue;
+        if (!behind || ((boundary >> (3 + k)) & 1u)) most = first_root(m2, wm, gap2, most);
+        if (behind && !((boundary >> k) & 1u)) continue;
         // distance from the edge's line; a root counts where it lies between the ends
         const real e2 = dot3(edge, edge);
         if (!(e2 > 0)) continue;
@@ -49,9 +49,8 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint ri
     return most;
 }
 
-// Fraction of the straight way of a sample from `base` to `trial` that is free of the triangles of its cells (1: all).
-SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBAL const uint* cells, uint count,
-                         SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* rims)
+// Fraction of the straight way of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
+SEL_FN real sweep_point(AxisPoint base, AxisPoint trial, real radius, NearWallView near)
 {
     const vec3 move = (trial.origin - base.origin) + (trial.offset - base.offset);
     real free_way = 1;
@@ -60,12 +59,12 @@ SEL_FN real sweep_sample(AxisPoint base, AxisPoint trial, real radius, SEL_GLOBA
     const vec3 middle = base.offset + (real)0.5 * move;
     const real range = (1 + SEL_WALK_MARGIN) * (radius + (real)0.5 * sqrt(dot3(move, move)));
     Walk walk;
-    walk.top = walk.next = 0;
-    TreeNode leaf;
-    while (next_leaf(&walk, cells, count, nodes, middle, base.origin, range, range, move, &leaf))
-        for (uint t = leaf.left_or_first; t < leaf.left_or_first + leaf.count; ++t)
-            free_way =
-                min_r(free_way, sweep_triangle(base.offset, move, radius, load_triangle(vertices, t, base.origin), rims[t]));
+    start_walk(&walk);
+    uint t;
+    while (next_triangle(&walk, near, ball_query(middle, base.origin, range), &t)) {
+        const Triangle tri = load_triangle(near.wall.vertices, t, base.origin);
+        free_way = min_r(free_way, sweep_triangle(base.offset, move, radius, tri, near.wall.boundary[t]));
+    }
     return free_way;
 }
 

@@ -35,7 +35,7 @@ typedef struct TreeNode {
 } TreeNode;  // 32 bytes
 
 // Bits of WallTree::edge_bits, one byte a triangle: edge e runs from vertex e to vertex (e + 1) % 3.
-#define SEL_EDGE_IS_OPENING(bits, e) (((bits) >> (e)) & 1u)  // no neighbour there: the rim of an opening
+#define SEL_EDGE_IS_OPENING(bits, e) (((bits) >> (e)) & 1u)  // no neighbour there: the boundary feature of an opening
 
 #ifdef __cplusplus
 static_assert(sizeof(TreeNode) == 32, "layout shared with kernels");

@@ -1,17 +1,17 @@
-// Walks through small subtrees of the wall's tree ("cells": tree nodes not much larger than the wire is thick), leaf by leaf, in
-// the tree's own order. A sample keeps a list of the cells near it; what is asked of the wall at every evaluation walks through
-// these alone, and leaves out what is too far. So the lists are as long, and an evaluation as many box tests deep, for three
-// million triangles as for thirty thousand (a few more levels), and what is found is the same as if every triangle of the cells
-// had been looked at, in the same order.
+// Walks through small subtrees of the wall's tree (below nodes not much larger than the wire is thick), leaf by leaf, in the
+// tree's own order. A quadrature point keeps a list of the tree's nodes near it; what is asked of the wall at every evaluation
+// walks through these alone, and leaves out what is too far. So the lists are as long, and an evaluation as many box tests deep,
+// for three million triangles as for thirty thousand (a few more levels), and what is found is the same as if every triangle
+// below the listed nodes had been looked at, in the same order.
 #ifndef SEL_SHARED_WALK_H
 #define SEL_SHARED_WALK_H
-#include "shared/tree_types.h"
 #include "shared/triangle.h"
+#include "shared/views.h"
 
 SEL_BEGIN
 
-// A cell is a leaf, or a node no longer than this many radii in any direction.
-#define SEL_CELL_SIZE 2
+// A listed node is a leaf, or no longer than this many radii in any direction.
+#define SEL_NEAR_NODE_SIZE 2
 
 // Leaves out boxes by rounded distances: by this fraction too few, so that none is left out that a triangle's own rounded
 // distance admits.
@@ -23,8 +23,11 @@ SEL_BEGIN
 
 typedef struct Walk {
     uint stack[SEL_TREE_STACK];
-    uint top, next;  // next: of the cells
+    uint triangle, end;  // of the leaf that is looked at
+    uint top, next;      // next: of the BVH nodes
 } Walk;
+
+SEL_FN void start_walk(Walk* walk) { walk->top = walk->next = walk->triangle = walk->end = 0; }
 
 // Least squared distance from p to a box; p and the box relative to `origin`.
 SEL_FN real box_near2(vec3 p, TreeNode box, vec3 origin)
@@ -62,23 +65,40 @@ SEL_FN int slab_beyond(vec3 p, TreeNode leaf, vec3 origin, real range)
     return aside2 > 0 && aside2 * aside2 > 4 * rho2 * left2;
 }
 
-// The next leaf that is within `range` of p and, unless it is within `shell`, reaches beyond p along `side`. @return found one
-SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_GLOBAL const TreeNode* nodes, vec3 p, vec3 origin,
-                     real range, real shell, vec3 side, TreeNode* leaf)
+// What is looked for: all within `range` of p that, unless it is within `shell`, reaches beyond p along `side`.
+typedef struct WallQuery {
+    vec3 p, origin;  // p relative to origin
+    real range, shell;
+    vec3 side;
+} WallQuery;
+
+// All within `range`.
+SEL_FN WallQuery ball_query(vec3 p, vec3 origin, real range)
 {
-    const real range2 = range * range, shell2 = shell * shell;
+    WallQuery query;
+    query.p = p;
+    query.origin = origin;
+    query.range = query.shell = range;
+    query.side = make_vec3(0, 0, 0);
+    return query;
+}
+
+// The next leaf that the query asks for. @return found one
+SEL_FN int next_leaf(Walk* walk, NearWallView near, WallQuery query, TreeNode* leaf)
+{
+    const real range2 = query.range * query.range, shell2 = query.shell * query.shell;
     for (;;) {
         if (walk->top == 0) {
-            if (walk->next == count) return 0;
-            walk->stack[walk->top++] = cells[walk->next++];
+            if (walk->next == near.count) return 0;
+            walk->stack[walk->top++] = near.list[walk->next++];
         }
-        const TreeNode node = nodes[walk->stack[--walk->top]];
-        const real d2 = box_near2(p, node, origin);
+        const TreeNode node = near.wall.nodes[walk->stack[--walk->top]];
+        const real d2 = box_near2(query.p, node, query.origin);
         if (d2 > range2) continue;
-        const int aside = shell < range && box_beyond(p, node, origin, side) < 0;
+        const int aside = query.shell < query.range && box_beyond(query.p, node, query.origin, query.side) < 0;
         if (aside && d2 > shell2) continue;
         if (node.count > 0) {
-            if (SEL_HAS_SLAB(node.count) && slab_beyond(p, node, origin, aside ? shell : range)) continue;
+            if (SEL_HAS_SLAB(node.count) && slab_beyond(query.p, node, query.origin, aside ? query.shell : query.range)) continue;
             *leaf = node;
             leaf->count = SEL_LEAF_TRIANGLES(node.count);
             return 1;
@@ -86,6 +106,19 @@ SEL_FN int next_leaf(Walk* walk, SEL_GLOBAL const uint* cells, uint count, SEL_G
         walk->stack[walk->top++] = node.left_or_first + 1;
         walk->stack[walk->top++] = node.left_or_first;
     }
+}
+
+// The next triangle of the leaves that the query asks for, which may become narrower as the walk goes on. @return found one
+SEL_FN int next_triangle(Walk* walk, NearWallView near, WallQuery query, uint* t)
+{
+    if (walk->triangle == walk->end) {
+        TreeNode leaf;
+        if (!next_leaf(walk, near, query, &leaf)) return 0;
+        walk->triangle = leaf.left_or_first;
+        walk->end = leaf.left_or_first + leaf.count;
+    }
+    *t = walk->triangle++;
+    return 1;
 }
 
 // Squared distance from p to triangle t, both relative to `origin`.
@@ -97,19 +130,18 @@ SEL_FN real triangle_distance2(vec3 p, vec3 origin, uint t, SEL_GLOBAL const flo
 }
 
 // Is there a triangle within `range` of p in the subtree below `node`?
-SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, SEL_GLOBAL const TreeNode* nodes,
-                      SEL_GLOBAL const float* vertices)
+SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, WallView wall)
 {
     const real range2 = range * range;
     uint stack[SEL_TREE_STACK];
     uint top = 0;
     stack[top++] = node;
     while (top > 0) {
-        const TreeNode box = nodes[stack[--top]];
+        const TreeNode box = wall.nodes[stack[--top]];
         if (box_near2(p, box, origin) > range2) continue;
         if (SEL_HAS_SLAB(box.count) && slab_beyond(p, box, origin, range)) continue;
         for (uint k = 0; k < SEL_LEAF_TRIANGLES(box.count); ++k)
-            if (triangle_distance2(p, origin, box.left_or_first + k, vertices) <= range2) return 1;
+            if (triangle_distance2(p, origin, box.left_or_first + k, wall.vertices) <= range2) return 1;
         if (box.count > 0) continue;
         stack[top++] = box.left_or_first + 1;
         stack[top++] = box.left_or_first;
@@ -117,10 +149,16 @@ SEL_FN int any_within(uint node, vec3 p, vec3 origin, real range, SEL_GLOBAL con
     return 0;
 }
 
-// Cells that hold every triangle within `range` of p (relative to `origin`), in the tree's own order. Writes at most `slots` of
-// them; @return how many there are; 0 where no triangle is within range, however near the boxes are
-SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL const TreeNode* nodes,
-                       SEL_GLOBAL const float* vertices, uint slots, SEL_GLOBAL uint* found)
+SEL_FN int is_longer(TreeNode node, real size)
+{
+    const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1],
+               z = (real)node.hi[2] - (real)node.lo[2];
+    return x > size || y > size || z > size;
+}
+
+// Nodes no longer than `size` that hold every triangle within `range` of p (relative to `origin`), in the tree's own order.
+// Writes at most `slots` of them; @return how many there are; 0 where no triangle is within range, however near the boxes are
+SEL_FN uint find_near_nodes(AxisPoint at, real range, real size, WallView wall, uint slots, SEL_GLOBAL uint* found)
 {
     const real range2 = range * range;
     uint stack[SEL_TREE_STACK];
@@ -128,18 +166,16 @@ SEL_FN uint find_cells(vec3 p, vec3 origin, real range, real size, SEL_GLOBAL co
     int any = 0;
     stack[top++] = 0;
     while (top > 0) {
-        const uint at = stack[--top];
-        const TreeNode node = nodes[at];
-        if (box_near2(p, node, origin) > range2) continue;
-        const real x = (real)node.hi[0] - (real)node.lo[0], y = (real)node.hi[1] - (real)node.lo[1],
-                   z = (real)node.hi[2] - (real)node.lo[2];
-        if (node.count == 0 && (x > size || y > size || z > size)) {
+        const uint index = stack[--top];
+        const TreeNode node = wall.nodes[index];
+        if (box_near2(at.offset, node, at.origin) > range2) continue;
+        if (node.count == 0 && is_longer(node, size)) {
             stack[top++] = node.left_or_first + 1;
             stack[top++] = node.left_or_first;
             continue;
         }
-        if (!any) any = any_within(at, p, origin, range, nodes, vertices);
-        if (count < slots) found[count] = at;
+        if (!any) any = any_within(index, at.offset, at.origin, range, wall);
+        if (count < slots) found[count] = index;
         ++count;
     }
     return any ? count : 0;

@@ -16,15 +16,15 @@ TEST_SUITE("device/peaks")
     TEST_CASE("property: vectors are no slower than one number at a time, cache no slower than a chain of launches")
     {
         device::Context context;
-        const device::Peaks peaks = device::measure_peaks(context, device::Lane::Light, 1, 3);
+        const device::Peaks peaks = device::measure_peaks(context, device::Queue::Inline, 1, 3);
         CHECK(peaks.flops_float >= peaks.scalar_float);
         CHECK(peaks.flops_double >= peaks.scalar_double);
         CHECK(peaks.scalar_double > 0);
         CHECK(peaks.bandwidth > 0);
         CHECK(peaks.launch > 0);
-        CHECK(peaks.lane == "light");
+        CHECK(peaks.queue == "light");
         device::Context single(-1, true);
-        CHECK(device::measure_peaks(single, device::Lane::Heavy, 1, 3).flops_double == 0);
+        CHECK(device::measure_peaks(single, device::Queue::Pool, 1, 3).flops_double == 0);
     }
 
     TEST_CASE("property: median_time gives the middle of its timings, and repeats a short call until it lasts long enough")
@@ -39,8 +39,8 @@ TEST_SUITE("device/peaks")
         CHECK(calls >= 3);
     }
 
-    // The load is a tube of 30,000 triangles; edges of its triangles are some 1.2 mm long, the wire's sample looks 0.67 mm round
-    // its axis, 0.44 mm above the wall: a disc of 0.5 mm round its foot.
+    // The load is a tube of 30,000 triangles; edges of its triangles are some 1.2 mm long, the wire's quadrature point looks 0.67
+    // mm round its axis, 0.44 mm above the wall: a disc of 0.5 mm round its foot.
     TEST_CASE("property: the counted work is that of the load")
     {
         device::Context context;
@@ -59,15 +59,15 @@ TEST_SUITE("device/peaks")
         const auto of = [&](const char* kernel) {
             return *std::find_if(work.begin(), work.end(), [&](const auto& w) { return w.kernel == kernel; });
         };
-        // every sample has cells, here leaves: looked at twice (six floats), for the nearest and for the blend, and a triangle
-        // (nine) at least twice
+        // every quadrature point has BVH nodes, here leaves: looked at twice (six floats), for the nearest and for the blend, and
+        // a triangle (nine) at least twice
         CHECK(of("contact_evaluate").pairs > 1);
         CHECK(of("contact_evaluate").pairs < 24);
         CHECK(of("contact_evaluate").pairs == of("contact_find").pairs);
         CHECK(of("contact_evaluate").floats > 2 * 6 * of("contact_evaluate").pairs + 2 * 9);
         // a closest point on a triangle is 40 to 120 operations, a box some 12
         CHECK(of("contact_find").flops > 40 + 8 * of("contact_find").pairs);
-        CHECK(of("contact_reduce").pairs == doctest::Approx(5));  // samples on an edge
+        CHECK(of("contact_reduce").pairs == doctest::Approx(5));  // quadrature points on an edge
         // twice as many wires: the same work an item, but for where they lie
         const auto more = kernel_bench::count_work(wall, 3000);
         CHECK(more[2].flops == doctest::Approx(of("contact_evaluate").flops).epsilon(0.5));

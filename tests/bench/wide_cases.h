@@ -1,4 +1,4 @@
-// Tests of bench/wide/wide_walk.h, compiled in double and in float like twin_cases.h: the walks against loops over all
+// Tests of bench/wide/wide_walk.h, compiled in double and in float like host_reference_cases.h: the walks against loops over all
 // triangles one by one, and their kernels against the walks.
 #include "wide/wide_walk.h"
 
@@ -8,9 +8,9 @@
 namespace {
 
 using namespace seldinger;
-using sel_device::Lane;
-using sel_twin::first_difference;
-using sel_twin::Guarded;
+using sel_device::Queue;
+using sel_reference::first_difference;
+using sel_reference::Guarded;
 
 #ifdef SEL_FLOAT32
 constexpr bool float32 = true;
@@ -19,14 +19,14 @@ constexpr bool float32 = false;
 #endif
 
 struct WideScene {
-    const sel_twin::TwinWall& wall = sel_twin::twin_wall();
+    const sel_reference::ReferenceWall& wall = sel_reference::reference_wall();
     std::vector<WideNode> nodes;
-    const std::vector<float>& vertices = sel_twin::wide_wall().vertices;
+    const std::vector<float>& vertices = sel_reference::wide_wall().vertices;
     std::mt19937 rng{13};
 
     WideScene()
     {
-        const auto& bytes = sel_twin::wide_wall().nodes;
+        const auto& bytes = sel_reference::wide_wall().nodes;
         nodes.resize(bytes.size() / sizeof(WideNode));
         std::memcpy(nodes.data(), bytes.data(), bytes.size());
     }
@@ -120,11 +120,10 @@ void within_case()
 
 void kernels_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    (void)sel_twin::wide_wall();  // makes the kernels known
-    sel_device::Kernel nearest(context, "wide/queries.cl", "query_nearest"),
-        capsule(context, "wide/queries.cl", "query_capsule");
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    (void)sel_reference::wide_wall();  // makes the kernels known
+    sel_device::Kernel nearest(context, "wide/queries.cl", "query_nearest"), capsule(context, "wide/queries.cl", "query_capsule");
+    for (const Queue lane : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : {1, 63, 64, 65, 257}) {
             WideScene s;
             constexpr uint slots = 40;

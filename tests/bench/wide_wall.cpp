@@ -10,7 +10,7 @@ const WideWall& wide_wall()
 {
     static const WideWall wall = [] {
         add_bench_kernels();
-        const TwinWall& from = twin_wall();
+        const ReferenceWall& from = reference_wall();
         WallTree tree;
         tree.nodes.resize(from.nodes.size() / sizeof(TreeNode));
         std::memcpy(tree.nodes.data(), from.nodes.data(), from.nodes.size());

@@ -1,7 +1,8 @@
 #pragma once
-// The wall of the twin tests as a wide tree. Includes nothing of kernels/shared, like twin_support.h and for its reason.
+// The wall of the reference tests as a wide tree. Includes nothing of kernels/shared, like host_reference_support.h and for its
+// reason.
 
-#include "contact/twin_support.h"
+#include "contact/host_reference_support.h"
 
 namespace seldinger::test {
 

@@ -69,7 +69,7 @@ std::vector<Cluster> clusters(const World& world, const Vec3& centre)
     std::vector<Cluster> list;
     const RodView rod = world.rod(0);
     for (const ContactRow& row : world.contacts()) {
-        const double s = (rod.material_s[row.edge] + rod.material_s[row.edge + 1]) / 2;
+        const double s = (rod.material_s[row.a.element] + rod.material_s[row.a.element + 1]) / 2;
         const bool outer = row.normal.dot(centre - row.point) > 0;
         if (list.empty() || list.back().outer != outer || s - list.back().to > 0.004) list.push_back({outer, 0, 0, s, s});
         Cluster& last = list.back();
@@ -119,7 +119,7 @@ TEST_SUITE("contact/confined")
              {Case{0.045, 0.0172914, 0.0311883}, Case{0.06, 0.0344192, 0.0567235}, Case{0.07, 0.0361073, 0.0549409}}) {
             CAPTURE(at.length);
             TestSetup setup = in_bend(0.002, 0.002, 180, at.length, 0.05, 121);
-            setup.wires[0].contact.samples_per_edge = 8;  // what is left of the base beyond its last sample: 23 um
+            setup.wires[0].contact.samples_per_edge = 8;  // what is left of the base beyond its last quadrature point: 23 um
             FedWorld world(std::move(setup));
             const std::vector<Cluster> found = settled_clusters(world, 0.002);
             REQUIRE(found.size() == 3);
@@ -170,7 +170,7 @@ TEST_SUITE("contact/confined")
         CHECK(world.readings(0).base_force.x() == about(0.0101701).epsilon(0.05));
         double line = 0;  // on the wire from 0.11 to 0.15 m from its tip, away from both ends of the line contact
         for (const ContactRow& row : world.contacts()) {
-            const double s = world.rod(0).material_s[row.edge];
+            const double s = world.rod(0).material_s[row.a.element];
             if (s > 0.1095 && s < 0.1495) line += row.normal_force;
         }
         CHECK(line / 0.04 == about(0.391158).epsilon(0.05));

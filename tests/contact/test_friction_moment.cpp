@@ -1,9 +1,10 @@
-// Friction acts at the wire's surface: moment, virtual work and tangent of one sample on an edge whose two nodes are free. The
-// capstan that follows from it: step/test_capstan_radius.cpp.
+// Friction acts at the wire's surface: moment, virtual work and tangent of one quadrature point on an edge whose two nodes are
+// free. The capstan that follows from it: step/test_capstan_radius.cpp.
 
 #include "contact/wall_fixture.h"
 #include "contact/wall_law.h"
 #include "rod/wire_spec.h"
+#include "shared/edge_sums.h"
 #include "support/world_fixture.h"
 
 using namespace seldinger;
@@ -13,12 +14,12 @@ namespace {
 
 using Q = std::array<double, 7>;  // node a, node b, theta
 
-/// One sample on one edge over a floor. q0: where the step began.
+/// One quadrature point on one edge over a floor. q0: where the step began.
 struct FreeEdge {
     Soup soup;
     ContactParams par{};
-    SampleModel model = line_sample(steel_wire(1, 2).shaft, {}, VesselSpec{}, INFINITY, 1e-3);
-    SamplePlace place{0, 0, 0.3, 0.3, 5, 0, 0};
+    QuadratureModel model = line_model(steel_wire(1, 2).shaft, {}, VesselSpec{}, INFINITY, 1e-3);
+    QuadraturePlace place{0, 0, 0.3, 0.3, 5, 0, 0};
     Q q0{};
 
     FreeEdge()
@@ -26,9 +27,9 @@ struct FreeEdge {
         soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0));
         par.item_count = 1;
         par.friction = SEL_FRICTION_STICK_SLIP;
-        par.blend = 0.002;
+        par.smoothing = 0.002;
         model.reach = 0.1 * model.radius;
-        // two micrometres deep at the sample, the edge at 3 degrees to the floor: what a chord of a bend is to its wall
+        // two micrometres deep at the quadrature point, the edge at 3 degrees to the floor: what a chord of a bend is to its wall
         const double r = model.radius, lean = 1e-4;
         q0 = {-0.6e-3, -0.12e-3, r - 2e-6 - 0.3 * lean, 1.3e-3, 0.28e-3, r - 2e-6 + 0.7 * lean, 0.4};
     }
@@ -39,24 +40,24 @@ struct FreeEdge {
             lo[k] = q[k] - hi[k];
         }
     }
-    EdgeForce at(const Q& q, TouchState* now) const
+    EdgeForce at(const Q& q, ContactState* now) const
     {
         std::array<float, 6> hi, hi_t0;
         std::array<double, 6> lo, lo_t0;
         split(q, hi, lo);
         split(q0, hi_t0, lo_t0);
         const double theta[2] = {q[6], 0}, theta_t0[2] = {q0[6], 0};
-        const TouchState none[2] = {};
-        SampleForce f{};
-        write_force(evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.nodes.data(),
-                                    soup.vertices.data(), soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(),
-                                    lo_t0.data(), theta_t0, none, now, nullptr),
+        const ContactState none[2] = {};
+        ContactForce f{};
+        const PointView point = point_view(0, model, place, all_of(soup));
+        write_force(evaluate_point(point, par, node_view(hi.data(), lo.data(), theta),
+                                   node_view(hi_t0.data(), lo_t0.data(), theta_t0), state_view(none, now, nullptr)),
                     &f);
         return reduce_edge(&f, &place.bary, 0, 1);
     }
     EdgeForce at(const Q& q) const
     {
-        TouchState scratch[2];
+        ContactState scratch[2];
         return at(q, scratch);
     }
 };
@@ -92,7 +93,7 @@ Q moved(const FreeEdge& edge, double slip)
 /// Largest difference between the tangent and central differences, of the largest entry; rotations by the surface that they move.
 double tangent_error(const FreeEdge& edge, const Q& q)
 {
-    const double step = 1e-10;  // of some 1e-6 of overlap, see contact/one_sample.h
+    const double step = 1e-10;  // of some 1e-6 of overlap, see contact/one_quadrature_point.h
     const EdgeForce f = edge.at(q);
     double worst = 0, largest = 0;
     for (int c = 0; c < 7; ++c) {
@@ -122,7 +123,7 @@ TEST_SUITE("contact/friction_moment")
         for (const double slip : {2e-8, 1e-5}) {  // stuck; sliding
             CAPTURE(slip);
             const Q q = moved(edge, slip);
-            TouchState now[2];
+            ContactState now[2];
             const Q f = generalised(edge.at(q, now));
             const vec3 a = node(q, 0), b = node(q, 3), x = a + edge.place.bary * (b - a), t = (1 / norm(b - a)) * (b - a);
             const vec3 n = v3(now[0].normal[0], now[0].normal[1], now[0].normal[2]);
@@ -150,7 +151,7 @@ TEST_SUITE("contact/friction_moment")
             // a slip of some 1e-10 in each unknown by turns, and the force that another slip has against it
             Q other = q;
             for (int i = 0; i < 7; ++i) other[i] += (i == 6 ? 1 / edge.model.radius : 1) * 2e-9 * std::sin(1.0 + 2 * i);
-            TouchState now[2], up[2], down[2];
+            ContactState now[2], up[2], down[2];
             const EdgeForce with = edge.at(other, now);
             FreeEdge smooth = edge;
             smooth.par.friction = SEL_FRICTION_NONE;
@@ -160,7 +161,7 @@ TEST_SUITE("contact/friction_moment")
             minus[along] -= step * unit;
             (void)edge.at(plus, up);
             (void)edge.at(minus, down);
-            REQUIRE((now[0].flags & up[0].flags & down[0].flags & SEL_TOUCH_STUCK) != 0);
+            REQUIRE((now[0].flags & up[0].flags & down[0].flags & SEL_CONTACT_STUCK) != 0);
             double power = 0;
             for (int i = 0; i < 3; ++i) power += now[0].friction[i] * (up[0].slip[i] - down[0].slip[i]) / (2 * step * unit);
             // the turn of 2e-9 / l so far, and 1e-19 m of rounding over 1e-10
@@ -174,7 +175,7 @@ TEST_SUITE("contact/friction_moment")
         for (const double slip : {2e-8, 1e-5}) {
             CAPTURE(slip);
             const Q q = moved(edge, slip);
-            REQUIRE(((edge.at(q).flags & SEL_SAMPLE_SLIDING) != 0) == (slip > 1e-6));
+            REQUIRE(((edge.at(q).flags & SEL_FORCE_SLIDING) != 0) == (slip > 1e-6));
             // left out: that the couple's direction turns with the edge, f r / l^2, of a stiffness f / slip and more
             CHECK(tangent_error(edge, q) <= 2e-6 + slip / 2e-3);
         }

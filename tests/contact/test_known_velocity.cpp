@@ -1,7 +1,7 @@
 // Contact as a linearised or an explicit step takes it: from the start of the step and the velocity known there (contact_law.h).
-// In OneSample the wire comes from `start` within the step.
+// In OneQuadraturePoint the wire comes from `start` within the step.
 
-#include "contact/one_sample.h"
+#include "contact/one_quadrature_point.h"
 #include "contact/wall_law.h"
 #include "support/approx.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double r = 0.4445e-3, depth = 2e-6, mu_static = 0.25, mu_sliding = 0.2;  // SI
 
-SampleModel model(bool rolling)
+QuadratureModel model(bool rolling)
 {
     WireSection section;
     section.radius = r;
@@ -27,38 +27,38 @@ SampleModel model(bool rolling)
     wall.thickness = 1e-3;
     ContactSpec contact;
     contact.rolling = rolling;
-    return line_sample(section, contact, wall, INFINITY, 1e-3);
+    return line_model(section, contact, wall, INFINITY, 1e-3);
 }
 
-/// A touch that lasts, `depth` deep at the accepted state (0, 0, z, 0).
+/// A contact point that lasts, `depth` deep at the accepted state (0, 0, z, 0).
 struct Lasting {
-    OneSample sample;
+    OneQuadraturePoint point;
     double z = r - depth;
 
-    explicit Lasting(uint friction, bool rolling = false) : sample(model(rolling))
+    explicit Lasting(uint friction, bool rolling = false) : point(model(rolling))
     {
-        add_floor(sample.soup);
-        sample.par.friction = friction;
-        sample.theta0 = 0;
-        TouchState& touch = sample.touches[0];
-        touch.stamp = sample.place.stamp - 1;
-        touch.flags = SEL_TOUCH_ACTIVE;
-        touch.normal[2] = 1;
-        touch.approach = 0.02;
-        touch.gap = -depth;
+        add_floor(point.soup);
+        point.par.friction = friction;
+        point.theta0 = 0;
+        ContactState& state = point.states[0];
+        state.epoch = point.place.epoch - 1;
+        state.flags = SEL_CONTACT_ACTIVE;
+        state.normal[2] = 1;
+        state.approach = 0.02;
+        state.gap = -depth;
     }
 
     /// The law at the end of a step of `move` from the accepted state.
-    [[nodiscard]] SampleForce at_end(const std::array<double, 4>& move) const
+    [[nodiscard]] ContactForce at_end(const std::array<double, 4>& move) const
     {
-        OneSample s = sample;
+        OneQuadraturePoint s = point;
         s.start = v3(0, 0, z);
         return s.at({move[0], move[1], z + move[2], move[3]});
     }
     /// What the step starts from, the known velocity being move / h.
-    [[nodiscard]] SampleForce known(const std::array<double, 4>& move, uint mode) const
+    [[nodiscard]] ContactForce known(const std::array<double, 4>& move, uint mode) const
     {
-        OneSample s = sample;
+        OneQuadraturePoint s = point;
         s.par.known = mode;
         s.start = v3(-move[0], -move[1], z - move[2]);
         s.theta0 = -move[3];
@@ -67,7 +67,7 @@ struct Lasting {
 };
 
 /// The linear force after `move`.
-double after(const SampleForce& f, int row, const std::array<double, 4>& move)
+double after(const ContactForce& f, int row, const std::array<double, 4>& move)
 {
     double sum = f.force[row];
     for (int c = 0; c < 4; ++c) sum -= tangent(f, row, c) * move[c];
@@ -75,7 +75,7 @@ double after(const SampleForce& f, int row, const std::array<double, 4>& move)
 }
 
 /// Largest difference between two forces on the surface, relative to the larger.
-double apart(const std::array<double, 4>& a, const SampleForce& b)
+double apart(const std::array<double, 4>& a, const ContactForce& b)
 {
     double most = 0, size = 0;
     for (int k = 0; k < 4; ++k) {
@@ -100,9 +100,9 @@ TEST_SUITE("contact/known_velocity")
                     CAPTURE(friction);
                     CAPTURE(size);
                     CAPTURE(rolling);
-                    const Lasting touch(friction, rolling);
+                    const Lasting state(friction, rolling);
                     const std::array<double, 4> move = {size, -size / 3, 0, 0.2 * size / r};
-                    const SampleForce linear = touch.known(move, SEL_KNOWN_LINEAR), law = touch.at_end(move);
+                    const ContactForce linear = state.known(move, SEL_KNOWN_LINEAR), law = state.at_end(move);
                     REQUIRE(law.contacts == 1);
                     const std::array<double, 4> there = {after(linear, 0, move), after(linear, 1, move), after(linear, 2, move),
                                                          after(linear, 3, move)};
@@ -117,10 +117,10 @@ TEST_SUITE("contact/known_velocity")
             CAPTURE(sign);
             double last = 0;
             for (const double size : {4e-8, 2e-8, 1e-8}) {
-                const Lasting touch(SEL_FRICTION_NONE);
+                const Lasting state(SEL_FRICTION_NONE);
                 const std::array<double, 4> move = {0, 0, sign * size, 0};
-                const SampleForce linear = touch.known(move, SEL_KNOWN_LINEAR);
-                const double error = std::abs(after(linear, 2, move) - touch.at_end(move).force[2]);
+                const ContactForce linear = state.known(move, SEL_KNOWN_LINEAR);
+                const double error = std::abs(after(linear, 2, move) - state.at_end(move).force[2]);
                 if (last > 0) CHECK(last / error == about(4).epsilon(0.1));
                 last = error;
             }
@@ -133,29 +133,29 @@ TEST_SUITE("contact/known_velocity")
             for (const double slip : {1e-7, 1e-5, 3e-4}) {
                 CAPTURE(mode);
                 CAPTURE(slip);
-                const Lasting touch(SEL_FRICTION_SIGN);
-                const SampleForce f = touch.known({0.6 * slip, 0.8 * slip, 0, 0}, mode);
+                const Lasting state(SEL_FRICTION_SIGN);
+                const ContactForce f = state.known({0.6 * slip, 0.8 * slip, 0, 0}, mode);
                 REQUIRE(f.force[2] > 0);
                 // regularised at 1 nm/s: short of mu f_n by that over the speed, 1e-9/(1e-7/1e-3) at most
                 CHECK(f.force[0] == about(-0.6 * mu_sliding * f.force[2]).epsilon(2e-5));
                 CHECK(f.force[1] == about(-0.8 * mu_sliding * f.force[2]).epsilon(2e-5));
                 for (int c = 0; c < 3; ++c) CHECK(tangent(f, 0, c) == 0);
-                CHECK((f.flags & SEL_SAMPLE_SLIDING) == 0);
+                CHECK((f.flags & SEL_FORCE_SLIDING) == 0);
             }
     }
 
     TEST_CASE("analytic: an explicit step has the damping of the known approach, and pulls stuck springs from where they are")
     {
-        Lasting touch(SEL_FRICTION_STICK_SLIP);
-        const double still = touch.known({0, 0, 0, 0}, SEL_KNOWN_FORCE).force[2];
-        const double speed = 0.01, h = 1 / touch.sample.par.inv_dt;
-        const SampleForce f = touch.known({0, 0, -speed * h, 0}, SEL_KNOWN_FORCE);
+        Lasting state(SEL_FRICTION_STICK_SLIP);
+        const double still = state.known({0, 0, 0, 0}, SEL_KNOWN_FORCE).force[2];
+        const double speed = 0.01, h = 1 / state.point.par.inv_dt;
+        const ContactForce f = state.known({0, 0, -speed * h, 0}, SEL_KNOWN_FORCE);
         // D7: f (1 + beta v / v-)
-        CHECK(f.force[2] == about(still * (1 + touch.sample.model.damping * speed / 0.02)).epsilon(1e-9));
-        touch.sample.touches[0].flags |= SEL_TOUCH_STUCK;
-        touch.sample.touches[0].slip[0] = 1e-10;
-        const double spring = touch.sample.model.friction_stiffness * touch.sample.model.weight;
+        CHECK(f.force[2] == about(still * (1 + state.point.model.damping * speed / 0.02)).epsilon(1e-9));
+        state.point.states[0].flags |= SEL_CONTACT_STUCK;
+        state.point.states[0].slip[0] = 1e-10;
+        const double spring = state.point.model.friction_stiffness * state.point.model.weight;
         REQUIRE(spring * 1e-10 < mu_static * still);
-        CHECK(touch.known({5e-6, 0, 0, 0}, SEL_KNOWN_FORCE).force[0] == about(-spring * 1e-10).epsilon(1e-9));
+        CHECK(state.known({5e-6, 0, 0, 0}, SEL_KNOWN_FORCE).force[0] == about(-spring * 1e-10).epsilon(1e-9));
     }
 }

@@ -1,6 +1,6 @@
-// kernels/shared/contact_law.h and engine/contact/wall_law.h: normal law, friction and rolling of one sample.
+// kernels/shared/contact_law.h and engine/contact/wall_law.h: normal law, friction and rolling of one quadrature point.
 
-#include "contact/one_sample.h"
+#include "contact/one_quadrature_point.h"
 
 #include "contact/wall_law.h"
 
@@ -31,8 +31,8 @@ struct Bounce {
     double restitution, deepest;
 };
 
-// m d'' = -f(d, d'), backward Euler as the engine's own step, from a touch at v0
-Bounce bounce(double mass, double v0, SampleModel m, double dt)
+// m d'' = -f(d, d'), backward Euler as the engine's own step, from a contact point at v0
+Bounce bounce(double mass, double v0, QuadratureModel m, double dt)
 {
     double d = 0, v = v0, deepest = 0;
     const double approach = std::max(v0, m.speed_floor);
@@ -55,9 +55,9 @@ Bounce bounce(double mass, double v0, SampleModel m, double dt)
 // v of a Hunt-Crossley contact: 0.05 m/s, 0.014 inch wire's node (reference case 09)
 constexpr double mass = 6.4e-7, v0 = 0.05;
 
-SampleModel point_law(double exponent, double beta)
+QuadratureModel point_law(double exponent, double beta)
 {
-    SampleModel m{};
+    QuadratureModel m{};
     m.weight = 1;
     m.exponent = exponent;
     m.stiffness = exponent == 1 ? 500 : 20000;
@@ -66,7 +66,7 @@ SampleModel point_law(double exponent, double beta)
     return m;
 }
 
-double contact_time(const SampleModel& m) { return 3.2 * std::pow(mass * v0 * v0 / m.stiffness, 1 / (m.exponent + 1)) / v0; }
+double contact_time(const QuadratureModel& m) { return 3.2 * std::pow(mass * v0 * v0 / m.stiffness, 1 / (m.exponent + 1)) / v0; }
 
 }  // namespace
 
@@ -91,7 +91,7 @@ TEST_SUITE("contact/law")
     {
         for (double n : {1.0, 1.5})
             for (double e : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-                const SampleModel m = point_law(n, exact_damping(e));
+                const QuadratureModel m = point_law(n, exact_damping(e));
                 CAPTURE(n);
                 CAPTURE(e);
                 // first-order damping of backward Euler: dt / t_c of the momentum or so, well below 0.01 at t_c / 500
@@ -107,7 +107,7 @@ TEST_SUITE("contact/law")
         for (double n : {1.0, 1.5})
             for (const auto& [e, expected] : table) {
                 const double beta = published_damping(e);
-                const SampleModel m = point_law(n, beta);
+                const QuadratureModel m = point_law(n, beta);
                 const Bounce b = bounce(mass, v0, m, contact_time(m) / 4000);
                 CAPTURE(n);
                 CAPTURE(e);
@@ -122,17 +122,18 @@ TEST_SUITE("contact/law")
     {
         const double kf = foundation_modulus(wall());
         CHECK(kf == about(1e6 * 0.55 / (1.45 * 0.1 * 1e-3)).epsilon(1e-12));
-        const double k = line_stiffness(kf, r, INFINITY);
+        const double k = line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, kf));
         CHECK(k == about(4.0 / 3 * kf * std::sqrt(2 * r)).epsilon(1e-12));
         const double weight = 7900 * pi * r * r * 9.81;
-        CHECK(std::abs(depth_under(weight, k, 1.5) - 0.5e-6) <= 0.05e-6);                 // "0.5 um", design section 2
-        CHECK(std::abs(depth_under(1.0, k, 1.5) - 3.5e-6) <= 0.05e-6);                    // "3.5 um"
-        CHECK(line_stiffness(kf, r, 2 * r) == about(k * std::sqrt(2.0)).epsilon(1e-12));  // 1/r* = 1/r - 1/R
+        CHECK(std::abs(depth_under(weight, k, 1.5) - 0.5e-6) <= 0.05e-6);  // "0.5 um", design section 2
+        CHECK(std::abs(depth_under(1.0, k, 1.5) - 3.5e-6) <= 0.05e-6);     // "3.5 um"
+        CHECK(line_stiffness(rod_side(r, 0), wall_side(2 * r, r, kf)) ==
+              about(k * std::sqrt(2.0)).epsilon(1e-12));  // 1/r* = 1/r - 1/R
     }
 
     TEST_CASE("derivative: the normal law's slope, hardening and its linear continuation included")
     {
-        SampleModel m = line_sample(steel(), {}, wall(), INFINITY, 1e-3);
+        QuadratureModel m = line_model(steel(), {}, wall(), INFINITY, 1e-3);
         REQUIRE(m.depth_limit == about(r / 2));
         for (double exponent : {1.0, 1.3, 1.5, 2.0}) {
             m.exponent = exponent;
@@ -171,9 +172,9 @@ TEST_SUITE("contact/law")
             contact.stiffness_from_wall = false;
             contact.stiffness = 3e6;
             contact.exponent = n;
-            const SampleModel line = line_sample(steel(), contact, wall(), INFINITY, 1e-3),
-                              tip = tip_sample(steel(), contact, wall(), INFINITY);
-            for (const SampleModel& m : {line, tip}) {
+            const QuadratureModel line = line_model(steel(), contact, wall(), INFINITY, 1e-3),
+                                  tip = tip_model(steel(), contact, wall(), INFINITY);
+            for (const QuadratureModel& m : {line, tip}) {
                 CHECK(m.depth_limit == about(r / 2).epsilon(1e-15));
                 double slope;
                 for (const double part : {1e-4, 0.01, 0.1, 0.2, 0.39, 0.4}) {
@@ -208,7 +209,7 @@ TEST_SUITE("contact/law")
 
     TEST_CASE("property: the damped force never pulls, and grows with depth")
     {
-        const SampleModel m = line_sample(steel(), {}, wall(), INFINITY, 1e-3);
+        const QuadratureModel m = line_model(steel(), {}, wall(), INFINITY, 1e-3);
         const double dt = 1e-3, d0 = 2e-6, approach = 0.01;
         double last = -1;
         for (int k = 1; k <= 4000; ++k) {
@@ -224,14 +225,14 @@ TEST_SUITE("contact/law")
 
     TEST_CASE("analytic: stick has the spring's stiffness, slip stays on the cone and against the motion")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         const double depth = 2e-6, z = r - depth;
         s.par.inv_dt = 0;
-        s.touches[0].stamp = s.place.stamp - 1;  // touched in the last step, at the same depth, without slip
-        s.touches[0].flags = SEL_TOUCH_ACTIVE | SEL_TOUCH_STUCK;
-        s.touches[0].normal[2] = 1;
-        s.touches[0].gap = -depth;
+        s.states[0].epoch = s.place.epoch - 1;  // touched in the last step, at the same depth, without slip
+        s.states[0].flags = SEL_CONTACT_ACTIVE | SEL_CONTACT_STUCK;
+        s.states[0].normal[2] = 1;
+        s.states[0].gap = -depth;
         s.start = v3(0, 0, z);
         const double kt = s.model.friction_stiffness * s.model.weight;
         // 2/3 of the normal stiffness under own weight (D9)
@@ -246,17 +247,17 @@ TEST_SUITE("contact/law")
         int stuck = 0, sliding = 0;
         for (int k = 0; k < 400; ++k) {
             const double ux = 2 * yield * draw(rng), uy = 2 * yield * draw(rng), spin = 2 * yield / r * draw(rng);
-            TouchState now[2];
-            const SampleForce f = s.at({ux, uy, z, s.theta0 + spin}, now);
+            ContactState now[2];
+            const ContactForce f = s.at({ux, uy, z, s.theta0 + spin}, now);
             // slip of the surface: the axis point's move and, with t = x and n = z, t x n = -y: u_y = y + r spin
             const double sx = ux, sy = uy + r * spin, size = std::hypot(sx, sy), ff = std::hypot(f.force[0], f.force[1]);
             if (size < 0.999 * yield) {
                 ++stuck;
-                CHECK((now[0].flags & SEL_TOUCH_STUCK) != 0);
+                CHECK((now[0].flags & SEL_CONTACT_STUCK) != 0);
                 CHECK(ff == about(kt * size).epsilon(1e-6));
             } else if (size > 1.001 * yield) {
                 ++sliding;
-                CHECK((now[0].flags & SEL_TOUCH_STUCK) == 0);
+                CHECK((now[0].flags & SEL_CONTACT_STUCK) == 0);
                 CHECK(ff == about(0.25 * fn).epsilon(1e-6));
                 CHECK(f.sliding_sum == about(ff).epsilon(1e-9));
                 // the anchor is dragged after the wire: what is left of the slip is what the cone holds
@@ -273,7 +274,7 @@ TEST_SUITE("contact/law")
 
     TEST_CASE("analytic: a sliding touch yields at mu_sliding and sticks again inside that cone")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         const double z = r - 2e-6;
         s.par.inv_dt = 0;
@@ -296,40 +297,40 @@ TEST_SUITE("contact/law")
 
     TEST_CASE("derivative: the tangent of the whole 4-vector, in stick, in slip, and with both walls")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         s.along = v3(1.9e-3, 0.4e-3, 0);
         const double z = r - 2e-6;
         // central differences of a force good to 1e-16 relative over 1e-10 m of 2e-6 m: 1e-8; third derivatives: (1e-10 / 2e-6)^2
         const double tolerance = 2e-6;
         const auto check_all = [&](double low_gap_state) {
-            s.touches[0].gap = low_gap_state;
+            s.states[0].gap = low_gap_state;
             for (double inv_dt : {0.0, 1e3}) {
                 s.par.inv_dt = inv_dt;
-                TouchState now[2];
+                ContactState now[2];
                 (void)s.at({2e-9, 3e-9, z, s.theta0 + 1e-6}, now);
-                REQUIRE((now[0].flags & SEL_TOUCH_STUCK) != 0);
+                REQUIRE((now[0].flags & SEL_CONTACT_STUCK) != 0);
                 CHECK(tangent_error(s, {2e-9, 3e-9, z, s.theta0 + 1e-6}) <= tolerance);
                 (void)s.at({3e-6, -2e-6, z + 1e-7, s.theta0 + 2e-3}, now);
-                REQUIRE((now[0].flags & (SEL_TOUCH_STUCK | SEL_TOUCH_ACTIVE)) == SEL_TOUCH_ACTIVE);
+                REQUIRE((now[0].flags & (SEL_CONTACT_STUCK | SEL_CONTACT_ACTIVE)) == SEL_CONTACT_ACTIVE);
                 CHECK(tangent_error(s, {3e-6, -2e-6, z + 1e-7, s.theta0 + 2e-3}) <= tolerance);
             }
         };
         s.start = v3(0, 0, r - 1.9e-6);
-        s.touches[0].stamp = s.place.stamp - 1;
-        s.touches[0].flags = SEL_TOUCH_ACTIVE | SEL_TOUCH_STUCK;
-        s.touches[0].normal[2] = 1;
-        s.touches[0].approach = 0.02;
+        s.states[0].epoch = s.place.epoch - 1;
+        s.states[0].flags = SEL_CONTACT_ACTIVE | SEL_CONTACT_STUCK;
+        s.states[0].normal[2] = 1;
+        s.states[0].approach = 0.02;
         check_all(-1.9e-6);
 
         // a ceiling that leans a little: both touch, with friction on both
-        s.touches[1] = s.touches[0];
-        s.touches[1].normal[2] = -1;
-        s.touches[1].gap = -1e-6;
+        s.states[1] = s.states[0];
+        s.states[1].normal[2] = -1;
+        s.states[1].gap = -1e-6;
         const double shift = 0.01 * (0.0003 + 0.0002) / 0.02;  // of the ceiling at the origin
         s.soup.add_patch(v3(-0.01, -0.01, 2 * r - 5e-6 - shift), v3(0, 0.02, 0.0003), v3(0.02, 0, 0.0002));
-        TouchState now[2];
-        const SampleForce both = s.at({2e-9, 3e-9, z, s.theta0}, now);
+        ContactState now[2];
+        const ContactForce both = s.at({2e-9, 3e-9, z, s.theta0}, now);
         REQUIRE(both.contacts == 2);
         check_all(-1.9e-6);
     }
@@ -337,7 +338,7 @@ TEST_SUITE("contact/law")
     // Where two facets meet in a blunt valley the blend turns the normal: its own curvature belongs to the tangent.
     TEST_CASE("derivative: the tangent inside the blend of a valley, without friction")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         const double rise = 0.1, c = 0.01 * std::cos(rise), h = 0.01 * std::sin(rise);
         s.soup.add_patch(v3(0, -0.01, 0), v3(c, 0, h), v3(0, 0.02, 0));
         s.soup.add_patch(v3(-c, -0.01, h), v3(c, 0, -h), v3(0, 0.02, 0));
@@ -347,7 +348,7 @@ TEST_SUITE("contact/law")
         const double z = (r - 2e-6) / std::cos(rise);
         for (double x : {0.0, 1e-7, -2e-7, 4e-7}) {
             CAPTURE(x);
-            const SampleForce f = s.at({x, 1.3e-4, z, 0});
+            const ContactForce f = s.at({x, 1.3e-4, z, 0});
             REQUIRE(f.contacts == 1);
             // far inside its blend (0.9 um wide here) the depth is a quadratic; at a triangle's diagonal two triangles blend
             // alike
@@ -357,24 +358,24 @@ TEST_SUITE("contact/law")
 
     TEST_CASE("derivative: a wire that has only just met the wall")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         s.start = v3(0, 0, r + 1e-4);  // not seen in the last step: v- is the speed of this one
-        const SampleForce f = s.at({0, 0, r - 2e-6, s.theta0});
+        const ContactForce f = s.at({0, 0, r - 2e-6, s.theta0});
         REQUIRE(f.contacts == 1);
         CHECK(tangent_error(s, {0, 0, r - 2e-6, s.theta0}) <= 2e-6);
     }
 
     TEST_CASE("derivative: regularised friction laws")
     {
-        OneSample s(line_sample(steel(), {}, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), {}, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         s.start = v3(0, 0, r - 1.9e-6);
-        s.touches[0].stamp = s.place.stamp - 1;
-        s.touches[0].flags = SEL_TOUCH_ACTIVE;
-        s.touches[0].normal[2] = 1;
-        s.touches[0].approach = 0.02;
-        s.touches[0].gap = -1.9e-6;
+        s.states[0].epoch = s.place.epoch - 1;
+        s.states[0].flags = SEL_CONTACT_ACTIVE;
+        s.states[0].normal[2] = 1;
+        s.states[0].approach = 0.02;
+        s.states[0].gap = -1.9e-6;
         s.par.friction = SEL_FRICTION_SMOOTH;
         for (double slip : {1e-8, 1e-6, 1e-4}) CHECK(tangent_error(s, {slip, -slip / 3, r - 2e-6, s.theta0}) <= 2e-6);
         const double fn = s.at({0, 0, r - 2e-6, s.theta0}).force[2];
@@ -398,28 +399,29 @@ TEST_SUITE("contact/law")
         contact.stiffness = 1e8;
         contact.rolling = true;
         contact.rolling_alpha = 0.2;
-        const SampleModel m = line_sample(s, contact, bed, INFINITY, 1e-3);
+        const QuadratureModel m = line_model(s, contact, bed, INFINITY, 1e-3);
         const double table[][2] = {{1e-4, 1.7613099e-7}, {1e-3, 5.5697511e-7}, {1e-2, 1.7613099e-6}};  // F [N], K [m]
         for (const auto& [force, k] : table) {
-            SampleMove mv{};
-            mv.tangent = v3(1, 0, 0);
-            mv.spin = 1;  // [rad] far beyond what the spring holds
-            TouchState now{};
-            SampleForce out{};
-            add_rolling(v3(0, 0, 1), m, mv, ContactParams{}, TouchState{}, 0, 0, 1, force, 0, &now, &out);
+            LawContext c{};
+            c.m = m;
+            c.mv.tangent = v3(1, 0, 0);
+            c.mv.spin = 1;  // [rad] far beyond what the spring holds
+            ContactState now{};
+            ContactForce out{};
+            add_rolling(v3(0, 0, 1), {0, 1}, {force, 0}, CarriedState{}, &c, &now, &out);
             CHECK(out.rolling_sum / force == about(k).epsilon(1e-6));
             CHECK(out.force[3] == about(-k * force).epsilon(1e-6));
             // below yield: a spring
-            mv.spin = 1e-9;
-            SampleForce small{};
-            add_rolling(v3(0, 0, 1), m, mv, ContactParams{}, TouchState{}, 0, 0, 1, force, 0, &now, &small);
+            c.mv.spin = 1e-9;
+            ContactForce small{};
+            add_rolling(v3(0, 0, 1), {0, 1}, {force, 0}, CarriedState{}, &c, &now, &small);
             CHECK(small.force[3] == about(-small.sym[9] * 1e-9).epsilon(1e-9));
         }
         // stress terms enter as stated
         contact.rolling_sigma_b = 2000;
         contact.rolling_sigma_s = 1000;
         contact.rolling_hardness = 1e5;
-        CHECK(line_sample(s, contact, bed, INFINITY, 1e-3).roll_arm == about(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
+        CHECK(line_model(s, contact, bed, INFINITY, 1e-3).roll_arm == about(0.4 / (3 * pi) + 2500 / 6e5).epsilon(1e-12));
     }
 
     // beyond the yield M = K(a) f_n changes with the normal force and with the half-width: the spin's row against the position
@@ -433,20 +435,20 @@ TEST_SUITE("contact/law")
                 contact.rolling = true;
                 contact.stiffness_from_wall = from_wall;
                 contact.stiffness = 1e8;
-                OneSample s(line_sample(steel(), contact, wall(), INFINITY, 1e-3));
+                OneQuadraturePoint s(line_model(steel(), contact, wall(), INFINITY, 1e-3));
                 add_floor(s.soup);
                 s.start = v3(0, 0, r - 1.9e-6);
-                s.touches[0].stamp = s.place.stamp - 1;
-                s.touches[0].flags = SEL_TOUCH_ACTIVE;
-                s.touches[0].normal[2] = 1;
-                s.touches[0].approach = 0.02;
-                s.touches[0].gap = -1.9e-6;
+                s.states[0].epoch = s.place.epoch - 1;
+                s.states[0].flags = SEL_CONTACT_ACTIVE;
+                s.states[0].normal[2] = 1;
+                s.states[0].approach = 0.02;
+                s.states[0].gap = -1.9e-6;
                 for (const uint friction : {SEL_FRICTION_NONE, SEL_FRICTION_STICK_SLIP}) {
                     s.par.friction = friction;
                     const std::array<double, 4> q = {3e-6, -2e-6, r - 2e-6, s.theta0 + spin};
-                    const SampleForce f = s.at(q);
+                    const ContactForce f = s.at(q);
                     REQUIRE(f.rolling_sum > 0);
-                    REQUIRE((f.flags & SEL_SAMPLE_SLIDING) != 0);
+                    REQUIRE((f.flags & SEL_FORCE_SLIDING) != 0);
                     CHECK(std::abs(f.skew[11]) > 0.1 * f.rolling_sum / 2e-6);  // M grows like depth^2
                     CHECK(tangent_error(s, q) <= 2e-6);
                 }
@@ -457,7 +459,7 @@ TEST_SUITE("contact/law")
     {
         ContactSpec contact;
         contact.rolling = true;
-        OneSample s(line_sample(steel(), contact, wall(), INFINITY, 1e-3));
+        OneQuadraturePoint s(line_model(steel(), contact, wall(), INFINITY, 1e-3));
         add_floor(s.soup);
         s.par.friction = SEL_FRICTION_NONE;
         const double z = r - 2e-6, dt = 1e-4, inertia = 1e-3 * 7900 * pi * r * r * r * r / 2;
@@ -483,7 +485,7 @@ TEST_SUITE("contact/law")
             spin = (next - theta) / dt;
             s.accept({0, 0, z, next});
             theta = next;
-            const double stored = 0.5 * k_roll * s.touches[0].roll * s.touches[0].roll;
+            const double stored = 0.5 * k_roll * s.states[0].roll * s.states[0].roll;
             const double now = 0.5 * inertia * spin * spin + stored;
             CHECK(now <= energy * (1 + 1e-9) + 1e-15 * start);
             energy = now;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double r = 0.4445e-3, H = r / 2;
 
-/// Floor z = 0 facing up, of columns x rows cells on [-10, 10] mm squared, each cut into two triangles, with its tree.
+/// Floor z = 0 facing up, of columns x rows BVH nodes on [-10, 10] mm squared, each cut into two triangles, with its tree.
 struct Floor {
     WallMesh mesh;
     WallTree tree;
@@ -33,7 +33,7 @@ struct Floor {
         tree = build_wall_tree(mesh);
         REQUIRE(tree.centre.norm() <= 1e-12);
         soup.vertices = tree.vertices;
-        soup.rims.assign(tree.triangle_count(), 0);
+        soup.boundary.assign(tree.triangle_count(), 0);
         soup.all.resize(tree.triangle_count());
         std::iota(soup.all.begin(), soup.all.end(), 0u);
         soup.rebox();
@@ -42,7 +42,11 @@ struct Floor {
 
 Layer layer_of(const Floor& floor, vec3 a, vec3 b)
 {
-    return make_layer(a, b, r, r, r + H, H, floor.tree.nodes.data(), floor.tree.vertices.data());
+    LayerEdge e{};
+    e.model.radius = e.width = r;
+    e.height = r + H;
+    e.reach = H;
+    return make_layer(a, b, e, wall_view(floor.tree.nodes.data(), floor.tree.vertices.data(), nullptr));
 }
 
 struct Edge {
@@ -58,9 +62,9 @@ struct Edge {
     }
 };
 
-SampleModel linear_law(double weight)
+QuadratureModel linear_law(double weight)
 {
-    SampleModel m{};
+    QuadratureModel m{};
     m.weight = m.length = weight;
     m.radius = r;
     m.reach = 0.1 * r;
@@ -82,46 +86,46 @@ Pairs layer_pairs(const Floor& floor, vec3 a, vec3 b)
 {
     const Edge edge(a, b);
     LayerEdge e{};
-    e.stamp = 5;
+    e.epoch = 5;
     e.width = r;
     e.height = r + H;
     e.reach = H;
     e.model = linear_law(1e-3);
     std::vector<std::uint32_t> found(4000);
-    Pairs out;
-    out.count = find_pairs(e, edge.hi.data(), edge.lo.data(), floor.tree.nodes.data(), floor.tree.vertices.data(), 4000,
-                           found.data(), &out.touching);
     const double theta[2] = {0, 0};
+    const NodeView nodes = node_view(edge.hi.data(), edge.lo.data(), theta);
+    Pairs out;
+    out.count = find_pairs(e, nodes, wall_view(floor.tree.nodes.data(), floor.tree.vertices.data(), nullptr), 4000, found.data(),
+                           &out.touching);
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;
-    std::vector<TouchState> touches(out.count + 1);
+    std::vector<ContactState> states(out.count + 1);
     for (std::uint32_t k = 0; k < out.count; ++k) {
         real bary;
-        out.force += evaluate_pair(k, par, {0, found[k], SEL_NO_EDGE, 0}, e, floor.tree.vertices.data(), edge.hi.data(),
-                                   edge.lo.data(), theta, edge.hi.data(), edge.lo.data(), theta, nullptr, touches.data(), &bary)
+        out.force += evaluate_pair({0, found[k], SEL_NO_EDGE, 0}, e, par, nodes, nodes, floor.tree.vertices.data(),
+                                   empty_pair(found[k], H), &states[k], &bary)
                          .force[2];
     }
     return out;
 }
 
-// the same edge by capsule samples, one radius apart
+// the same edge by capsule quadrature points, one radius apart
 double capsule_force(const Floor& floor, vec3 a, vec3 b)
 {
     const Edge edge(a, b);
     const double length = norm(b - a), theta[2] = {0, 0};
-    const int samples = static_cast<int>(length / r);
+    const int points = static_cast<int>(length / r);
+    const NodeView nodes = node_view(edge.hi.data(), edge.lo.data(), theta);
     ContactParams par{};
     par.friction = SEL_FRICTION_NONE;
-    par.blend = 0.002;
+    par.smoothing = 0.002;
     double force = 0;
-    for (int k = 0; k < samples; ++k) {
-        SamplePlace place{0, 0, (k + 0.5) / samples, (k + 0.5) / samples, 5, 0, 0};
-        const TouchState t0[2] = {};
-        TouchState t1[2];
-        force += evaluate_sample(0, par, linear_law(length / samples), place, floor.soup.all.data(),
-                                 static_cast<std::uint32_t>(floor.soup.all.size()), floor.soup.nodes.data(),
-                                 floor.soup.vertices.data(), floor.soup.rims.data(), edge.hi.data(), edge.lo.data(), theta,
-                                 edge.hi.data(), edge.lo.data(), theta, t0, t1, nullptr)
+    for (int k = 0; k < points; ++k) {
+        QuadraturePlace place{0, 0, (k + 0.5) / points, (k + 0.5) / points, 5, 0, 0};
+        const ContactState t0[2] = {};
+        ContactState t1[2];
+        force += evaluate_point(point_view(0, linear_law(length / points), place, all_of(floor.soup)), par, nodes, nodes,
+                                state_view(t0, t1, nullptr))
                      .force[2];
     }
     return force;

@@ -36,15 +36,16 @@ WallMesh subdivided(const WallMesh& mesh, int parts)
     return fine;
 }
 
-/// A square patch in the plane z = `height`, `cells` x `cells` squares of two triangles, facing up or down.
-void add_floor(WallMesh& mesh, double height, bool up, int cells)
+/// A square patch in the plane z = `height`, `BVH nodes` x `BVH nodes` squares of two triangles, facing up or down.
+void add_floor(WallMesh& mesh, double height, bool up, int near_nodes)
 {
     const int base = static_cast<int>(mesh.vertices.size());
-    for (int i = 0; i <= cells; ++i)
-        for (int j = 0; j <= cells; ++j) mesh.vertices.emplace_back(0.1 * i / cells, 0.1 * j / cells - 0.05, height);
-    for (int i = 0; i < cells; ++i)
-        for (int j = 0; j < cells; ++j) {
-            const int a = base + i * (cells + 1) + j, b = a + cells + 1;
+    for (int i = 0; i <= near_nodes; ++i)
+        for (int j = 0; j <= near_nodes; ++j)
+            mesh.vertices.emplace_back(0.1 * i / near_nodes, 0.1 * j / near_nodes - 0.05, height);
+    for (int i = 0; i < near_nodes; ++i)
+        for (int j = 0; j < near_nodes; ++j) {
+            const int a = base + i * (near_nodes + 1) + j, b = a + near_nodes + 1;
             for (const auto& [p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}})
                 mesh.triangles.push_back(up ? std::array<std::int32_t, 3>{p, q, r} : std::array<std::int32_t, 3>{p, r, q});
         }
@@ -86,23 +87,24 @@ TEST_SUITE("contact/mesh_independence")
         }
     }
 
-    // per metre k depth^1.5 / (1 - depth/depth_max) under every sample, and the tip's own k_tip depth^2 (D6b, D6c)
+    // per metre k depth^1.5 / (1 - depth/depth_max) under every quadrature point, and the tip's own k_tip depth^2 (D6b, D6c)
     TEST_CASE("analytic: one wall pushes as the law says, edges under the wire or not; two opposite walls twice; a septum once")
     {
         device::Context context(-1);
         const WireSection section = steel_wire(0.08, 21).shaft;
         const VesselSpec wall;
         const double r = section.radius, harden = 1 - overlap / (0.5 * r), z = r - overlap;
-        const double line = line_stiffness(foundation_modulus(wall), r, INFINITY) * std::pow(overlap, 1.5) * 0.08 / harden;
+        const double line = line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, foundation_modulus(wall))) *
+                            std::pow(overlap, 1.5) * 0.08 / harden;
         const double tip = std::numbers::pi * foundation_modulus(wall) * r * overlap * overlap / harden;
         const Centreline none;
         const auto on = [&](const WallMesh& mesh, double y) {
             return push_at(context, mesh, none, Detection::Capsule, {{y, z}}).front();
         };
-        for (const int cells : {1, 4, 40, 333}) {
-            CAPTURE(cells);
+        for (const int near_nodes : {1, 4, 40, 333}) {
+            CAPTURE(near_nodes);
             WallMesh floor;
-            add_floor(floor, 0, true, cells);
+            add_floor(floor, 0, true, near_nodes);
             for (const double y : {0.0, 0.1 / 333, 0.0137}) {  // along a row of edges, of other edges, and anywhere
                 CAPTURE(y);
                 const Push push = on(floor, y);

@@ -26,7 +26,7 @@ void add_plane(TestSetup& setup, const Vec3& normal, double height = 0)
     add_vessel(setup, make_plane(spec), spec);
 }
 
-/// A wire along x, `gap` above a floor; whole numbers of samples per edge, so that a uniform load bends nothing.
+/// A wire along x, `gap` above a floor; whole numbers of quadrature points per edge, so that a uniform load bends nothing.
 TestSetup over_floor(NormalLaw law, double gap, double length = 0.05)
 {
     TestSetup setup;
@@ -168,7 +168,7 @@ TEST_SUITE("contact/normal_laws")
             setup.integrator.conserve = scheme == 1;
             setup.integrator.newmark = scheme == 2;
             if (scheme == 2) setup.integrator.beta = 0.25, setup.integrator.gamma = 0.5;
-            const SampleModel law = line_sample(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
+            const QuadratureModel law = line_model(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
             const double duration = 3.373 * std::pow(law.line_mass * speed * speed / law.stiffness, 0.4) / speed;
             return (e - restitution(std::move(setup), speed, duration / part, 1000)) * part;
         };
@@ -206,7 +206,7 @@ TEST_SUITE("contact/normal_laws")
             setup.wires[0].contact.restitution = e;
             setup.wires[0].contact.friction = FrictionLaw::None;
             const double r = setup.wires[0].wire.shaft.radius;
-            const SampleModel law = line_sample(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
+            const QuadratureModel law = line_model(setup.wires[0].wire.shaft, setup.wires[0].contact, setup.vessel, INFINITY, 1);
             const double depth = depth_under(law.line_mass * 9.81, law.stiffness, law.exponent);
             const double rate = std::sqrt(law.exponent * 9.81 / depth);
             CHECK(law.speed_floor == about(law.damping / 2 * 9.81 / rate).epsilon(1e-9));
@@ -329,8 +329,8 @@ TEST_SUITE("contact/normal_laws")
             setup.wires = {wire};
             FedWorld world(std::move(setup));
             const WireSection& section = world.setup().wires[0].wire.shaft;
-            const SampleModel line = line_sample(section, wire.contact, world.setup().vessel, 0.40e-3, 1);
-            const SampleModel tip = tip_sample(section, wire.contact, world.setup().vessel, 0.40e-3);
+            const QuadratureModel line = line_model(section, wire.contact, world.setup().vessel, 0.40e-3, 1);
+            const QuadratureModel tip = tip_model(section, wire.contact, world.setup().vessel, 0.40e-3);
             double ignored;
             // from both sides, what the wall's law carries at 0.95 of its pole
             const double most = 2 * (0.02 * elastic_normal(0.95 * line.depth_limit, line, &ignored) +

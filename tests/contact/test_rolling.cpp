@@ -40,7 +40,8 @@ Rig on_plane(double dt)
     wire.shaft.radius = r;
     wire.shaft.mu_static = wire.shaft.mu_sliding = mu;
     const double load = wire.shaft.density * std::numbers::pi * r * r * gravity;  // per metre
-    const double depth = depth_under(load, line_stiffness(foundation_modulus(plane), r, INFINITY), 1.5);
+    const double depth =
+        depth_under(load, line_stiffness(rod_side(r, 0), wall_side(INFINITY, r, foundation_modulus(plane))), 1.5);
     TestWire placed = placed_wire(wire, {0, 0, r - depth});
     placed.contact.detection = Detection::Capsule;
     placed.contact.rolling = true;
@@ -124,14 +125,14 @@ TEST_SUITE("contact/rolling")
     // it slips until v = r spin, t = r spin0 / (g (3 mu + 2 K/r)), driven by mu g, then rolls to rest
     TEST_CASE("analytic: a wire spun on a wall drives off, rolls, and comes to rest where the closed form says")
     {
-        const double rim = 0.1, dt = 1e-4;  // speed of its surface at the start [m/s]
-        const double caught = rim / (gravity * (3 * mu + 2 * arm / r)), speed = mu * gravity * caught;
+        const double at_boundary = 0.1, dt = 1e-4;  // speed of its surface at the start [m/s]
+        const double caught = at_boundary / (gravity * (3 * mu + 2 * arm / r)), speed = mu * gravity * caught;
         const double slowing = arm * gravity / (1.5 * r);
         Rig rig = on_plane(dt);
-        rig.setup.wires[0].wire.place.spin_rate = -rim / r;
+        rig.setup.wires[0].wire.place.spin_rate = -at_boundary / r;
         const Path path = run(rig, 1.1 * (caught + speed / slowing));
         CHECK(path.distance == about(speed * caught / 2 + speed * speed / (2 * slowing)).epsilon(0.02));
-        CHECK(std::abs(path.spin) * r <= 1e-3 * rim);
+        CHECK(std::abs(path.spin) * r <= 1e-3 * at_boundary);
         CHECK(path.gained <= 1e-5);
     }
 

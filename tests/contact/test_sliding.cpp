@@ -20,7 +20,7 @@ double own_depth(double density, double g)
 {
     const VesselSpec wall;
     const double load = density * std::numbers::pi * radius * radius * g;
-    return depth_under(load, line_stiffness(foundation_modulus(wall), radius, INFINITY), 1.5);
+    return depth_under(load, line_stiffness(rod_side(radius, 0), wall_side(INFINITY, radius, foundation_modulus(wall))), 1.5);
 }
 
 /// A wire along x on a plane that falls towards +x by `angle`: gravity is tilted instead of the plane.
@@ -141,7 +141,9 @@ TEST_SUITE("contact/sliding")
         WireSpec& wire = setup.wires[0].wire;
         wire.shaft.radius = thin;
         wire.shaft.density = mass / (length * std::numbers::pi * thin * thin);
-        wire.place.base.z() = thin - depth_under(load / length, line_stiffness(foundation_modulus({}), thin, INFINITY), 1.5);
+        wire.place.base.z() =
+            thin -
+            depth_under(load / length, line_stiffness(rod_side(thin, 0), wall_side(INFINITY, thin, foundation_modulus({}))), 1.5);
         setup.wires[0].contact.samples_per_edge = 20;
         LinkSpec spring;
         spring.at = {WirePoint::Kind::Distance, length / 2};

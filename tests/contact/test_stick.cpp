@@ -1,6 +1,6 @@
 // Sticking friction: the cone locks itself whatever the load, and the anchor outlives a change of triangle and of nodes.
 
-#include "contact/one_sample.h"
+#include "contact/one_quadrature_point.h"
 #include "contact/wall_law.h"
 #include "support/world_fixture.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double radius = 0.4445e-3;
 
-SampleModel millimetre_of_steel() { return line_sample(steel_wire(1, 2).shaft, {}, VesselSpec{}, INFINITY, 1e-3); }
+QuadratureModel millimetre_of_steel() { return line_model(steel_wire(1, 2).shaft, {}, VesselSpec{}, INFINITY, 1e-3); }
 
 }  // namespace
 
@@ -25,19 +25,19 @@ TEST_SUITE("contact/stick")
     {
         for (double depth = 1e-9; depth < 0.4 * radius; depth *= 4) {
             CAPTURE(depth);
-            OneSample s(millimetre_of_steel());
+            OneQuadraturePoint s(millimetre_of_steel());
             s.par.inv_dt = 0;
             add_floor(s.soup);
             s.start = v3(0, 0, radius - depth);
             s.accept({0, 0, radius - depth, s.theta0});
-            TouchState now[2];
+            ContactState now[2];
             const double fn = s.at({0, 0, radius - depth, s.theta0}, now).force[2];
             const double to_yield = s.model.mu_static * fn / (s.model.friction_stiffness * s.model.weight);
             for (const double part : {0.0, 0.5, 0.999, 1.001, 2.0}) {
                 CAPTURE(part);
-                const SampleForce f = s.at({0.6 * part * to_yield, 0.8 * part * to_yield, radius - depth, s.theta0}, now);
+                const ContactForce f = s.at({0.6 * part * to_yield, 0.8 * part * to_yield, radius - depth, s.theta0}, now);
                 const double ft = std::hypot(f.force[0], f.force[1]);
-                CHECK(((now[0].flags & SEL_TOUCH_STUCK) != 0) == (part < 1));
+                CHECK(((now[0].flags & SEL_CONTACT_STUCK) != 0) == (part < 1));
                 CHECK(std::abs(ft - std::min(part, 1.0) * s.model.mu_static * fn) <=
                       1e-6 * fn);  // 5e-20 m of rounding in 1e-9 of depth, and margin
             }
@@ -46,7 +46,7 @@ TEST_SUITE("contact/stick")
 
     TEST_CASE("property: a stuck sample that crosses from triangle to triangle keeps its anchor")
     {
-        OneSample s(millimetre_of_steel());
+        OneQuadraturePoint s(millimetre_of_steel());
         s.soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), 7);
         const double z = radius - 2e-6, kt = s.model.friction_stiffness * s.model.weight;
         const double fn = 1e-3 * s.model.stiffness * std::pow(2e-6, 1.5);
@@ -57,9 +57,9 @@ TEST_SUITE("contact/stick")
         std::set<std::uint32_t> triangles;
         for (int k = 0; k <= 200; ++k) {
             const double u = 0.9 * to_yield * std::sin(0.1 * k);
-            TouchState now[2];
-            const SampleForce f = s.at({u, -0.3 * u, z, s.theta0}, now);
-            REQUIRE((now[0].flags & SEL_TOUCH_STUCK) != 0);
+            ContactState now[2];
+            const ContactForce f = s.at({u, -0.3 * u, z, s.theta0}, now);
+            REQUIRE((now[0].flags & SEL_CONTACT_STUCK) != 0);
             triangles.insert(now[0].triangle);
             // the spring from where contact began, no matter which triangle is under it; 1e-12 m of rounding in 1e-7
             CHECK(std::abs(f.force[0] + kt * u) <= 1e-5 * kt * to_yield);

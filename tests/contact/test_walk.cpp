@@ -32,15 +32,15 @@ struct Random {
     double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
 };
 
-/// Every triangle as a cell of its own, with a box that nothing is outside of: nothing is left out.
+/// Every triangle as a BVH node of its own, with a box that nothing is outside of: nothing is left out.
 struct Everything {
     std::vector<TreeNode> nodes;
-    std::vector<uint> cells;
+    std::vector<uint> near_nodes;
     explicit Everything(std::size_t triangles)
     {
         for (std::size_t t = 0; t < triangles; ++t) {
             nodes.push_back({{-1, -1, -1}, static_cast<uint>(t), {1, 1, 1}, 1});
-            cells.push_back(static_cast<uint>(t));
+            near_nodes.push_back(static_cast<uint>(t));
         }
     }
 };
@@ -51,19 +51,27 @@ bool same_bits(const T& a, const T& b)
     return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-bool same(const Touch& a, const Touch& b)
+bool same(const ContactPoint& a, const ContactPoint& b)
 {
     if (a.found != b.found) return false;
-    return !a.found || (same_bits(a.normal, b.normal) && same_bits(a.depth, b.depth) && same_bits(a.bend, b.bend) &&
+    return !a.found || (same_bits(a.normal, b.normal) && same_bits(a.depth, b.depth) && same_bits(a.hessian, b.hessian) &&
                         a.triangle == b.triangle && a.outside == b.outside && same_bits(a.to_wall, b.to_wall));
+}
+
+AxisPoint axis(vec3 origin, vec3 offset)
+{
+    AxisPoint at{};
+    at.origin = origin;
+    at.offset = offset;
+    return at;
 }
 
 }  // namespace
 
 TEST_SUITE("contact/walk")
 {
-    // Wide and narrow lumens, in front of the wall and behind it, with a hint and without, the list found where the sample was a
-    // slack away.
+    // Wide and narrow lumens, in front of the wall and behind it, with a hint and without, the list found where the quadrature
+    // point was a slack away.
     TEST_CASE("property: walking the cells gives the same touches, bit by bit, as looking at every triangle")
     {
         Random draw;
@@ -72,42 +80,41 @@ TEST_SUITE("contact/walk")
             const WallMesh mesh = bumpy_tube(radius < 1e-3 ? 3000 : 12000, radius);
             const WallTree tree = build_wall_tree(mesh);
             const Everything all(tree.triangle_count());
-            const std::vector<uint> rims(tree.triangle_count(), 0);
-            std::vector<uint> cells(tree.triangle_count());
+            const std::vector<uint> boundary(tree.triangle_count(), 0);
+            const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), boundary.data());
+            std::vector<uint> near_nodes(tree.triangle_count());
             for (int k = 0; k < 300; ++k) {
                 const double a = draw(0, 6.283), rho = radius - r * draw(-0.3, 1.15), slack = 0.4 * r;
                 const vec3 origin = v3(static_cast<float>(draw(-0.01, 0.01)), static_cast<float>(rho * std::cos(a)),
                                        static_cast<float>(rho * std::sin(a)));
                 const vec3 p = v3(draw(-1e-5, 1e-5), draw(-1e-5, 1e-5), 0);
                 const vec3 then = p + v3(draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack, draw(-0.5, 0.5) * slack);
-                const uint count = find_cells(then, origin, r + reach + slack, SEL_CELL_SIZE * r, tree.nodes.data(),
-                                              tree.vertices.data(), static_cast<uint>(cells.size()), cells.data());
-                Touch touches[2][2];
+                const uint count = find_near_nodes(axis(origin, then), r + reach + slack, SEL_NEAR_NODE_SIZE * r, wall,
+                                                   static_cast<uint>(near_nodes.size()), near_nodes.data());
+                ContactPoint states[2][2];
                 for (const bool walked : {false, true}) {
-                    const uint* list = walked ? cells.data() : all.cells.data();
-                    const uint n = walked ? count : static_cast<uint>(all.cells.size());
-                    const TreeNode* nodes = walked ? tree.nodes.data() : all.nodes.data();
+                    const NearWallView around =
+                        walked ? near_wall_view(wall, near_nodes.data(), count)
+                               : near_wall_view(wall_view(all.nodes.data(), tree.vertices.data(), boundary.data()),
+                                                all.near_nodes.data(), static_cast<uint>(all.near_nodes.size()));
+                    const ContactBall ball = contact_ball(p, origin, r, reach, 0.002);
                     NearList near, none;
                     none.count = SEL_NEAR_MOST + 1;  // the reference goes without the list as well
-                    const double hint = walked && k % 2 && touches[0][0].found
-                                            ? triangle_distance2(p, origin, touches[0][0].triangle, tree.vertices.data())
+                    const double hint = walked && k % 2 && states[0][0].found
+                                            ? triangle_distance2(p, origin, states[0][0].triangle, tree.vertices.data())
                                             : 1e30;
-                    Touch& first = touches[walked][0];
-                    first = nearest_touch(p, origin, r, reach, 0.002, 0, hint, list, n, nodes, tree.vertices.data(), rims.data(),
-                                          &near);
-                    if (first.outside)
-                        first = nearest_touch(p, origin, r, reach, 0.002, k % 3 == 0, hint, list, n, nodes, tree.vertices.data(),
-                                              rims.data(), &near);
-                    touches[walked][1] = blend_and_oppose(&first, p, origin, r, reach, 0.002, list, n, nodes,
-                                                          tree.vertices.data(), rims.data(), walked ? &near : &none);
+                    ContactPoint& first = states[walked][0];
+                    first = nearest_contact_point(ball, around, 0, hint, &near);
+                    if (first.outside) first = nearest_contact_point(ball, around, k % 3 == 0, hint, &near);
+                    states[walked][1] = smooth_and_oppose(&first, ball, around, walked ? &near : &none);
                 }
                 CAPTURE(k);
                 CAPTURE(radius);
-                CHECK(same(touches[0][0], touches[1][0]));
-                CHECK(same(touches[0][1], touches[1][1]));
-                found += touches[0][0].found;
-                opposite += touches[0][1].found;
-                outside += touches[0][0].found && touches[0][0].outside;
+                CHECK(same(states[0][0], states[1][0]));
+                CHECK(same(states[0][1], states[1][1]));
+                found += states[0][0].found;
+                opposite += states[0][1].found;
+                outside += states[0][0].found && states[0][0].outside;
             }
         }
         REQUIRE(found > 300);
@@ -115,30 +122,31 @@ TEST_SUITE("contact/walk")
         REQUIRE(outside > 30);
     }
 
-    // Samples that wander off from where their lists were found, and ask at every step: what is within the list's range, and what
-    // is not, both come up.
+    // Quadrature points that wander off from where their lists were found, and ask at every step: what is within the list's
+    // range, and what is not, both come up.
     TEST_CASE("property: where a sphere says that nothing is touched, no triangle is within radius and reach")
     {
         Random draw;
         const WallTree tree = build_wall_tree(bumpy_tube(6000, 0.003));
-        SampleModel model{};
+        QuadratureModel model{};
         model.radius = r;
         model.reach = reach;
         const double slack = 0.4 * r, range = r + reach + slack;
-        std::vector<uint> cells(tree.triangle_count());
+        const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), nullptr);
+        std::vector<uint> near_nodes(tree.triangle_count());
         const vec3 zero = v3(0, 0, 0);
         int clear = 0, kept = 0, touching = 0;
         for (int walk = 0; walk < 300; ++walk) {
             const double a = draw(0, 6.283), rho = 0.003 - r - draw(-0.1, 0.6) * r;
             vec3 p = v3(draw(-0.01, 0.01), rho * std::cos(a), rho * std::sin(a));
-            const uint count = find_cells(p, zero, range, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(),
-                                          static_cast<uint>(cells.size()), cells.data());
-            Clearance known = found_clearance(p, range, slack, r, count);
+            const uint count = find_near_nodes(axis(zero, p), range, SEL_NEAR_NODE_SIZE * r, wall,
+                                               static_cast<uint>(near_nodes.size()), near_nodes.data());
+            Clearance known = found_clearance(p, range, slack, r, count, 0);
             for (int k = 0; k < 40; ++k) {
                 p = p + v3(draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r);
                 const double before = known.at[0];
                 const int nothing =
-                    touches_nothing(p, zero, model, cells.data(), count, tree.nodes.data(), tree.vertices.data(), &known);
+                    is_clear_of_wall(axis(zero, p), model, near_wall_view(wall, near_nodes.data(), count), &known);
                 const double distance = std::sqrt(nearest_on_wall(tree, tree.centre + Vec3(p.x, p.y, p.z)).distance2);
                 if (nothing) REQUIRE(distance > r + reach);
                 clear += nothing;
@@ -185,24 +193,25 @@ TEST_SUITE("contact/walk")
         for (const int round : {0, 1}) {
             if (round == 1) mesh = subdivide_loop(subdivide_loop(mesh));
             const WallTree tree = build_wall_tree(mesh);
-            std::vector<uint> cells(4096);
+            const WallView wall = wall_view(tree.nodes.data(), tree.vertices.data(), nullptr);
+            std::vector<uint> near_nodes(4096);
             double most = 0;
             for (int k = 0; k < 200; ++k) {
                 const double a = 0.03 * k, rho = 0.003 - r - 2e-6;
                 const vec3 origin = v3(-0.005 + 5e-5 * k, rho * std::cos(a), rho * std::sin(a)), p = v3(0, 0, 0);
-                const uint count = find_cells(p, origin, 1.5 * r, SEL_CELL_SIZE * r, tree.nodes.data(), tree.vertices.data(),
-                                              4096, cells.data());
+                const uint count =
+                    find_near_nodes(axis(origin, p), 1.5 * r, SEL_NEAR_NODE_SIZE * r, wall, 4096, near_nodes.data());
                 most = std::max(most, static_cast<double>(count));
                 // triangles of the leaves that a walk to the nearest reaches, once something near is known
                 const TreeHit hit = nearest_on_wall(tree, tree.centre + Vec3(origin.x, origin.y, origin.z));
-                const double range = shell_distance(std::sqrt(hit.distance2), r, 0.002);
+                const double range = shell_distance(std::sqrt(hit.distance2), contact_ball(p, origin, r, 0, 0.002));
                 Walk walk;
-                walk.top = walk.next = 0;
+                start_walk(&walk);
                 TreeNode leaf;
-                while (next_leaf(&walk, cells.data(), count, tree.nodes.data(), p, origin, range, range, p, &leaf))
+                while (next_leaf(&walk, near_wall_view(wall, near_nodes.data(), count), ball_query(p, origin, range), &leaf))
                     work[round] += leaf.count;
             }
-            // cells are some two radii long and cover a disc of 1.1 radii round the foot
+            // BVH nodes are some two radii long and cover a disc of 1.1 radii round the foot
             CHECK(most < 40);
         }
         REQUIRE(work[0] > 0);

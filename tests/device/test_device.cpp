@@ -24,7 +24,7 @@ using namespace seldinger::test;
 
 namespace {
 
-// three thin wires on the floor of a tube: 3000 samples in contact, so that the threaded device takes them
+// three thin wires on the floor of a tube: 3000 quadrature points in contact, so that the threaded device takes them
 TestSetup heavy_setup(int device_index = -1)
 {
     TestSetup setup;
@@ -179,7 +179,7 @@ TEST_SUITE("device")
         CHECK(second.counters().programs_built == 0);
         CHECK(single.program(file) != program);
         CHECK(device::Context(-1, true).program(file) == single.program(file));
-        if (first.two_lanes()) CHECK(device::Context(0).program(file) != program);  // one device alone
+        if (first.two_queues()) CHECK(device::Context(0).program(file) != program);  // one device alone
         // another text of the same name: with SEL_KERNEL_DIR it changes while a process runs
         namespace fs = std::filesystem;
         const fs::path folder = fs::temp_directory_path() / ("seldinger-changed-" + std::to_string(::getpid()));
@@ -236,12 +236,12 @@ TEST_SUITE("device")
         device::Context context;
         device::Buffer a(context, 1000), b(context, 1000);
         std::vector<unsigned char> bytes(1000, 7), back(1000, 1);
-        context.read(device::Lane::Light, a, back.data(), 1000);
+        context.read(device::Queue::Inline, a, back.data(), 1000);
         CHECK(std::count(back.begin(), back.end(), 0) == 1000);
-        context.write(device::Lane::Light, a, bytes.data(), 1000);
-        context.copy(device::Lane::Light, a, b, 100, 300);
-        context.enter(device::Lane::Heavy);  // waits: what was written on the other lane is seen here
-        context.read(device::Lane::Heavy, b, back.data(), 1000);
+        context.write(device::Queue::Inline, a, bytes.data(), 1000);
+        context.copy(device::Queue::Inline, a, b, 100, 300);
+        context.enter(device::Queue::Pool);  // waits: what was written on the other queue is seen here
+        context.read(device::Queue::Pool, b, back.data(), 1000);
         for (int k = 0; k < 1000; ++k) REQUIRE(back[k] == (k >= 300 && k < 400 ? 7 : 0));
     }
 }

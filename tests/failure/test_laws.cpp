@@ -17,7 +17,7 @@ namespace {
 constexpr double radius = 0.4445e-3;
 
 /// A metre of wire laid on the wall without speed, backward Euler at the law itself. @return its depth after `time` [m]
-double laid_down(const SampleModel& m, double least_approach, double time, double dt)
+double laid_down(const QuadratureModel& m, double least_approach, double time, double dt)
 {
     double d = 0, v = 0, approach = 0;
     for (double t = 0; t < time; t += dt) {
@@ -60,7 +60,7 @@ TEST_SUITE("failure/laws")
             CAPTURE(static_cast<int>(law));
             ContactSpec contact;
             contact.normal = law;
-            SampleModel m = line_sample(wire, contact, VesselSpec{}, INFINITY, 1);
+            QuadratureModel m = line_model(wire, contact, VesselSpec{}, INFINITY, 1);
             m.depth_limit = 0;
             const double depth = depth_under(m.line_mass * weight_gravity, m.stiffness, m.exponent);
             // contact begins in a step of 0.1 us, at v- = 0.98 um/s, where 2.6 mm/s are the speed of a fall of the depth itself

@@ -26,9 +26,9 @@ TEST_SUITE("step/float32")
 {
     TEST_CASE("twin: records go to a float32 device and come back, word by word")
     {
-        std::vector<TouchState> touches(3);
+        std::vector<ContactState> touches(3);
         for (std::size_t k = 0; k < touches.size(); ++k) {
-            TouchState& t = touches[k];
+            ContactState& t = touches[k];
             t = {};
             t.slip[0] = 1.5 + static_cast<double>(k);
             t.moment = -0.25;
@@ -36,10 +36,10 @@ TEST_SUITE("step/float32")
             t.stamp = 16777217u + static_cast<uint>(k);
         }
         std::vector<std::uint32_t> words;
-        narrow_words(record_words<TouchState>, touches.data(), touches.size(), words);
+        narrow_words(record_words<ContactState>, touches.data(), touches.size(), words);
         CHECK(words.size() == 3 * (18 + 4));
-        std::vector<TouchState> back(3);
-        widen_words(record_words<TouchState>, words.data(), back.size(), back.data());
+        std::vector<ContactState> back(3);
+        widen_words(record_words<ContactState>, words.data(), back.size(), back.data());
         for (std::size_t k = 0; k < touches.size(); ++k) {
             CHECK(back[k].slip[0] == touches[k].slip[0]);
             CHECK(back[k].moment == -0.25);
@@ -49,7 +49,7 @@ TEST_SUITE("step/float32")
     }
 
     // A gap is off by some 6e-8 of the vectors that it is made of, a wire's radius and an edge: 0.03 to 0.3 nm. Depths are some
-    // um: forces are off by a thousandth at most, and each sample's in its own way.
+    // um: forces are off by a thousandth at most, and each quadrature point's in its own way.
     TEST_CASE("property: a wire fed along a tube is within 0.01 um of the one in double, and forces within a thousandth")
     {
         FedWorld exact(sliding_wire(Precision::Float64)), single(sliding_wire(Precision::Float32));

@@ -82,13 +82,13 @@ TEST_SUITE("step/worlds")
                 CHECK(same_bits(state_of(alone, 0), state_of(together, w)));
                 std::vector<ContactRow> rows;
                 for (const ContactRow& row : together.contacts())
-                    if (row.wire == w) rows.push_back(row);
+                    if (row.a.body == w) rows.push_back(row);
                 const std::vector<ContactRow>& own = alone.contacts();
                 REQUIRE(rows.size() == own.size());
                 contacts += static_cast<int>(rows.size());
                 for (std::size_t k = 0; k < rows.size(); ++k) {
-                    CHECK(rows[k].edge == own[k].edge);
-                    CHECK(rows[k].triangle == own[k].triangle);
+                    CHECK(rows[k].a.element == own[k].a.element);
+                    CHECK(rows[k].b.element == own[k].b.element);
                     CHECK(rows[k].normal_force == own[k].normal_force);
                     CHECK(rows[k].friction == own[k].friction);
                     CHECK(rows[k].point == own[k].point);
@@ -184,7 +184,7 @@ TEST_SUITE("step/worlds")
             const std::vector<double> then = state_of(fewer, 2);
             const auto rows_of = [](const World& world, int wire) {
                 const std::vector<ContactRow>& rows = world.contacts();
-                return std::count_if(rows.begin(), rows.end(), [&](const ContactRow& row) { return row.wire == wire; });
+                return std::count_if(rows.begin(), rows.end(), [&](const ContactRow& row) { return row.a.body == wire; });
             };
             const auto contacts_then = rows_of(fewer, 2);
             run(all, 30);

@@ -1,5 +1,6 @@
 #pragma once
-// One edge with one sample in it over small walls: what contact exerts there, and its tangent against central differences.
+// One edge with one quadrature point in it over small walls: what contact exerts there, and its tangent against central
+// differences.
 
 #include "contact/wall_fixture.h"
 
@@ -7,23 +8,23 @@
 
 namespace seldinger::test {
 
-/// One edge of 2 mm over walls, with one sample in it. Everything a trial changes is in q = (x, y, z, theta).
-struct OneSample {
+/// One edge of 2 mm over walls, with one quadrature point in it. Everything a trial changes is in q = (x, y, z, theta).
+struct OneQuadraturePoint {
     Soup soup;
     ContactParams par{};
-    SampleModel model{};
-    SamplePlace place{0, 0, 0.3, 0.3, 5, 0, 0};
-    TouchState touches[2] = {};
-    HardState hard[2] = {};                        // of the laws that read it
-    vec3 start = {0, 0, 0}, along = {2e-3, 0, 0};  // of the sample at the start of the step; of the edge
+    QuadratureModel model{};
+    QuadraturePlace place{0, 0, 0.3, 0.3, 5, 0, 0};
+    ContactState states[2] = {};
+    MultiplierState multiplier[2] = {};            // of the laws that read it
+    vec3 start = {0, 0, 0}, along = {2e-3, 0, 0};  // of the quadrature point at the start of the step; of the edge
     double theta0 = 0.4;
 
-    explicit OneSample(const SampleModel& m) : model(m)
+    explicit OneQuadraturePoint(const QuadratureModel& m) : model(m)
     {
         par.item_count = 1;
         par.friction = SEL_FRICTION_STICK_SLIP;
         par.inv_dt = 1e3;
-        par.blend = 0.002;
+        par.smoothing = 0.002;
         par.smooth_speed = 1e-3;
         model.reach = 0.1 * m.radius;
     }
@@ -36,34 +37,34 @@ struct OneSample {
             lo[k] = p[k] - hi[k];
         }
     }
-    SampleForce at(std::array<double, 4> q, TouchState* out = nullptr) const
+    ContactForce at(std::array<double, 4> q, ContactState* out = nullptr) const
     {
         std::array<float, 6> hi, hi_t0;
         std::array<double, 6> lo, lo_t0;
         nodes(v3(q[0], q[1], q[2]), hi, lo);
         nodes(start, hi_t0, lo_t0);
         const double theta[2] = {q[3], 0}, theta_t0[2] = {theta0, 0};
-        TouchState scratch[2];
-        return evaluate_sample(0, par, model, place, soup.all.data(), static_cast<uint>(soup.all.size()), soup.nodes.data(),
-                               soup.vertices.data(), soup.rims.data(), hi.data(), lo.data(), theta, hi_t0.data(), lo_t0.data(),
-                               theta_t0, touches, out ? out : scratch, hard);
+        ContactState scratch[2];
+        const PointView point = point_view(0, model, place, all_of(soup));
+        return evaluate_point(point, par, node_view(hi.data(), lo.data(), theta), node_view(hi_t0.data(), lo_t0.data(), theta_t0),
+                              state_view(states, out ? out : scratch, multiplier));
     }
     /// Accepts q as the start of the next step.
     void accept(std::array<double, 4> q)
     {
-        TouchState now[2];
+        ContactState now[2];
         (void)at(q, now);
-        std::copy(now, now + 2, touches);
+        std::copy(now, now + 2, states);
         start = v3(q[0], q[1], q[2]);
         theta0 = q[3];
-        place.stamp++;
+        place.epoch++;
     }
 };
 
 inline void add_floor(Soup& soup) { soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0)); }
 
-// -dF/dq as evaluate_sample says it is
-inline double tangent(const SampleForce& f, int row, int column)
+// -dF/dq as evaluate_point says it is
+inline double tangent(const ContactForce& f, int row, int column)
 {
     static constexpr int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
     return f.sym[place[row][column]] + (column < 3 ? f.skew[3 * row + column] : 0);
@@ -71,18 +72,18 @@ inline double tangent(const SampleForce& f, int row, int column)
 
 /// Largest difference between the tangent and central differences, each row and column scaled so that a unit of q moves the
 /// surface by a metre; relative to the largest entry.
-inline double tangent_error(const OneSample& s, std::array<double, 4> q)
+inline double tangent_error(const OneQuadraturePoint& s, std::array<double, 4> q)
 {
     const double step =
         1e-10;  // [m] of some 1e-6 of overlap: truncation 1e-8 of the third derivative, rounding 1e-16 / 1e-10 * 1e-3
-    const SampleForce f = s.at(q);
+    const ContactForce f = s.at(q);
     double worst = 0, largest = 0;
     for (int c = 0; c < 4; ++c) {
         const double scale_c = c == 3 ? 1 / s.model.radius : 1;
         std::array<double, 4> up = q, down = q;
         up[c] += step * scale_c;
         down[c] -= step * scale_c;
-        const SampleForce fu = s.at(up), fd = s.at(down);
+        const ContactForce fu = s.at(up), fd = s.at(down);
         for (int k = 0; k < 4; ++k) {
             const double scale_k = k == 3 ? 1 / s.model.radius : 1;
             const double difference = -(fu.force[k] - fd.force[k]) / (up[c] - down[c]) * scale_c;

@@ -1,10 +1,11 @@
-// kernels/shared/hard_law.h, hard_step.h, sweep.h and elementary.h: laws with multipliers, the barrier and its continuous
-// detection.
+// kernels/shared/multiplier_law.h, multipliers.h, sweep.h and elementary.h: laws with multipliers, the barrier and its
+// continuous detection.
 
-#include "contact/one_sample.h"
+#include "contact/one_quadrature_point.h"
 
 #include "contact/wall_law.h"
-#include "shared/hard_step.h"
+#include "shared/barrier_path.h"
+#include "shared/multipliers.h"
 #include "shared/sweep.h"
 
 using namespace seldinger;
@@ -33,29 +34,29 @@ ContactSpec asks_for(NormalLaw law)
     return contact;
 }
 
-OneSample on_floor(NormalLaw law, bool rolling = false)
+OneQuadraturePoint on_floor(NormalLaw law, bool rolling = false)
 {
     ContactSpec contact = asks_for(law);
     contact.rolling = rolling;
-    OneSample s(line_sample(steel(), contact, VesselSpec{}, INFINITY, 1e-3));
+    OneQuadraturePoint s(line_model(steel(), contact, VesselSpec{}, INFINITY, 1e-3));
     add_floor(s.soup);
     s.par.normal_law = kernel_law(law);
     return s;
 }
 
-/// As if the sample had touched in the last step, at this gap and rate, pushed by `force` per metre.
-void touched_before(OneSample& s, double gap, double force)
+/// As if the quadrature point had touched in the last step, at this gap and rate, pushed by `force` per metre.
+void touched_before(OneQuadraturePoint& s, double gap, double force)
 {
-    TouchState& t = s.touches[0];
-    t.stamp = s.place.stamp - 1;
-    t.flags = SEL_TOUCH_ACTIVE | SEL_TOUCH_STUCK;
+    ContactState& t = s.states[0];
+    t.epoch = s.place.epoch - 1;
+    t.flags = SEL_CONTACT_ACTIVE | SEL_CONTACT_STUCK;
     t.normal[2] = 1;
     t.gap = gap;
     t.rate = 0.01;
     t.normal_force = force * s.model.weight;
     t.friction[0] = 0.05 * force * s.model.weight;
     s.start = v3(0, 0, r + gap);
-    for (int k = 0; k < 2; ++k) s.hard[k] = hard_start(s.touches[k], s.place.stamp, s.model, s.par);
+    for (int k = 0; k < 2; ++k) s.multiplier[k] = multiplier_start(s.states[k], s.place.epoch, s.model, s.par);
 }
 
 double distance(vec3 p, Triangle tri)
@@ -139,57 +140,58 @@ TEST_SUITE("contact/hard_law")
 
     TEST_CASE("analytic: scales follow the wall: k at a hundredth of the radius, the barrier at a tenth of its distance")
     {
-        const SampleModel soft = line_sample(steel(), asks_for(NormalLaw::HuntCrossley), VesselSpec{}, INFINITY, 1e-3);
-        const SampleModel m = line_sample(steel(), asks_for(NormalLaw::Augmented), VesselSpec{}, INFINITY, 1e-3);
-        CHECK(m.hard_stiffness == about(1.5 * soft.stiffness * std::sqrt(r / 100)).epsilon(1e-12));
-        const SampleModel b = line_sample(steel(), asks_for(NormalLaw::Barrier), VesselSpec{}, INFINITY, 1e-3);
+        const QuadratureModel soft = line_model(steel(), asks_for(NormalLaw::HuntCrossley), VesselSpec{}, INFINITY, 1e-3);
+        const QuadratureModel m = line_model(steel(), asks_for(NormalLaw::Augmented), VesselSpec{}, INFINITY, 1e-3);
+        CHECK(m.penalty_stiffness == about(1.5 * soft.stiffness * std::sqrt(r / 100)).epsilon(1e-12));
+        const QuadratureModel b = line_model(steel(), asks_for(NormalLaw::Barrier), VesselSpec{}, INFINITY, 1e-3);
         double slope;
-        CHECK(barrier_law(b.hard_length / 10, b.hard_length, b.hard_stiffness, &slope) ==
+        CHECK(barrier_law(b.law_length / 10, b.law_length, b.penalty_stiffness, &slope) ==
               about(soft.stiffness * std::pow(r / 4, 1.5) * 2).epsilon(1e-12));
         // in a short step inertia sets the scale: k h^2 / (rho A) = 10
         ContactParams par{};
         par.inv_dt = 1e6;
-        CHECK(hard_start(TouchState{}, 5, m, par).stiffness == about(10 * m.line_mass * 1e12).epsilon(1e-12));
+        CHECK(multiplier_start(ContactState{}, 5, m, par).stiffness == about(10 * m.line_mass * 1e12).epsilon(1e-12));
         par.inv_dt = 0;
-        CHECK(hard_start(TouchState{}, 5, m, par).stiffness == m.hard_stiffness);
+        CHECK(multiplier_start(ContactState{}, 5, m, par).stiffness == m.penalty_stiffness);
     }
 
     TEST_CASE("derivative: the tangent of the whole 4-vector with multipliers and with the barrier, in stick and in slip")
     {
         for (const NormalLaw law : {NormalLaw::Augmented, NormalLaw::Constraint, NormalLaw::Impulse, NormalLaw::Barrier}) {
             CAPTURE(static_cast<int>(law));
-            OneSample s = on_floor(law);
+            OneQuadraturePoint s = on_floor(law);
             s.along = v3(1.9e-3, 0.4e-3, 0);
             const double gap = law == NormalLaw::Barrier ? 2e-6 : law == NormalLaw::Impulse ? -2e-6 : -1e-6, z = r + gap;
             touched_before(s, gap, 0.5);
-            const double kt = (law == NormalLaw::Constraint ? SEL_TANGENTIAL * s.hard[0].stiffness : s.model.friction_stiffness) *
-                              s.model.weight;
+            const double kt =
+                (law == NormalLaw::Constraint ? SEL_TANGENTIAL * s.multiplier[0].stiffness : s.model.friction_stiffness) *
+                s.model.weight;
             // impulse: at the gap it had, so that it is pushed back with half of the speed at which it came
             const double fn = s.at({0, 0, z, s.theta0}).force[2], yield = 0.25 * fn / kt;
             REQUIRE(fn > 0);
-            TouchState now[2];
+            ContactState now[2];
             const std::array<double, 4> stuck = {0.2 * yield, 0.1 * yield, z, s.theta0 + 0.1 * yield / r};
             (void)s.at(stuck, now);
-            REQUIRE((now[0].flags & SEL_TOUCH_STUCK) != 0);
+            REQUIRE((now[0].flags & SEL_CONTACT_STUCK) != 0);
             // as for the damped law (test_law.cpp); the yield may be as short as 1e-8 m, and differences reach over 1e-10
             CHECK(tangent_error(s, stuck) <= 2e-6);
             const std::array<double, 4> slipping = {6 * yield + 3e-6, -4 * yield - 2e-6, z, s.theta0 + 10 * yield / r};
             (void)s.at(slipping, now);
-            REQUIRE((now[0].flags & (SEL_TOUCH_STUCK | SEL_TOUCH_ACTIVE)) == SEL_TOUCH_ACTIVE);
+            REQUIRE((now[0].flags & (SEL_CONTACT_STUCK | SEL_CONTACT_ACTIVE)) == SEL_CONTACT_ACTIVE);
             CHECK(tangent_error(s, slipping) <= 2e-6);
         }
     }
 
-    // k_w (z_0 - z) = f(z): a sample on a spring that wants it `wanted` deep
+    // k_w (z_0 - z) = f(z): a quadrature point on a spring that wants it `wanted` deep
     TEST_CASE("analytic: rounds of multipliers end at no overlap and the spring's own force, however stiff it is")
     {
         for (const double stiff : {1e-3, 1.0, 1e3}) {
             CAPTURE(stiff);
-            OneSample s = on_floor(NormalLaw::Constraint);
+            OneQuadraturePoint s = on_floor(NormalLaw::Constraint);
             s.par.friction = SEL_FRICTION_NONE;
             s.par.inv_dt = 0;
-            const double wanted = 2e-6, spring = stiff * s.model.hard_stiffness * s.model.weight, z0 = r - wanted;
-            for (int k = 0; k < 2; ++k) s.hard[k] = hard_start(s.touches[k], s.place.stamp, s.model, s.par);
+            const double wanted = 2e-6, spring = stiff * s.model.penalty_stiffness * s.model.weight, z0 = r - wanted;
+            for (int k = 0; k < 2; ++k) s.multiplier[k] = multiplier_start(s.states[k], s.place.epoch, s.model, s.par);
             double z = z0, ratio = 2;
             int rounds = 0;
             for (; ratio > 1 && rounds < 40; ++rounds) {
@@ -198,46 +200,47 @@ TEST_SUITE("contact/hard_law")
                     z = (lo + hi) / 2;
                     (spring * (z0 - z) + s.at({0, 0, z, s.theta0}).force[2] > 0 ? lo : hi) = z;
                 }
-                TouchState now[2];
+                ContactState now[2];
                 (void)s.at({0, 0, z, s.theta0}, now);
                 ratio = 0;
                 for (int k = 0; k < 2; ++k)
-                    s.hard[k] = hard_next(s.hard[k], now[k], s.touches[k], s.place.stamp, s.model, s.par, &ratio);
+                    s.multiplier[k] =
+                        multiplier_update(s.multiplier[k], now[k], s.states[k], s.place.epoch, s.model, s.par, &ratio);
             }
             CAPTURE(rounds);
             CHECK(rounds < 20);
             // ends within the length allowed, 4.4 nm
-            CHECK(std::abs(z - r) <= s.model.hard_length);
-            CHECK(std::abs(s.hard[0].force * s.model.weight - spring * wanted) <= 2 * spring * s.model.hard_length);
+            CHECK(std::abs(z - r) <= s.model.law_length);
+            CHECK(std::abs(s.multiplier[0].force * s.model.weight - spring * wanted) <= 2 * spring * s.model.law_length);
         }
     }
 
     TEST_CASE("property: a multiplier fades before the wall is out of sight, and is bounded where there is no solution")
     {
-        OneSample s = on_floor(NormalLaw::Augmented);
-        touched_before(s, -1e-6, 400);  // a tip's load on one sample
+        OneQuadraturePoint s = on_floor(NormalLaw::Augmented);
+        touched_before(s, -1e-6, 400);  // a tip's load on one quadrature point
         CHECK(s.at({0, 0, r, s.theta0}).force[2] == about(400 * s.model.weight).epsilon(1e-9));
         CHECK(s.at({0, 0, r + 0.5 * s.model.reach * (1 + 1e-9), s.theta0}).force[2] == 0);
-        HardState hard = s.hard[0];
+        MultiplierState multiplier = s.multiplier[0];
         double slope;
         const double most = elastic_normal(0.95 * s.model.depth_limit, s.model, &slope);
         for (int k = 0; k < 200; ++k) {
-            TouchState now[2];
-            s.hard[0] = hard;
+            ContactState now[2];
+            s.multiplier[0] = multiplier;
             (void)s.at({0, 0, r - 1e-4, s.theta0}, now);  // held a tenth of a millimetre deep
             double ratio = 0;
-            hard = hard_next(hard, now[0], s.touches[0], s.place.stamp, s.model, s.par, &ratio);
-            CHECK(hard.force <= most);
+            multiplier = multiplier_update(multiplier, now[0], s.states[0], s.place.epoch, s.model, s.par, &ratio);
+            CHECK(multiplier.force <= most);
         }
-        CHECK(hard.force == most);
+        CHECK(multiplier.force == most);
     }
 
     TEST_CASE("property: what starts in overlap is freed by halves, and a barrier that holds gives nothing away")
     {
-        const SampleModel m = line_sample(steel(), asks_for(NormalLaw::Barrier), VesselSpec{}, INFINITY, 1e-3);
+        const QuadratureModel m = line_model(steel(), asks_for(NormalLaw::Barrier), VesselSpec{}, INFINITY, 1e-3);
         CHECK(barrier_start(1e-9, 0, m) == 0);  // however near
         const double first = barrier_start(-2e-5, 0, m);
-        CHECK(first == about(2e-5 + 1e-3 * m.hard_length).epsilon(1e-12));
+        CHECK(first == about(2e-5 + 1e-3 * m.law_length).epsilon(1e-12));
         CHECK(barrier_start(-2e-5, first, m) < first);  // not moved: still clear, a little thicker
         CHECK(barrier_start(-1e-5, first, m) == about(first - (first - 1e-5) / 2).epsilon(1e-12));
         CHECK(barrier_start(5e-6, 4e-6, m) == 0);
@@ -255,7 +258,8 @@ TEST_SUITE("contact/hard_law")
         CHECK(sweep_triangle(v3(0.2, 0.2, 0.5 + 1e-9), v3(1e-2, 0, 0), 0.5, tri, 0) == 1);  // slides along, a hair off
         CHECK(sweep_triangle(v3(0.2, 0.2, 0.5), v3(0, 0, 1), 0.5, tri, 0) == 1);            // leaves what it touches
         CHECK(sweep_triangle(v3(0.2, 0.2, -1), v3(0, 0, 2), 0.5, tri, 0) == 1);             // comes from behind
-        CHECK(sweep_triangle(v3(0.5, -1, -0.3), v3(0, 1, 0), 0.5, tri, 1) == about(0.6).epsilon(1e-14));  // a rim has no behind
+        CHECK(sweep_triangle(v3(0.5, -1, -0.3), v3(0, 1, 0), 0.5, tri, 1) ==
+              about(0.6).epsilon(1e-14));  // a boundary feature has no behind
     }
 
     TEST_CASE("property: up to the way found a ball is clear of the triangle, and there it touches it")

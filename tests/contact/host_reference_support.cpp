@@ -1,4 +1,4 @@
-#include "contact/twin_support.h"
+#include "contact/host_reference_support.h"
 
 #include "contact/contact_system.h"
 #include "vessel/shapes.h"
@@ -33,26 +33,26 @@ WallMesh bumpy_tube(double radius, double length)
 
 }  // namespace
 
-const TwinWall& twin_wall()
+const ReferenceWall& reference_wall()
 {
-    static const TwinWall wall = [] {
-        TwinWall made;
+    static const ReferenceWall wall = [] {
+        ReferenceWall made;
         WallMesh mesh = bumpy_tube(made.radius, made.length);
         const WallTree tree = build_wall_tree(mesh);
-        device::Context& context = twin_context(false);
-        const DeviceWall on_device(context, tree, mesh);
+        device::Context& context = reference_context(false);
+        const DeviceWall on_device(context, tree, mesh, 0);
         made.triangles = tree.triangle_count();
         made.nodes.resize(tree.nodes.size() * sizeof(TreeNode));
         std::memcpy(made.nodes.data(), tree.nodes.data(), made.nodes.size());
         made.vertices = tree.vertices;
-        made.rims.resize(made.triangles);
-        context.read(device::Lane::Light, on_device.rims, made.rims.data(), made.triangles * sizeof(std::uint32_t));
+        made.boundary.resize(made.triangles);
+        context.read(device::Queue::Inline, on_device.boundary, made.boundary.data(), made.triangles * sizeof(std::uint32_t));
         return made;
     }();
     return wall;
 }
 
-device::Context& twin_context(bool float32)
+device::Context& reference_context(bool float32)
 {
     static std::unique_ptr<device::Context> contexts[2];
     auto& context = contexts[float32];

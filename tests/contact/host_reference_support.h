@@ -1,6 +1,6 @@
 #pragma once
-// What the twin tests of both precisions share. Includes nothing of kernels/shared: those headers are compiled twice, once with
-// float arithmetic and under another namespace (test_twin_float32.cpp).
+// What the reference tests of both precisions share. Includes nothing of kernels/shared: those headers are compiled twice, once
+// with float arithmetic and under another namespace (test_twin_float32.cpp).
 
 #include "device/device.h"
 
@@ -12,38 +12,38 @@
 namespace seldinger::test {
 
 /// A tube with bumps, slivers, doubled and zero-area triangles, as DeviceWall holds it.
-struct TwinWall {
+struct ReferenceWall {
     std::vector<unsigned char> nodes;  // TreeNode
     std::vector<float> vertices;
-    std::vector<std::uint32_t> rims;
+    std::vector<std::uint32_t> boundary;
     std::size_t triangles = 0;
     double radius = 0.003, length = 0.03;  // of the tube, along x through the origin [m]
 };
-[[nodiscard]] const TwinWall& twin_wall();
+[[nodiscard]] const ReferenceWall& reference_wall();
 
 /// Contexts live as long as the tests: PoCL compiles each kernel once.
-[[nodiscard]] device::Context& twin_context(bool float32);
+[[nodiscard]] device::Context& reference_context(bool float32);
 
 /// A device buffer with canary words behind it.
 template <class T>
 class Guarded {
 public:
-    Guarded(device::Context& context, device::Lane lane, const std::vector<T>& from)
+    Guarded(device::Context& context, device::Queue queue, const std::vector<T>& from)
         : context_(context),
-          lane_(lane),
+          queue_(queue),
           size_(from.size()),
           bytes_(from.size() * sizeof(T) + sizeof canary, canary[0]),
           buffer_(context, bytes_.size())
     {
         if (size_ > 0) std::memcpy(bytes_.data(), from.data(), size_ * sizeof(T));
-        context.enter(lane);
-        context.write(lane, buffer_, bytes_.data(), bytes_.size());
-        context.finish(lane);
+        context.enter(queue);
+        context.write(queue, buffer_, bytes_.data(), bytes_.size());
+        context.finish(queue);
     }
     /// Content after the launches; fails the test when something wrote behind the end.
     std::vector<T> read()
     {
-        context_.read(lane_, buffer_, bytes_.data(), bytes_.size());
+        context_.read(queue_, buffer_, bytes_.data(), bytes_.size());
         for (std::size_t k = bytes_.size() - sizeof canary; k < bytes_.size(); ++k) REQUIRE(bytes_[k] == canary[0]);
         std::vector<T> out(size_);
         if (size_ > 0) std::memcpy(out.data(), bytes_.data(), size_ * sizeof(T));
@@ -55,7 +55,7 @@ public:
 private:
     static constexpr unsigned char canary[256] = {0xa5};
     device::Context& context_;
-    device::Lane lane_;
+    device::Queue queue_;
     std::size_t size_;
     std::vector<unsigned char> bytes_;
     device::Buffer buffer_;
@@ -74,5 +74,5 @@ long first_difference(const std::vector<T>& a, const std::vector<T>& b)
 }  // namespace seldinger::test
 
 // names that survive the renaming of the namespace in the float32 build
-namespace sel_twin = seldinger::test;
+namespace sel_reference = seldinger::test;
 namespace sel_device = seldinger::device;

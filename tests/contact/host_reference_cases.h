@@ -1,8 +1,11 @@
-// The bodies of the twin tests, compiled once in double (test_twin.cpp) and once in float (test_twin_float32.cpp, where
-// `seldinger` is another namespace). Every kernel runs against a plain loop over the same shared functions; the arithmetic is the
-// same operation by operation (contraction off on both sides, divisions and roots correctly rounded), so the bits are the same.
-#include "shared/hard_step.h"
+// The bodies of the reference tests, compiled once in double (test_host_reference.cpp) and once in float
+// (test_host_reference_float32.cpp, where `seldinger` is another namespace). Every kernel runs against a plain loop over the same
+// shared functions; the arithmetic is the same operation by operation (contraction off on both sides, divisions and roots
+// correctly rounded), so the bits are the same.
+#include "shared/barrier_path.h"
+#include "shared/edge_sums.h"
 #include "shared/layer.h"
+#include "shared/multipliers.h"
 #include "shared/sweep.h"
 
 #include <algorithm>
@@ -13,9 +16,9 @@
 namespace {
 
 using namespace seldinger;
-using sel_device::Lane;
-using sel_twin::first_difference;
-using sel_twin::Guarded;
+using sel_device::Queue;
+using sel_reference::first_difference;
+using sel_reference::Guarded;
 
 #ifdef SEL_FLOAT32
 constexpr bool float32 = true;
@@ -36,15 +39,25 @@ struct Scene {
     std::vector<float> hi, hi_t0;
     std::vector<real> lo, lo_t0, theta, theta_t0;
     std::vector<uint> edges;  // index of the tip-side node of every edge
-    std::vector<SampleModel> models;
-    std::vector<SamplePlace> places;
-    std::vector<TouchState> touches_t0;
-    std::vector<HardState> hard;
+    std::vector<QuadratureModel> models;
+    std::vector<QuadraturePlace> places;
+    std::vector<ContactState> states_t0;
+    std::vector<MultiplierState> multiplier;
     std::vector<TreeNode> nodes;
     ContactParams par{};
-    const sel_twin::TwinWall& wall = sel_twin::twin_wall();
+    const sel_reference::ReferenceWall& wall = sel_reference::reference_wall();
 
-    explicit Scene(std::size_t samples)
+    [[nodiscard]] WallView view() const { return wall_view(nodes.data(), wall.vertices.data(), wall.boundary.data()); }
+    [[nodiscard]] NodeView now() const { return node_view(hi.data(), lo.data(), theta.data()); }
+    [[nodiscard]] NodeView before() const { return node_view(hi_t0.data(), lo_t0.data(), theta_t0.data()); }
+    [[nodiscard]] AxisPoint axis(uint point) const { return axis_point(places[point].edge, places[point].bary, now()); }
+    /// @param candidates  [points][par.slots]
+    [[nodiscard]] PointView point(uint at, const std::vector<uint>& candidates, const std::vector<uint>& counts) const
+    {
+        return point_view(at, models[at], places[at], near_wall_view(view(), candidates.data() + at * par.slots, counts[at]));
+    }
+
+    explicit Scene(std::size_t points)
     {
         nodes.resize(wall.nodes.size() / sizeof(TreeNode));
         std::memcpy(nodes.data(), wall.nodes.data(), wall.nodes.size());
@@ -57,11 +70,11 @@ struct Scene {
         theta_t0 = theta;
         for (real& x : lo_t0) x += static_cast<real>(draw(-3e-6, 3e-6));
         for (real& x : theta_t0) x += static_cast<real>(draw(-0.01, 0.01));
-        for (std::size_t k = 0; k < samples; ++k) add_sample(k);
+        for (std::size_t k = 0; k < points; ++k) add_point(k);
         par.slots = 64;
         par.friction = SEL_FRICTION_STICK_SLIP;
         par.inv_dt = 1000;
-        par.blend = static_cast<real>(0.002);
+        par.smoothing = static_cast<real>(0.002);
         par.smooth_speed = static_cast<real>(1e-3);
     }
 
@@ -79,9 +92,9 @@ struct Scene {
         }
     }
 
-    SampleModel model(std::size_t k)
+    QuadratureModel model(std::size_t k)
     {
-        SampleModel m{};
+        QuadratureModel m{};
         m.weight = m.length = static_cast<real>(k % 17 == 16 ? 0.0 : 4e-4);
         m.radius = static_cast<real>(k % 2 ? 0.4445e-3 : 0.35e-3);
         m.reach = static_cast<real>(0.1 * 0.4445e-3);
@@ -97,27 +110,27 @@ struct Scene {
         m.roll_arm = static_cast<real>(k % 3 ? 0.04 : 0.0);
         m.roll_depth = 2 * m.radius;
         m.roll_force = static_cast<real>(k % 2 ? 1e-9 : 0.0);
-        m.hard_stiffness = static_cast<real>(1e5);
-        m.hard_length = static_cast<real>(1e-5);
+        m.penalty_stiffness = static_cast<real>(1e5);
+        m.law_length = static_cast<real>(1e-5);
         m.line_mass = static_cast<real>(5e-3);
         m.restitution = static_cast<real>(0.5);
-        m.hard_most = static_cast<real>(k % 3 == 0 ? 20 : 2000);
+        m.multiplier_most = static_cast<real>(k % 3 == 0 ? 20 : 2000);
         return m;
     }
 
-    void add_sample(std::size_t k)
+    void add_point(std::size_t k)
     {
         models.push_back(model(k));
-        SamplePlace p{};
+        QuadraturePlace p{};
         p.edge = edges[k * edges.size() / 300 % edges.size()];
         p.edge_t0 = k % 23 == 22 ? SEL_NO_EDGE : p.edge;
         p.bary = static_cast<real>(k % 7 == 0 ? 0 : k % 7 == 1 ? 1 : draw(0, 1));
         p.bary_t0 = p.bary;
-        p.stamp = 9;
-        p.shrink = static_cast<real>(k % 3 ? 0 : 2e-4);
+        p.epoch = 9;
+        p.radius_reduction = static_cast<real>(k % 3 ? 0 : 2e-4);
         places.push_back(p);
         for (int side = 0; side < 2; ++side) {
-            TouchState t{};
+            ContactState t{};
             const double n[3] = {draw(-1, 1), draw(-1, 1), draw(-1, 1)}, size = std::hypot(n[0], n[1], n[2]);
             for (int i = 0; i < 3; ++i) {
                 t.normal[i] = static_cast<real>(n[i] / size);
@@ -128,11 +141,11 @@ struct Scene {
             t.approach = static_cast<real>(draw(1e-4, 0.05));
             t.roll = static_cast<real>(draw(-1e-3, 1e-3));
             t.flags = draw.below(4);
-            t.stamp = draw.below(3) ? 8 : 3;  // of the last step, or stale
+            t.epoch = draw.below(3) ? 8 : 3;  // of the last step, or stale
             t.normal_force = static_cast<real>(draw(0, 1e-3));
             for (real& f : t.friction) f = static_cast<real>(draw(-1e-4, 1e-4));
-            touches_t0.push_back(t);
-            HardState h{};
+            states_t0.push_back(t);
+            MultiplierState h{};
             for (int i = 0; i < 3; ++i) {
                 h.normal[i] = t.normal[i];
                 h.friction[i] = static_cast<real>(draw(-0.1, 0.1));
@@ -141,7 +154,7 @@ struct Scene {
             h.stiffness = static_cast<real>(draw(1e5, 1e7));
             h.miss = static_cast<real>(draw(0, 1e-5));
             h.live = draw.below(3) > 0;
-            hard.push_back(h);
+            multiplier.push_back(h);
         }
     }
 };
@@ -165,59 +178,88 @@ Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint 
 {
     const std::size_t n = s.models.size();
     Found out{std::vector<uint>(n * slots), std::vector<uint>(n), std::vector<Clearance>(n)};
-    for (uint sample : list) {
-        const AxisPoint at = axis_point(s.places[sample].edge, s.places[sample].bary, s.hi.data(), s.lo.data());
-        const real radius = s.models[sample].radius, range = radius + s.models[sample].reach + slack;
-        out.counts[sample] = find_cells(at.offset, at.origin, range, SEL_CELL_SIZE * radius, s.nodes.data(),
-                                        s.wall.vertices.data(), slots, out.candidates.data() + sample * slots);
-        out.clearances[sample] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[sample]);
+    for (uint point : list) {
+        const AxisPoint at = s.axis(point);
+        const real radius = s.models[point].radius, range = radius + s.models[point].reach + slack;
+        out.counts[point] =
+            find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, s.view(), slots, out.candidates.data() + point * slots);
+        out.clearances[point] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[point], 0);
     }
     return out;
 }
 
 struct Evaluated {
-    std::vector<SampleForce> forces;
+    std::vector<ContactForce> forces;
     std::vector<real> barys;
-    std::vector<TouchState> touches;
+    std::vector<ContactState> states;
     std::vector<Clearance> clearances;
 };
 
 Evaluated host_evaluate(const Scene& s, const ContactParams& par, const std::vector<uint>& list, const Found& found)
 {
-    Evaluated out{std::vector<SampleForce>(list.size()), std::vector<real>(list.size()), s.touches_t0, found.clearances};
+    Evaluated out{std::vector<ContactForce>(list.size()), std::vector<real>(list.size()), s.states_t0, found.clearances};
     for (std::size_t k = 0; k < list.size(); ++k) {
         const uint at = list[k];
-        write_force(sample_force(at, par, s.models[at], s.places[at], found.candidates.data() + at * par.slots, found.counts[at],
-                                 s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data(), s.hi.data(), s.lo.data(),
-                                 s.theta.data(), s.hi_t0.data(), s.lo_t0.data(), s.theta_t0.data(), s.touches_t0.data(),
-                                 out.touches.data(), s.hard.data(), &out.clearances[at]),
+        write_force(contact_force(s.point(at, found.candidates, found.counts), par, s.now(), s.before(),
+                                  state_view(s.states_t0.data(), out.states.data(), s.multiplier.data()), &out.clearances[at]),
                     &out.forces[k]);
         out.barys[k] = s.places[at].bary;
     }
     return out;
 }
 
-Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Lane lane)
+/// Arguments that kernels take together, on the device.
+struct GuardedNodes {
+    GuardedNodes(sel_device::Context& context, Queue queue, NodeView from, std::size_t nodes)
+        : hi(context, queue, std::vector<float>(from.hi, from.hi + 3 * nodes)),
+          lo(context, queue, std::vector<real>(from.lo, from.lo + 3 * nodes)),
+          theta(context, queue, std::vector<real>(from.theta, from.theta + nodes))
+    {
+    }
+    template <class F>
+    void for_each_argument(const F& f) const
+    {
+        f(hi.buffer());
+        f(lo.buffer());
+        f(theta.buffer());
+    }
+    Guarded<float> hi;
+    Guarded<real> lo, theta;
+};
+struct GuardedWall {
+    GuardedWall(sel_device::Context& context, Queue queue, const Scene& s)
+        : nodes(context, queue, s.nodes), vertices(context, queue, s.wall.vertices), boundary(context, queue, s.wall.boundary)
+    {
+    }
+    template <class F>
+    void for_each_argument(const F& f) const
+    {
+        f(nodes.buffer());
+        f(vertices.buffer());
+        f(boundary.buffer());
+    }
+    Guarded<TreeNode> nodes;
+    Guarded<float> vertices;
+    Guarded<uint> boundary;
+};
+
+Evaluated device_evaluate(const Scene& s, ContactParams par, const std::vector<uint>& list, const Found& found, Queue queue)
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_evaluate");
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel kernel(context, "contact/evaluation.cl", "contact_evaluate");
     par.item_count = static_cast<uint>(list.size());
-    Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates), counts(context, lane, found.counts),
-        rims(context, lane, s.wall.rims);
-    Guarded<SampleModel> models(context, lane, s.models);
-    Guarded<SamplePlace> places(context, lane, s.places);
-    Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
-    Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0),
-        theta_t0(context, lane, s.theta_t0);
-    Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, s.touches_t0);
-    Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(list.size()));
-    Guarded<real> barys(context, lane, std::vector<real>(list.size()));
-    Guarded<HardState> hard(context, lane, s.hard);
-    Guarded<TreeNode> nodes(context, lane, s.nodes);
-    Guarded<Clearance> clearances(context, lane, found.clearances);
-    kernel.launch(lane, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                  nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), theta.buffer(), hi_t0.buffer(),
-                  lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), hard.buffer(),
+    Guarded<uint> items(context, queue, list), candidates(context, queue, found.candidates), counts(context, queue, found.counts);
+    Guarded<QuadratureModel> models(context, queue, s.models);
+    Guarded<QuadraturePlace> places(context, queue, s.places);
+    const GuardedNodes now(context, queue, s.now(), s.theta.size()), before(context, queue, s.before(), s.theta.size());
+    const GuardedWall wall(context, queue, s);
+    Guarded<ContactState> t0(context, queue, s.states_t0), t1(context, queue, s.states_t0);
+    Guarded<ContactForce> forces(context, queue, std::vector<ContactForce>(list.size()));
+    Guarded<real> barys(context, queue, std::vector<real>(list.size()));
+    Guarded<MultiplierState> multiplier(context, queue, s.multiplier);
+    Guarded<Clearance> clearances(context, queue, found.clearances);
+    kernel.launch(queue, list.size(), par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                  wall, now, before, t0.buffer(), t1.buffer(), forces.buffer(), barys.buffer(), multiplier.buffer(),
                   clearances.buffer());
     (void)candidates.read();
     return {forces.read(), barys.read(), t1.read(), clearances.read()};
@@ -231,7 +273,7 @@ std::vector<LayerEdge> layer_edges(Scene& s, std::size_t count)
     for (std::size_t k = 0; k < count; ++k) {
         list[k] = LayerEdge{};
         list[k].node = s.edges[k % s.edges.size()];
-        list[k].stamp = 9;
+        list[k].epoch = 9;
         list[k].model = s.model(k);
         list[k].reach = list[k].model.radius / 2;
         list[k].width = list[k].model.radius * static_cast<real>(s.draw(0.25, 2));
@@ -244,27 +286,24 @@ Found host_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint 
 {
     Found out{std::vector<uint>(edges.size() * slots), std::vector<uint>(edges.size()), {}, std::vector<real>(edges.size())};
     for (std::size_t k = 0; k < edges.size(); ++k)
-        out.counts[k] = find_pairs(edges[k], s.hi.data(), s.lo.data(), s.nodes.data(), s.wall.vertices.data(), slots,
-                                   out.candidates.data() + k * slots, &out.touching[k]);
+        out.counts[k] = find_pairs(edges[k], s.now(), s.view(), slots, out.candidates.data() + k * slots, &out.touching[k]);
     return out;
 }
 
-Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots, Lane lane)
+Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uint slots, Queue queue)
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Context& context = sel_reference::reference_context(float32);
     sel_device::Kernel kernel(context, "contact/layer.cl", "layer_find");
     ContactParams par = s.par;
     par.item_count = static_cast<uint>(edges.size());
     par.slots = slots;
-    Guarded<LayerEdge> list(context, lane, edges);
-    Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
-    Guarded<real> lo(context, lane, s.lo);
-    Guarded<TreeNode> nodes(context, lane, s.nodes);
-    Guarded<uint> candidates(context, lane, std::vector<uint>(edges.size() * slots)),
-        counts(context, lane, std::vector<uint>(edges.size()));
-    Guarded<real> touching(context, lane, std::vector<real>(edges.size()));
-    kernel.launch(lane, edges.size(), par, list.buffer(), hi.buffer(), lo.buffer(), nodes.buffer(), vertices.buffer(),
-                  candidates.buffer(), counts.buffer(), touching.buffer());
+    Guarded<LayerEdge> list(context, queue, edges);
+    const GuardedNodes now(context, queue, s.now(), s.theta.size());
+    const GuardedWall wall(context, queue, s);
+    Guarded<uint> candidates(context, queue, std::vector<uint>(edges.size() * slots)),
+        counts(context, queue, std::vector<uint>(edges.size()));
+    Guarded<real> touching(context, queue, std::vector<real>(edges.size()));
+    kernel.launch(queue, edges.size(), par, list.buffer(), now, wall, candidates.buffer(), counts.buffer(), touching.buffer());
     return {candidates.read(), counts.read(), {}, touching.read()};
 }
 
@@ -272,11 +311,11 @@ Found device_layer_find(const Scene& s, const std::vector<LayerEdge>& edges, uin
 
 void find_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_find");
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel kernel(context, "contact/near_wall.cl", "contact_find");
     std::size_t found = 0;
     uint most = 0;
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try)
             for (const uint slots : {1u, 5u, 64u}) {  // the first two overflow: what does not fit is counted, not written
                 Scene s(n);
@@ -285,24 +324,22 @@ void find_case()
                 s.par.item_count = static_cast<uint>(n);
                 s.par.slots = slots;
                 const Found host = host_find(s, list, slack, slots);
-                Guarded<uint> items(context, lane, list), candidates(context, lane, std::vector<uint>(n * slots)),
-                    counts(context, lane, std::vector<uint>(n)), by_item(context, lane, std::vector<uint>(n));
-                Guarded<Clearance> clearances(context, lane, std::vector<Clearance>(n));
-                Guarded<SampleModel> models(context, lane, s.models);
-                Guarded<SamplePlace> places(context, lane, s.places);
-                Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
-                Guarded<real> lo(context, lane, s.lo);
-                Guarded<TreeNode> nodes(context, lane, s.nodes);
-                kernel.launch(lane, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
-                              nodes.buffer(), vertices.buffer(), candidates.buffer(), counts.buffer(), by_item.buffer(),
-                              clearances.buffer());
+                Guarded<uint> items(context, queue, list), candidates(context, queue, std::vector<uint>(n * slots)),
+                    counts(context, queue, std::vector<uint>(n)), by_item(context, queue, std::vector<uint>(n));
+                Guarded<Clearance> clearances(context, queue, std::vector<Clearance>(n));
+                Guarded<QuadratureModel> models(context, queue, s.models);
+                Guarded<QuadraturePlace> places(context, queue, s.places);
+                const GuardedNodes now(context, queue, s.now(), s.theta.size());
+                const GuardedWall wall(context, queue, s);
+                kernel.launch(queue, n, s.par, slack, items.buffer(), models.buffer(), places.buffer(), now, wall,
+                              candidates.buffer(), counts.buffer(), by_item.buffer(), clearances.buffer());
                 CAPTURE(n);
                 CAPTURE(slots);
                 CHECK(first_difference(counts.read(), host.counts) == -1);
                 CHECK(first_difference(candidates.read(), host.candidates) == -1);
                 CHECK(first_difference(clearances.read(), host.clearances) == -1);
                 std::vector<uint> listed;
-                for (uint sample : list) listed.push_back(host.counts[sample]);
+                for (uint point : list) listed.push_back(host.counts[point]);
                 CHECK(first_difference(by_item.read(), listed) == -1);
                 for (uint c : host.counts) {
                     found += c;
@@ -315,19 +352,18 @@ void find_case()
 
 void distance_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_distance");
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel kernel(context, "contact/near_wall.cl", "contact_distance");
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try) {
             Scene s(n);
             const std::vector<uint> list = up_to(n);
             const real most = static_cast<real>(0.35e-3);  // beyond some, within others
             std::vector<real> host(n);
             for (std::size_t k = 0; k < n; ++k) {
-                const SamplePlace& place = s.places[list[k]];
-                const AxisPoint at = axis_point(place.edge, place.bary, s.hi.data(), s.lo.data());
+                const AxisPoint at = s.axis(list[k]);
                 const vec3 p = at.origin + at.offset;
-                host[k] = wall_distance(p, most, s.nodes.data(), s.wall.vertices.data());
+                host[k] = wall_distance(p, most, s.view());
                 // and against all triangles, none left out
                 real nearest = most;
                 for (std::size_t t = 0; t < s.wall.vertices.size() / 9; ++t) {
@@ -338,13 +374,13 @@ void distance_case()
                 }
                 CHECK(std::abs(host[k] - nearest) <= (float32 ? 1e-7 : 1e-16));  // the root of most^2
             }
-            Guarded<uint> items(context, lane, list);
-            Guarded<SamplePlace> places(context, lane, s.places);
-            Guarded<float> hi(context, lane, s.hi), vertices(context, lane, s.wall.vertices);
-            Guarded<real> lo(context, lane, s.lo), distances(context, lane, std::vector<real>(n));
-            Guarded<TreeNode> nodes(context, lane, s.nodes);
-            kernel.launch(lane, n, static_cast<cl_uint>(n), most, items.buffer(), places.buffer(), hi.buffer(), lo.buffer(),
-                          nodes.buffer(), vertices.buffer(), distances.buffer());
+            Guarded<uint> items(context, queue, list);
+            Guarded<QuadraturePlace> places(context, queue, s.places);
+            const GuardedNodes now(context, queue, s.now(), s.theta.size());
+            const GuardedWall wall(context, queue, s);
+            Guarded<real> distances(context, queue, std::vector<real>(n));
+            kernel.launch(queue, n, static_cast<cl_uint>(n), most, items.buffer(), places.buffer(), now, wall,
+                          distances.buffer());
             CAPTURE(n);
             CHECK(first_difference(distances.read(), host) == -1);
             if (n > 100) {
@@ -357,7 +393,7 @@ void distance_case()
 void evaluate_case()
 {
     std::size_t touched = 0, sliding = 0, both = 0, outside = 0;
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try)
             for (const uint friction : {SEL_FRICTION_STICK_SLIP, SEL_FRICTION_SMOOTH, SEL_FRICTION_SIGN, SEL_FRICTION_NONE}) {
                 Scene s(n);
@@ -369,25 +405,25 @@ void evaluate_case()
                 const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
                 REQUIRE((n == 0 || *std::max_element(found.counts.begin(), found.counts.end()) <= s.par.slots));
                 const Evaluated host = host_evaluate(s, s.par, list, found),
-                                device = device_evaluate(s, s.par, list, found, lane);
+                                device = device_evaluate(s, s.par, list, found, queue);
                 CAPTURE(n);
                 CAPTURE(friction);
                 CHECK(first_difference(device.forces, host.forces) == -1);
                 CHECK(first_difference(device.barys, host.barys) == -1);
-                CHECK(first_difference(device.touches, host.touches) == -1);
+                CHECK(first_difference(device.states, host.states) == -1);
                 CHECK(first_difference(device.clearances, host.clearances) == -1);
-                for (const SampleForce& f : host.forces) {
+                for (const ContactForce& f : host.forces) {
                     touched += f.contacts > 0;
-                    sliding += (f.flags & SEL_SAMPLE_SLIDING) != 0;
+                    sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
                     both += f.contacts > 1;
-                    outside += (f.flags & SEL_SAMPLE_OUTSIDE) != 0;
+                    outside += (f.flags & SEL_FORCE_OUTSIDE) != 0;
                 }
             }
     REQUIRE(touched > 500);
     REQUIRE(sliding > 100);
 }
 
-void evaluate_hard_case()
+void evaluate_multiplier_case()
 {
     std::size_t touched = 0, blocked = 0, sliding = 0;
     for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE, SEL_NORMAL_BARRIER})
@@ -397,15 +433,15 @@ void evaluate_hard_case()
             const std::vector<uint> list = up_to(n);
             const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
             const Evaluated host = host_evaluate(s, s.par, list, found),
-                            device = device_evaluate(s, s.par, list, found, n == 64 ? Lane::Light : Lane::Heavy);
+                            device = device_evaluate(s, s.par, list, found, n == 64 ? Queue::Inline : Queue::Pool);
             CAPTURE(law);
             CHECK(first_difference(device.forces, host.forces) == -1);
-            CHECK(first_difference(device.touches, host.touches) == -1);
+            CHECK(first_difference(device.states, host.states) == -1);
             CHECK(first_difference(device.clearances, host.clearances) == -1);
-            for (const SampleForce& f : host.forces) {
+            for (const ContactForce& f : host.forces) {
                 touched += f.contacts > 0;
-                blocked += (f.flags & SEL_SAMPLE_BLOCKED) != 0;
-                sliding += (f.flags & SEL_SAMPLE_SLIDING) != 0;
+                blocked += (f.flags & SEL_FORCE_BLOCKED) != 0;
+                sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
             }
         }
     REQUIRE(touched > 200);
@@ -415,45 +451,46 @@ void evaluate_hard_case()
 
 void multipliers_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel start(context, "contact/hard.cl", "contact_start"),
-        next(context, "contact/hard.cl", "contact_multipliers");
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel start(context, "contact/multipliers.cl", "contact_start"),
+        next(context, "contact/multipliers.cl", "contact_multipliers");
     std::size_t changed = 0, stiffened = 0;
     for (const uint law : {SEL_NORMAL_AUGMENTED, SEL_NORMAL_CONSTRAINT, SEL_NORMAL_IMPULSE})
         for (const std::size_t n : counts_to_try) {
-            const Lane lane = n % 2 ? Lane::Light : Lane::Heavy;
+            const Queue queue = n % 2 ? Queue::Inline : Queue::Pool;
             Scene s(n);
             s.par.normal_law = law;
             s.par.item_count = static_cast<uint>(n);
             std::vector<uint> counts(n);
             for (uint& c : counts) c = s.draw.below(3);
-            std::vector<HardState> started(2 * n), after(2 * n);
+            std::vector<MultiplierState> started(2 * n), after(2 * n);
             std::vector<real> ratios(n);
-            std::vector<TouchState> touches = s.touches_t0;
-            for (std::size_t k = 0; k < 2 * n; ++k) touches[k].stamp = k % 5 ? 9 : 8;
+            std::vector<ContactState> states = s.states_t0;
+            for (std::size_t k = 0; k < 2 * n; ++k) states[k].epoch = k % 5 ? 9 : 8;
             for (std::size_t k = 0; k < n; ++k) {
                 real ratio = 0;
                 for (std::size_t side = 2 * k; side < 2 * k + 2; ++side) {
-                    started[side] = hard_start(s.touches_t0[side], s.places[k].stamp, s.models[k], s.par);
-                    TouchState touch = touches[side];
-                    if (counts[k] == 0) touch.flags = 0;
-                    after[side] =
-                        hard_next(s.hard[side], touch, s.touches_t0[side], s.places[k].stamp, s.models[k], s.par, &ratio);
-                    stiffened += after[side].stiffness > s.hard[side].stiffness;
+                    started[side] = multiplier_start(s.states_t0[side], s.places[k].epoch, s.models[k], s.par);
+                    ContactState state = states[side];
+                    if (counts[k] == 0) state.flags = 0;
+                    after[side] = multiplier_update(s.multiplier[side], state, s.states_t0[side], s.places[k].epoch, s.models[k],
+                                                    s.par, &ratio);
+                    stiffened += after[side].stiffness > s.multiplier[side].stiffness;
                 }
                 ratios[k] = ratio;
                 changed += ratio > 1;
             }
-            Guarded<SampleModel> models(context, lane, s.models);
-            Guarded<SamplePlace> places(context, lane, s.places);
-            Guarded<uint> found(context, lane, counts);
-            Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, touches);
-            Guarded<HardState> hard(context, lane, s.hard), out(context, lane, std::vector<HardState>(2 * n)),
-                fresh(context, lane, std::vector<HardState>(2 * n));
-            Guarded<real> result(context, lane, std::vector<real>(n));
-            start.launch(lane, n, s.par, models.buffer(), places.buffer(), t0.buffer(), fresh.buffer());
-            next.launch(lane, n, s.par, models.buffer(), places.buffer(), found.buffer(), t0.buffer(), t1.buffer(), hard.buffer(),
-                        out.buffer(), result.buffer());
+            Guarded<QuadratureModel> models(context, queue, s.models);
+            Guarded<QuadraturePlace> places(context, queue, s.places);
+            Guarded<uint> found(context, queue, counts);
+            Guarded<ContactState> t0(context, queue, s.states_t0), t1(context, queue, states);
+            Guarded<MultiplierState> multiplier(context, queue, s.multiplier),
+                out(context, queue, std::vector<MultiplierState>(2 * n)),
+                fresh(context, queue, std::vector<MultiplierState>(2 * n));
+            Guarded<real> result(context, queue, std::vector<real>(n));
+            start.launch(queue, n, s.par, models.buffer(), places.buffer(), t0.buffer(), fresh.buffer());
+            next.launch(queue, n, s.par, models.buffer(), places.buffer(), found.buffer(), t0.buffer(), t1.buffer(),
+                        multiplier.buffer(), out.buffer(), result.buffer());
             CAPTURE(law);
             CAPTURE(n);
             CHECK(first_difference(fresh.read(), started) == -1);
@@ -466,12 +503,12 @@ void multipliers_case()
 
 void sweep_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel clearance(context, "contact/hard.cl", "contact_clearance"),
-        sweep(context, "contact/hard.cl", "contact_sweep");
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel clearance(context, "contact/barrier_path.cl", "contact_clearance"),
+        sweep(context, "contact/barrier_path.cl", "contact_sweep");
     std::size_t stopped = 0, near_wall = 0;
     for (const std::size_t n : counts_to_try) {
-        const Lane lane = n % 2 ? Lane::Light : Lane::Heavy;
+        const Queue queue = n % 2 ? Queue::Inline : Queue::Pool;
         Scene s(n);
         for (std::size_t k = 0; k < s.lo_t0.size(); ++k) s.lo_t0[k] = s.lo[k] + static_cast<real>(s.draw(-1e-4, 1e-4));
         const std::vector<uint> list = up_to(n);
@@ -479,33 +516,27 @@ void sweep_case()
         std::vector<real> gaps(n), ways(n);
         for (std::size_t k = 0; k < n; ++k) {
             const uint at = list[k];
-            const uint* candidates = found.candidates.data() + at * s.par.slots;
-            const SamplePlace p = s.places[at];
-            const AxisPoint now = axis_point(p.edge, p.bary, s.hi.data(), s.lo.data());
-            const AxisPoint was = axis_point(p.edge, p.bary, s.hi_t0.data(), s.lo_t0.data());
-            gaps[k] = sample_gap(now, s.models[at], s.par, s.touches_t0[2 * at], s.touches_t0[2 * at + 1], p.stamp, candidates,
-                                 found.counts[at], s.nodes.data(), s.wall.vertices.data(), s.wall.rims.data());
-            ways[k] = sweep_sample(was, now, s.models[at].radius - p.shrink, candidates, found.counts[at], s.nodes.data(),
-                                   s.wall.vertices.data(), s.wall.rims.data());
+            const QuadraturePlace p = s.places[at];
+            const PointView point = s.point(at, found.candidates, found.counts);
+            gaps[k] = gap_of_point(point, s.par, s.now(), s.states_t0.data());
+            ways[k] = sweep_point(axis_point(p.edge, p.bary, s.before()), axis_point(p.edge, p.bary, s.now()),
+                                  s.models[at].radius - p.radius_reduction, point.near);
             near_wall += gaps[k] < s.models[at].reach;
             stopped += ways[k] > 0 && ways[k] < 1;
         }
         s.par.item_count = static_cast<uint>(n);
-        Guarded<uint> items(context, lane, list), candidates(context, lane, found.candidates),
-            counts(context, lane, found.counts), rims(context, lane, s.wall.rims);
-        Guarded<SampleModel> models(context, lane, s.models);
-        Guarded<SamplePlace> places(context, lane, s.places);
-        Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
-        Guarded<real> lo(context, lane, s.lo), lo_t0(context, lane, s.lo_t0), gap_out(context, lane, std::vector<real>(n)),
-            way_out(context, lane, std::vector<real>(n));
-        Guarded<TouchState> t0(context, lane, s.touches_t0);
-        Guarded<TreeNode> nodes(context, lane, s.nodes);
-        clearance.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                         nodes.buffer(), vertices.buffer(), rims.buffer(), hi.buffer(), lo.buffer(), t0.buffer(),
-                         gap_out.buffer());
-        sweep.launch(lane, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
-                     nodes.buffer(), vertices.buffer(), rims.buffer(), hi_t0.buffer(), lo_t0.buffer(), hi.buffer(), lo.buffer(),
-                     way_out.buffer());
+        Guarded<uint> items(context, queue, list), candidates(context, queue, found.candidates),
+            counts(context, queue, found.counts);
+        Guarded<QuadratureModel> models(context, queue, s.models);
+        Guarded<QuadraturePlace> places(context, queue, s.places);
+        const GuardedNodes now(context, queue, s.now(), s.theta.size()), before(context, queue, s.before(), s.theta.size());
+        const GuardedWall wall(context, queue, s);
+        Guarded<real> gap_out(context, queue, std::vector<real>(n)), way_out(context, queue, std::vector<real>(n));
+        Guarded<ContactState> t0(context, queue, s.states_t0);
+        clearance.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                         wall, now, t0.buffer(), gap_out.buffer());
+        sweep.launch(queue, n, s.par, items.buffer(), models.buffer(), places.buffer(), candidates.buffer(), counts.buffer(),
+                     wall, before, now, way_out.buffer());
         CAPTURE(n);
         CHECK(first_difference(gap_out.read(), gaps) == -1);
         CHECK(first_difference(way_out.read(), ways) == -1);
@@ -517,14 +548,14 @@ void sweep_case()
 void evaluate_pow_case()
 {
     Scene s(257);
-    for (SampleModel& m : s.models) m.exponent = static_cast<real>(1.3);
+    for (QuadratureModel& m : s.models) m.exponent = static_cast<real>(1.3);
     const std::vector<uint> list = up_to(257);
     const Found found = host_find(s, list, static_cast<real>(2e-4), s.par.slots);
-    const Evaluated host = host_evaluate(s, s.par, list, found), device = device_evaluate(s, s.par, list, found, Lane::Light);
+    const Evaluated host = host_evaluate(s, s.par, list, found), device = device_evaluate(s, s.par, list, found, Queue::Inline);
     // OpenCL allows pow 16 ulp; the laws multiply it by factors that carry it on, and by 1 / (1 - 0.9) at most
     const double bound = float32 ? 200 * 6e-8 : 200 * 1.1e-16;
     double largest = 0;
-    for (const SampleForce& f : host.forces)
+    for (const ContactForce& f : host.forces)
         for (real x : f.force) largest = std::max(largest, std::abs(double(x)));
     REQUIRE(largest > 0);
     for (std::size_t k = 0; k < host.forces.size(); ++k)
@@ -534,19 +565,19 @@ void evaluate_pow_case()
 
 void reduce_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
-    sel_device::Kernel kernel(context, "contact/capsule.cl", "contact_reduce");
+    sel_device::Context& context = sel_reference::reference_context(float32);
+    sel_device::Kernel kernel(context, "contact/edge_sums.cl", "contact_reduce");
     Draw draw;
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try) {
             std::vector<uint> first = {0};
             for (std::size_t e = 0; e < n; ++e)
                 first.push_back(first.back() + (e % 5 == 3 ? 0 : draw.below(9)));  // some have none
-            std::vector<SampleForce> forces(first.back());
+            std::vector<ContactForce> forces(first.back());
             std::vector<real> barys(first.back());
             for (std::size_t k = 0; k < forces.size(); ++k) {
                 real* x = forces[k].force;
-                for (std::size_t i = 0; i < offsetof(SampleForce, flags) / sizeof(real); ++i)
+                for (std::size_t i = 0; i < offsetof(ContactForce, flags) / sizeof(real); ++i)
                     x[i] = static_cast<real>(draw(-1, 1));
                 forces[k].flags = draw.below(16);
                 forces[k].contacts = draw.below(3);
@@ -554,11 +585,11 @@ void reduce_case()
             }
             std::vector<EdgeForce> host(n);
             for (std::size_t e = 0; e < n; ++e) host[e] = reduce_edge(forces.data(), barys.data(), first[e], first[e + 1]);
-            Guarded<uint> firsts(context, lane, first);
-            Guarded<SampleForce> in(context, lane, forces);
-            Guarded<real> places(context, lane, barys);
-            Guarded<EdgeForce> out(context, lane, std::vector<EdgeForce>(n));
-            kernel.launch(lane, n, static_cast<uint>(n), firsts.buffer(), in.buffer(), places.buffer(), out.buffer());
+            Guarded<uint> firsts(context, queue, first);
+            Guarded<ContactForce> in(context, queue, forces);
+            Guarded<real> places(context, queue, barys);
+            Guarded<EdgeForce> out(context, queue, std::vector<EdgeForce>(n));
+            kernel.launch(queue, n, static_cast<uint>(n), firsts.buffer(), in.buffer(), places.buffer(), out.buffer());
             CAPTURE(n);
             CHECK(first_difference(out.read(), host) == -1);
         }
@@ -567,12 +598,12 @@ void reduce_case()
 void layer_find_case()
 {
     std::size_t found = 0;
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try)
             for (const uint slots : {1u, 64u}) {
                 Scene s(0);
                 const std::vector<LayerEdge> edges = layer_edges(s, n);
-                const Found host = host_layer_find(s, edges, slots), device = device_layer_find(s, edges, slots, lane);
+                const Found host = host_layer_find(s, edges, slots), device = device_layer_find(s, edges, slots, queue);
                 CAPTURE(n);
                 CAPTURE(slots);
                 CHECK(first_difference(device.counts, host.counts) == -1);
@@ -585,12 +616,12 @@ void layer_find_case()
 
 void layer_evaluate_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Context& context = sel_reference::reference_context(float32);
     sel_device::Kernel kernel(context, "contact/layer.cl", "layer_evaluate");
     std::size_t touched = 0;
-    for (const Lane lane : {Lane::Light, Lane::Heavy})
+    for (const Queue queue : {Queue::Inline, Queue::Pool})
         for (const std::size_t n : counts_to_try) {
-            Scene s(257);  // for its touch records
+            Scene s(257);  // for its contact point records
             const std::vector<LayerEdge> edges = layer_edges(s, 60);
             std::vector<LayerPair> pairs;
             const Found found = host_layer_find(s, edges, 64);
@@ -600,52 +631,57 @@ void layer_evaluate_case()
                                                   : s.draw.below(static_cast<uint>(s.wall.triangles));
                 pairs.push_back({e, t, k % 3 ? s.draw.below(500) : SEL_NO_EDGE, 0});
             }
-            Evaluated host{std::vector<SampleForce>(n), std::vector<real>(n), std::vector<TouchState>(n)};
-            for (std::size_t k = 0; k < n; ++k)
-                write_force(evaluate_pair(static_cast<uint>(k), s.par, pairs[k], edges[pairs[k].edge], s.wall.vertices.data(),
-                                          s.hi.data(), s.lo.data(), s.theta.data(), s.hi_t0.data(), s.lo_t0.data(),
-                                          s.theta_t0.data(), s.touches_t0.data(), host.touches.data(), &host.barys[k]),
+            Evaluated host{std::vector<ContactForce>(n), std::vector<real>(n), std::vector<ContactState>(n)};
+            for (std::size_t k = 0; k < n; ++k) {
+                const LayerEdge& edge = edges[pairs[k].edge];
+                const ContactState old =
+                    pairs[k].last != SEL_NO_EDGE ? s.states_t0[pairs[k].last] : empty_pair(pairs[k].triangle, edge.reach);
+                write_force(evaluate_pair(pairs[k], edge, s.par, s.now(), s.before(), s.wall.vertices.data(), old,
+                                          &host.states[k], &host.barys[k]),
                             &host.forces[k]);
+            }
             ContactParams par = s.par;
             par.item_count = static_cast<uint>(n);
-            Guarded<LayerPair> list(context, lane, pairs);
-            Guarded<LayerEdge> on(context, lane, edges);
-            Guarded<float> vertices(context, lane, s.wall.vertices), hi(context, lane, s.hi), hi_t0(context, lane, s.hi_t0);
-            Guarded<real> lo(context, lane, s.lo), theta(context, lane, s.theta), lo_t0(context, lane, s.lo_t0),
-                theta_t0(context, lane, s.theta_t0), barys(context, lane, std::vector<real>(n));
-            Guarded<TouchState> t0(context, lane, s.touches_t0), t1(context, lane, std::vector<TouchState>(n));
-            Guarded<SampleForce> forces(context, lane, std::vector<SampleForce>(n));
-            kernel.launch(lane, n, par, list.buffer(), on.buffer(), vertices.buffer(), hi.buffer(), lo.buffer(), theta.buffer(),
-                          hi_t0.buffer(), lo_t0.buffer(), theta_t0.buffer(), t0.buffer(), t1.buffer(), forces.buffer(),
+            Guarded<LayerPair> list(context, queue, pairs);
+            Guarded<LayerEdge> on(context, queue, edges);
+            const GuardedNodes now(context, queue, s.now(), s.theta.size()), before(context, queue, s.before(), s.theta.size());
+            const GuardedWall wall(context, queue, s);
+            Guarded<real> barys(context, queue, std::vector<real>(n));
+            Guarded<ContactState> t0(context, queue, s.states_t0), t1(context, queue, std::vector<ContactState>(n));
+            Guarded<ContactForce> forces(context, queue, std::vector<ContactForce>(n));
+            kernel.launch(queue, n, par, list.buffer(), on.buffer(), wall, now, before, t0.buffer(), t1.buffer(), forces.buffer(),
                           barys.buffer());
             CAPTURE(n);
             CHECK(first_difference(forces.read(), host.forces) == -1);
             CHECK(first_difference(barys.read(), host.barys) == -1);
-            CHECK(first_difference(t1.read(), host.touches) == -1);
-            for (const SampleForce& f : host.forces) touched += f.contacts;
+            CHECK(first_difference(t1.read(), host.states) == -1);
+            for (const ContactForce& f : host.forces) touched += f.contacts;
         }
     REQUIRE(touched > 20);
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                          \
-    X(SampleModel, length)                                                                                                     \
-    X(SampleModel, reach)                                                                                                      \
-    X(SampleModel, roll_force)                                                                                                 \
-    X(SampleModel, restitution)                                                                                                \
-    X(SampleModel, hard_most)                                                                                                  \
-    X(SamplePlace, edge_t0) X(SamplePlace, bary) X(SamplePlace, stamp) X(SamplePlace, shrink) X(HardState, stiffness)          \
-        X(HardState, live) X(TouchState, point) X(TouchState, gap) X(TouchState, friction) X(TouchState, triangle)             \
-            X(TouchState, pad) X(SampleForce, sym) X(SampleForce, skew) X(SampleForce, depth) X(SampleForce, couple)           \
-                X(SampleForce, skew_wx) X(SampleForce, flags) X(SampleForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
-                    X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)      \
-                        X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                       \
-                            X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width)   \
-                                X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                            \
+    X(QuadratureModel, length)                                                                                                   \
+    X(QuadratureModel, reach)                                                                                                    \
+    X(QuadratureModel, roll_force)                                                                                               \
+    X(QuadratureModel, restitution)                                                                                              \
+    X(QuadratureModel, multiplier_most)                                                                                          \
+    X(QuadraturePlace, edge_t0)                                                                                                  \
+    X(QuadraturePlace, bary)                                                                                                     \
+    X(QuadraturePlace, epoch)                                                                                                    \
+    X(QuadraturePlace, radius_reduction)                                                                                         \
+    X(MultiplierState, stiffness) X(MultiplierState, live) X(ContactState, point) X(ContactState, gap) X(ContactState, friction) \
+        X(ContactState, triangle) X(ContactState, pad) X(ContactForce, sym) X(ContactForce, skew) X(ContactForce, depth)         \
+            X(ContactForce, couple) X(ContactForce, skew_wx) X(ContactForce, flags) X(ContactForce, contacts)                    \
+                X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length)               \
+                    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) X(ContactParams, normal_law)           \
+                        X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count)    \
+                            X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {
-    sel_device::Context& context = sel_twin::twin_context(float32);
+    sel_device::Context& context = sel_reference::reference_context(float32);
     std::string text = sel_device::assemble_source("contact/layer.cl");
     text +=
         "\n#define SEL_PROBE(type, member) { type x; out[2 * k] = sizeof(type);"
@@ -667,10 +703,10 @@ void layout_case()
         "probe");
     cl_kernel kernel = clCreateKernel(program, "probe", &status);
     sel_device::check(status, "probe");
-    Guarded<uint> out(context, Lane::Light, std::vector<uint>(host.size(), 12345));
+    Guarded<uint> out(context, Queue::Inline, std::vector<uint>(host.size(), 12345));
     cl_mem memory = out.buffer().handle();
     sel_device::check(clSetKernelArg(kernel, 0, sizeof memory, &memory), "probe");
-    context.enqueue(Lane::Light, kernel, 1, 1);
+    context.enqueue(Queue::Inline, kernel, 1, 1);
     const std::vector<uint> device = out.read();
     for (std::size_t k = 0; k < host.size(); ++k) {
         CAPTURE(k);

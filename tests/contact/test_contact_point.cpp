@@ -15,10 +15,10 @@ namespace {
 constexpr double r = 0.4445e-3;    // 0.035 inch wire [m]
 constexpr double rounding = 1e-9;  // [m] a wall coordinate of 10 mm in float: 2^-24 of it, rounded
 
-Soup floor_patch(int cells)
+Soup floor_patch(int near_nodes)
 {
     Soup soup;
-    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), cells);
+    soup.add_patch(v3(-0.01, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.02, 0), near_nodes);
     return soup;
 }
 
@@ -43,31 +43,31 @@ Soup neck_of(double radius, int n)
     return soup;
 }
 
-// force = k depth^1.5 times the gradient of depth, and its potential, of both touches
+// force = k depth^1.5 times the gradient of depth, and its potential, of both contact points
 struct Push {
     double energy = 0;
     vec3 force = {0, 0, 0};
 };
-Push push(const Touches& t)
+Push push(const ContactPointPair& t)
 {
     Push out;
-    for (const Touch* touch : {&t.first, &t.second}) {
-        if (!touch->found || touch->depth <= 0) continue;
-        out.energy += std::pow(touch->depth, 2.5) / 2.5;
-        out.force = out.force + std::pow(touch->depth, 1.5) * touch->normal;
+    for (const ContactPoint* contact : {&t.first, &t.second}) {
+        if (!contact->found || contact->depth <= 0) continue;
+        out.energy += std::pow(contact->depth, 2.5) / 2.5;
+        out.force = out.force + std::pow(contact->depth, 1.5) * contact->normal;
     }
     return out;
 }
 
 }  // namespace
 
-TEST_SUITE("contact/touch")
+TEST_SUITE("contact/contact_point")
 {
     TEST_CASE("analytic: over a plane depth is r less height and the normal is the plane's; beyond reach there is nothing")
     {
         const Soup soup = floor_patch(7);
         for (double h : {0.5 * r, 0.9 * r, r, 1.1 * r}) {
-            const Touches t = touches_at(soup, v3(0.00123, -0.00234, h), r);
+            const ContactPointPair t = contacts_at(soup, v3(0.00123, -0.00234, h), r);
             CAPTURE(h);
             CHECK(t.first.found == 1);
             CHECK(std::abs(t.first.depth - (r - h)) <= 1e-18);
@@ -75,18 +75,18 @@ TEST_SUITE("contact/touch")
             CHECK(t.second.found == 0);
             CHECK(t.first.outside == 0);
         }
-        CHECK(touches_at(soup, v3(0, 0, r + 1.01e-4), r).first.found == 0);
+        CHECK(contacts_at(soup, v3(0, 0, r + 1.01e-4), r).first.found == 0);
     }
 
     TEST_CASE("property: facets cut finer in their own plane leave depth and normal as they are")
     {
-        for (int cells : {1, 2, 5, 16, 40}) {
-            const Soup soup = floor_patch(cells);
+        for (int near_nodes : {1, 2, 5, 16, 40}) {
+            const Soup soup = floor_patch(near_nodes);
             for (int k = 0; k < 200; ++k) {
-                // on cell edges, on vertices and between
+                // on BVH node edges, on vertices and between
                 const vec3 p =
                     v3(0.01 * std::sin(1.0 * k), k % 3 ? 0.0005 * (k % 20) - 0.005 : 0.01 * std::cos(2.0 * k), 0.7 * r);
-                const Touches t = touches_at(soup, p, r);
+                const ContactPointPair t = contacts_at(soup, p, r);
                 CHECK(t.first.found == 1);
                 CHECK(std::abs(t.first.depth - 0.3 * r) <= 1e-15);
                 // copies of a vertex may differ by a float's rounding: over such a crack the nearest point is that far to the
@@ -111,10 +111,10 @@ TEST_SUITE("contact/touch")
         int found = 0;
         for (int k = 0; k < 100; ++k) {
             const vec3 p = v3(0.008 * draw(rng), 0.008 * draw(rng), 0.8 * r + 1e-4 * draw(rng));
-            const Touches a = touches_at(soup, p, r);
+            const ContactPointPair a = contacts_at(soup, p, r);
             std::vector<std::uint32_t> order = soup.all;
             std::shuffle(order.begin(), order.end(), rng);
-            const Touches b = touches_at(soup, p, r, 1e-4, 0.002, order);
+            const ContactPointPair b = contacts_at(soup, p, r, 1e-4, 0.002, order);
             CHECK(a.first.found == b.first.found);
             CHECK(a.second.found == b.second.found);
             found += a.first.found;
@@ -146,7 +146,7 @@ TEST_SUITE("contact/touch")
                 const double rho = spec.radius - r + overlap;
                 // the two facets that meet in the line of vertices are tilted by pi / n, so p is nearer to them than to the line
                 const double depth = r - (r - overlap) * std::cos(std::numbers::pi / around);
-                const Touches t = touches_at(soup, v3(0.0101, 0, sign * rho), r);
+                const ContactPointPair t = contacts_at(soup, v3(0.0101, 0, sign * rho), r);
                 CAPTURE(overlap);
                 // at the same distance from both, the smooth maximum adds eps/4, also where the nearest point lies on a diagonal
                 // that two triangles of the other facet share; eps = 0.002 r 2 sin(pi / n)
@@ -163,7 +163,7 @@ TEST_SUITE("contact/touch")
         const Soup soup = wedge(-0.5);
         for (double phi : {-0.45, -0.2, 0.0, 0.3, 0.49}) {  // within the edge's own Voronoi region, +-0.5
             const double d = 0.8 * r;
-            const Touches t = touches_at(soup, v3(d * std::sin(phi), 0.0013, d * std::cos(phi)), r);
+            const ContactPointPair t = contacts_at(soup, v3(d * std::sin(phi), 0.0013, d * std::cos(phi)), r);
             CAPTURE(phi);
             CHECK(std::abs(t.first.depth - 0.2 * r) <= rounding);
             CHECK(norm(t.first.normal - v3(std::sin(phi), 0, std::cos(phi))) <= 1e-5);  // float of the far corners
@@ -182,11 +182,11 @@ TEST_SUITE("contact/touch")
             const int steps = 40000;
             const double length = 0.1 * r, dx = length / steps;
             double work = 0, worst_bias = 0, largest = 0, jump = 0;
-            Push last = push(touches_at(soup, v3(-length / 2, 1.7e-4, h), r));
+            Push last = push(contacts_at(soup, v3(-length / 2, 1.7e-4, h), r));
             const double start = last.energy;
             for (int k = 1; k <= steps; ++k) {
                 const double x = -length / 2 + k * dx;
-                const Touches t = touches_at(soup, v3(x, 1.7e-4, h), r);
+                const ContactPointPair t = contacts_at(soup, v3(x, 1.7e-4, h), r);
                 const Push now = push(t);
                 work -= 0.5 * (now.force.x + last.force.x) * dx;
                 // depth against the nearer plane alone
@@ -210,7 +210,7 @@ TEST_SUITE("contact/touch")
         Soup soup = floor_patch(3);
         const double gap = 1.9 * r;
         soup.add_patch(v3(-0.01, -0.01, gap), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // ceiling, facing down
-        const Touches t = touches_at(soup, v3(0.001, 0.002, 0.93 * r), r);
+        const ContactPointPair t = contacts_at(soup, v3(0.001, 0.002, 0.93 * r), r);
         REQUIRE(t.first.found == 1);
         REQUIRE(t.second.found == 1);
         CHECK(std::abs(t.first.depth - 0.07 * r) <= rounding);
@@ -228,7 +228,7 @@ TEST_SUITE("contact/touch")
         for (const double off : {0.0, 1e-7, 1e-6, 5e-6, 2e-5})
             for (int k = 0; k < 97; ++k) {
                 const double phi = 2 * std::numbers::pi * k / 97;
-                const Touches t = touches_at(soup, v3(0, off * std::cos(phi), off * std::sin(phi)), r);
+                const ContactPointPair t = contacts_at(soup, v3(0, off * std::cos(phi), off * std::sin(phi)), r);
                 CAPTURE(off);
                 CAPTURE(phi);
                 REQUIRE(t.first.found == 1);
@@ -250,9 +250,9 @@ TEST_SUITE("contact/touch")
         for (int k = 0; k < 360; ++k) {
             const double phi = 2 * std::numbers::pi * k / 360;
             const vec3 p = v3(0, 5e-6 * std::cos(phi), 5e-6 * std::sin(phi));
-            const Touches t = touches_at(soup, p, r, 1e-4, 0, soup.all, axis);
-            const Touch& up = dot3(t.first.side, axis) > 0 ? t.first : t.second;
-            const Touch& down = dot3(t.first.side, axis) > 0 ? t.second : t.first;
+            const ContactPointPair t = contacts_at(soup, p, r, 1e-4, 0, soup.all, axis);
+            const ContactPoint& up = dot3(t.first.side, axis) > 0 ? t.first : t.second;
+            const ContactPoint& down = dot3(t.first.side, axis) > 0 ? t.second : t.first;
             CAPTURE(phi);
             // the facets' middles are at odd multiples of 7.5 degrees from the axis; the deepest of each side, of which the lower
             // begins where normals look against the axis by a fifth
@@ -280,7 +280,7 @@ TEST_SUITE("contact/touch")
         const vec3 p = v3(r - 1e-5, r - 2e-5, r - 3e-5);
         for (const double tilt : {0.0, 1e-17, -1e-17, 1e-3, -1e-3}) {
             CAPTURE(tilt);
-            const Touches t = touches_at(soup, p, r, 1e-4, 0.002, soup.all, v3(1, tilt, -tilt));
+            const ContactPointPair t = contacts_at(soup, p, r, 1e-4, 0.002, soup.all, v3(1, tilt, -tilt));
             CHECK_FALSE(t.second.found);
             CHECK(t.first.depth == about(3e-5).epsilon(1e-6));
             CHECK(t.first.normal.z == about(1).epsilon(1e-9));
@@ -293,7 +293,7 @@ TEST_SUITE("contact/touch")
         const double septum = 0.1e-3;
         soup.add_patch(v3(-0.01, -0.01, -septum), v3(0, 0.02, 0), v3(0.02, 0, 0), 3);  // the other lumen's wall, facing away
         for (double h : {0.95 * r, 0.7 * r, 0.55 * r}) {
-            const Touches t = touches_at(soup, v3(0.001, 0.002, h), r);
+            const ContactPointPair t = contacts_at(soup, v3(0.001, 0.002, h), r);
             CAPTURE(h);
             CHECK(std::abs(t.first.depth - (r - h)) <= rounding);
             CHECK(t.first.normal.z > 0.999999);
@@ -307,7 +307,7 @@ TEST_SUITE("contact/touch")
         soup.add_patch(v3(-0.01, -0.01, 0), v3(0.01, 0, 0), v3(0, 0.02, 0));    // this lumen's floor, up to x = 0
         soup.add_patch(v3(0, -0.01, 0), v3(-0.01, 0, -0.001), v3(0, 0.02, 0));  // from there back: the other lumen's, facing down
         for (double x : {-1e-7, -5e-7, -1e-6}) {
-            const Touches t = touches_at(soup, v3(x, 0.0012, 0.8 * r), r);
+            const ContactPointPair t = contacts_at(soup, v3(x, 0.0012, 0.8 * r), r);
             CAPTURE(x);
             CHECK(std::abs(t.first.depth - 0.2 * r) <= 1e-15);  // seen from the front, a facet there would add 0.1 nm
             CHECK(norm(t.first.normal - v3(0, 0, 1)) <= 1e-12);
@@ -319,7 +319,7 @@ TEST_SUITE("contact/touch")
     {
         const Soup soup = floor_patch(5);
         for (double d : {1e-7, 1e-5, 0.5 * r, 0.9 * r}) {
-            const Touches t = touches_at(soup, v3(0.0003, 0.0007, -d), r);
+            const ContactPointPair t = contacts_at(soup, v3(0.0003, 0.0007, -d), r);
             CAPTURE(d);
             REQUIRE(t.first.found == 1);
             CHECK(t.first.outside == 1);
@@ -333,12 +333,14 @@ TEST_SUITE("contact/touch")
     // sides.
     TEST_CASE("analytic: the rim of an opening pushes like a bar, from every side, and the back of the face beside it does not")
     {
-        // a floor that ends at x = 0: edge c-a of the one triangle that borders it is the rim, both its ends are rim vertices
+        // a floor that ends at x = 0: edge c-a of the one triangle that borders it is the boundary feature, both its ends are
+        // boundary feature vertices
         Soup soup;
         soup.add(v3(0, -0.01, 0), v3(0.02, 0, 0), v3(0, 0.01, 0), 1u << 2 | 8u << 0 | 8u << 2);
-        for (double angle : {0.1, 0.8, 1.57, 2.5, 3.1, 4.0, 4.6}) {  // round the rim, from over the floor to under it
+        for (double angle :
+             {0.1, 0.8, 1.57, 2.5, 3.1, 4.0, 4.6}) {  // round the boundary feature, from over the floor to under it
             const vec3 p = (0.7 * r) * v3(std::cos(angle), 0, std::sin(angle));
-            const Touches t = touches_at(soup, p, r);
+            const ContactPointPair t = contacts_at(soup, p, r);
             CAPTURE(angle);
             REQUIRE(t.first.found == 1);
             if (angle > 1.6) {
@@ -350,14 +352,10 @@ TEST_SUITE("contact/touch")
             }
         }
         std::vector<std::uint32_t> all = {0};
-        const vec3 under = v3(0.3 * r, 0, -0.5 * r), zero = v3(0, 0, 0);
+        const ContactBall ball = contact_ball(v3(0.3 * r, 0, -0.5 * r), v3(0, 0, 0), r, 0.1 * r, 0.002);
         NearList list;
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 0, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(),
-                            soup.rims.data(), &list)
-                  .outside == 1);
-        CHECK(nearest_touch(under, zero, r, 0.1 * r, 0.002, 1, 1e30, all.data(), 1, soup.nodes.data(), soup.vertices.data(),
-                            soup.rims.data(), &list)
-                  .found == 0);
+        CHECK(nearest_contact_point(ball, all_of(soup, all), 0, 1e30, &list).outside == 1);
+        CHECK(nearest_contact_point(ball, all_of(soup, all), 1, 1e30, &list).found == 0);
     }
 
     TEST_CASE("property: facets without area beside real ones change nothing")
@@ -368,7 +366,7 @@ TEST_SUITE("contact/touch")
         dirty.add(v3(0, 0, 0), v3(0.004, 0, 0), v3(0.002, 0, 0));
         for (int k = 0; k < 100; ++k) {
             const vec3 p = v3(0.004 * std::sin(3.0 * k), k % 2 ? 0.001 : 0, 0.8 * r);
-            const Touches a = touches_at(plain, p, r), b = touches_at(dirty, p, r);
+            const ContactPointPair a = contacts_at(plain, p, r), b = contacts_at(dirty, p, r);
             CHECK(b.first.found == 1);
             CHECK(b.first.outside == a.first.outside);
             CHECK(std::abs(a.first.depth - b.first.depth) <= 1e-15);

@@ -1,0 +1,38 @@
+// Launches of contact_evaluate and contact_reduce.
+
+#include "contact/evaluation.h"
+
+#include "contact/device_records.h"
+
+#include <algorithm>
+
+namespace seldinger {
+
+Evaluation::Evaluation(device::Context& context, const DeviceWall& wall, std::size_t points)
+    : context_(context),
+      evaluate_(context, "contact/evaluation.cl", "contact_evaluate", device::Items::Branching, wall.defines()),
+      reduce_(context, "contact/edge_sums.cl", "contact_reduce"),
+      forces_(context, points * device_size<ContactForce>(context)),
+      barys_(context, points * device_size<double>(context)),
+      no_multipliers_(context, sizeof(MultiplierState))
+{
+}
+
+void Evaluation::launch_forces(device::Queue queue, const ContactParams& par, const QuadratureBuffers& b,
+                               const DeviceNodes& before, const device::Buffer& clearances, const device::Buffer* multipliers)
+{
+    const auto launch = [&](const auto& params) {
+        evaluate_.launch(queue, std::max(par.item_count, 1u), params, b.list, b.models, b.places, b.near_nodes, b.counts, b.wall,
+                         b.nodes, before, b.states_t0, b.states, forces_, barys_, multipliers ? *multipliers : no_multipliers_,
+                         clearances);
+    };
+    if (context_.float32()) launch(narrow(par));
+    else launch(par);
+}
+
+void Evaluation::launch_sums(device::Queue queue, std::size_t edges, const device::Buffer& first, const device::Buffer& sums)
+{
+    reduce_.launch(queue, std::max<std::size_t>(edges, 1), static_cast<cl_uint>(edges), first, forces_, barys_, sums);
+}
+
+}  // namespace seldinger

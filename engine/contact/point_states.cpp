@@ -1,0 +1,98 @@
+// What quadrature points carry from step to step: places, records, saving.
+
+#include "contact/point_states.h"
+
+#include "contact/device_records.h"
+#include "core/bytes.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace seldinger {
+
+PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
+    : context_(context),
+      quadrature_(quadrature),
+      models_(context, quadrature.models.size() * device_size<QuadratureModel>(context)),
+      places_(context, quadrature.models.size() * device_size<QuadraturePlace>(context)),
+      states_t0_(context, 2 * quadrature.models.size() * device_size<ContactState>(context)),
+      states_(context, 2 * quadrature.models.size() * device_size<ContactState>(context))
+{
+    write_records(context_, device::Queue::Inline, models_, quadrature.models, narrow_);
+    context_.finish(device::Queue::Inline);
+}
+
+void PointStates::write_places(device::Queue queue)
+{
+    write_records(context_, queue, places_, quadrature_.places, narrow_places_);
+}
+
+void PointStates::upload_places()
+{
+    if (context_.float32()) return write_places(device::Queue::Inline);
+    for (const WireQuadrature& wire : quadrature_.wires)
+        if (wire.live > 0)
+            context_.write(device::Queue::Inline, places_, &quadrature_.places[wire.begin], wire.live * sizeof(QuadraturePlace),
+                           wire.begin * sizeof(QuadraturePlace));
+}
+
+void PointStates::commit(std::span<const std::uint8_t> active)
+{
+    if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
+        std::swap(states_t0_, states_);
+    } else {
+        context_.enter(device::Queue::Inline);
+        const std::size_t record = 2 * device_size<ContactState>(context_);
+        for (std::size_t w = 0; w < active.size();) {  // neighbours go together
+            const std::size_t first = w;
+            std::size_t points = 0;
+            for (; w < active.size() && active[w]; ++w) points += quadrature_.wires[w].capacity;
+            context_.copy(device::Queue::Inline, states_, states_t0_, points * record, quadrature_.wires[first].begin * record);
+            while (w < active.size() && !active[w]) ++w;
+        }
+        context_.finish(device::Queue::Inline);
+    }
+    for (std::size_t w = 0; w < active.size(); ++w)
+        if (active[w]) quadrature_.wires[w].epoch++;
+}
+
+std::vector<ContactState> PointStates::living(int first_wire, int end_wire)
+{
+    const WireQuadrature& last = quadrature_.wires[end_wire - 1];
+    const int first = 2 * quadrature_.wires[first_wire].begin, end = 2 * (last.begin + last.capacity);
+    std::vector<ContactState> states(end - first);
+    context_.enter(device::Queue::Inline);
+    read_records(context_, device::Queue::Inline, states_t0_, states.data(), states.size(), first, narrow_);
+    for (int w = first_wire; w < end_wire; ++w) {
+        const WireQuadrature& wire = quadrature_.wires[w];
+        for (int k = 2 * wire.begin - first; k < 2 * (wire.begin + wire.capacity) - first; ++k)
+            if (states[k].epoch + 1 != wire.epoch) std::memset(&states[k], 0, sizeof states[k]);
+    }
+    return states;
+}
+
+void PointStates::save(std::vector<std::uint8_t>& bytes)
+{
+    const std::vector<ContactState> states = living(0, static_cast<int>(quadrature_.wires.size()));
+    put_bytes(bytes, states.data(), states.size());
+    for (const WireQuadrature& wire : quadrature_.wires) put_bytes(bytes, &wire.epoch, 1);
+}
+
+void PointStates::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const std::vector<ContactState> states = living(wire, wire + 1);
+    put_bytes(bytes, states.data(), states.size());
+    put_bytes(bytes, &quadrature_.wires[wire].epoch, 1);
+}
+
+void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    std::vector<ContactState> states(2 * quadrature_.models.size());
+    take_bytes(bytes, end, states.data(), states.size());
+    for (WireQuadrature& wire : quadrature_.wires) take_bytes(bytes, end, &wire.epoch, 1);
+    context_.enter(device::Queue::Inline);
+    write_records(context_, device::Queue::Inline, states_t0_, states, narrow_);
+    context_.finish(device::Queue::Inline);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,42 @@
+#pragma once
+// What quadrature points carry from step to step, and where they are, on the device.
+
+#include "contact/quadrature.h"
+#include "device/device.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+class PointStates {
+public:
+    /// The quadrature must outlive this.
+    PointStates(device::Context& context, QuadratureSet& quadrature);
+
+    /// All places; and those of the points that are inside, which change with every step.
+    void write_places(device::Queue queue);
+    void upload_places();
+    /// What the last evaluation wrote is the state of wires with active[w] != 0.
+    void commit(std::span<const std::uint8_t> active);
+    /// Two records for each point of wires [first, end). Those that no contact of the last step wrote are zeros: leftovers have
+    /// no say in what comes, nor may they in the bytes saved.
+    [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
+    void save(std::vector<std::uint8_t>& bytes);
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire);
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
+
+    [[nodiscard]] const device::Buffer& models() const { return models_; }        // [points]
+    [[nodiscard]] const device::Buffer& places() const { return places_; }        // [points]
+    [[nodiscard]] const device::Buffer& states_t0() const { return states_t0_; }  // [points][2]
+    [[nodiscard]] const device::Buffer& states() const { return states_; }        // [points][2]
+
+private:
+    device::Context& context_;
+    QuadratureSet& quadrature_;
+    device::Buffer models_, places_, states_t0_, states_;
+    std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)
+};
+
+}  // namespace seldinger

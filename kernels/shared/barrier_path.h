@@ -1,0 +1,32 @@
+// Where a step with the barrier law starts from: the gap of a quadrature point, and how one that overlaps is freed.
+#ifndef SEL_SHARED_BARRIER_PATH_H
+#define SEL_SHARED_BARRIER_PATH_H
+#include "shared/contact_point.h"
+
+SEL_BEGIN
+
+// Nearest gap of a quadrature point [m], as contact has it; its reach when nothing is nearer.
+SEL_FN real gap_of_point(PointView point, ContactParams par, NodeView nodes, SEL_GLOBAL const ContactState* states_t0)
+{
+    const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
+    const ContactBall ball = contact_ball(at.offset, at.origin, point.model.radius, point.model.reach, par.smoothing);
+    const StatePair was = states_before(point.index, point.place.epoch, states_t0);
+    const ContactPointPair touching = contact_points_of(ball, point.near, &was);
+    real depth = -point.model.reach;
+    if (touching.first.found) depth = max_r(depth, touching.first.depth);
+    if (touching.second.found) depth = max_r(depth, touching.second.depth);
+    return -depth;
+}
+
+// A barrier has no force to push out what overlaps, and a wire may be placed, fed or remeshed into the wall. Such a quadrature
+// point is taken to be thinner by as much as leaves it a thousandth of the activation distance; that `radius_reduction` then is
+// given back, half of the gap it makes in each step, and never grows while the law holds: what overlaps is pushed out and does
+// not sink deeper.
+SEL_FN real barrier_start(real gap, real radius_reduction_t0, QuadratureModel m)
+{
+    const real left = gap + radius_reduction_t0;
+    return left > 0 ? max_r(radius_reduction_t0 - left / 2, 0) : (real)1e-3 * m.law_length - gap;
+}
+
+SEL_END
+#endif

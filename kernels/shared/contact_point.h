@@ -1,0 +1,170 @@
+// Contact of one quadrature point: its contact points with the wall near it, and what the laws make of them. The kernel of
+// evaluation.cl calls contact_force once per work-item, the host reference in a loop.
+#ifndef SEL_SHARED_CONTACT_POINT_H
+#define SEL_SHARED_CONTACT_POINT_H
+#include "shared/clearance.h"
+#include "shared/contact_law.h"
+#include "shared/contact_records.h"
+#include "shared/opposite_wall.h"
+#include "shared/point_motion.h"
+#include "shared/wall_motion.h"
+
+SEL_BEGIN
+
+// The two records of a quadrature point, and which of them speak of the last step.
+typedef struct StatePair {
+    ContactState a, b;
+    int a_lives, b_lives;
+} StatePair;
+
+// Did this record speak of the wall that has this normal?
+SEL_FN int same_side(ContactState state, vec3 normal)
+{
+    return state.normal[0] * normal.x + state.normal[1] * normal.y + state.normal[2] * normal.z > 0;
+}
+
+typedef struct ContactPointPair {
+    ContactPoint first, second;  // the nearer side of the lumen, and the opposite one
+} ContactPointPair;
+
+SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, const StatePair* was)
+{
+    ContactPointPair out;
+    // the triangles that were touched last are near: nothing farther away needs to be looked at
+    real near2 = (real)1e30;
+    if (was->a_lives) near2 = triangle_distance2(ball.p, ball.origin, was->a.triangle, near.wall.vertices);
+    if (was->b_lives) near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, was->b.triangle, near.wall.vertices));
+    NearList list;
+    ContactPoint first = nearest_contact_point(ball, near, 0, near2, &list);
+    if (first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal)))
+        first = nearest_contact_point(ball, near, 1, near2, &list);
+    if (was->a_lives) first.side = make_vec3(was->a.normal[0], was->a.normal[1], was->a.normal[2]);
+    else if (was->b_lives) first.side = make_vec3(was->b.normal[0], was->b.normal[1], was->b.normal[2]);
+    ContactPoint second = smooth_and_oppose(&first, ball, near, &list);
+    list.count = SEL_NEAR_MOST + 1;  // it was of the first
+    // the smooth maximum is taken on both sides: which of them is nearer may change without a jump
+    if (second.found) (void)smooth_and_oppose(&second, ball, near, &list);
+    out.first = first;
+    out.second = second;
+    return out;
+}
+
+// How well a record fits a wall: the cosine between its last normal and the wall's.
+SEL_FN real fit(ContactState state, MultiplierState multiplier, int lives, vec3 normal)
+{
+    if (!lives && multiplier.live)
+        return normal.x * multiplier.normal[0] + normal.y * multiplier.normal[1] + normal.z * multiplier.normal[2];
+    return normal.x * state.normal[0] + normal.y * state.normal[1] + normal.z * state.normal[2];
+}
+
+// What is known of a quadrature point when contact is evaluated.
+typedef struct PointView {
+    uint index;
+    QuadratureModel model;
+    QuadraturePlace place;
+    NearWallView near;
+} PointView;
+
+SEL_FN PointView point_view(uint index, QuadratureModel model, QuadraturePlace place, NearWallView near)
+{
+    PointView point;
+    point.index = index;
+    point.model = model;
+    point.place = place;
+    point.near = near;
+    return point;
+}
+
+// Records, two for each quadrature point.
+typedef struct StateView {
+    SEL_GLOBAL const ContactState* states_t0;       // at the start of the step
+    SEL_GLOBAL ContactState* states;                // at its end
+    SEL_GLOBAL const MultiplierState* multipliers;  // read by augmented, constraint and impulse alone
+} StateView;
+
+SEL_FN StateView state_view(SEL_GLOBAL const ContactState* states_t0, SEL_GLOBAL ContactState* states,
+                            SEL_GLOBAL const MultiplierState* multipliers)
+{
+    StateView view;
+    view.states_t0 = states_t0;
+    view.states = states;
+    view.multipliers = multipliers;
+    return view;
+}
+
+// Both records of a quadrature point; most second ones are empty, before and after.
+SEL_FN void write_states(uint s, const ContactState* now, SEL_GLOBAL ContactState* states)
+{
+    for (uint k = 0; k < 2; ++k)
+        if (now[k].epoch != 0 || states[2 * s + k].epoch != 0) states[2 * s + k] = now[k];
+}
+
+SEL_FN StatePair states_before(uint s, uint epoch, SEL_GLOBAL const ContactState* states_t0)
+{
+    StatePair was;
+    was.a_lives = states_t0[2 * s].epoch + 1 == epoch;
+    was.b_lives = states_t0[2 * s + 1].epoch + 1 == epoch;
+    was.a = was.a_lives ? states_t0[2 * s] : no_contact_state();
+    was.b = was.b_lives ? states_t0[2 * s + 1] : no_contact_state();
+    return was;
+}
+
+// Contact of one quadrature point.
+SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view)
+{
+    const uint s = point.index;
+    LawContext c;
+    c.m = point.model;
+    c.par = par;
+    ContactForce out = no_force(c.m);
+    const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
+    c.mv = motion_of(point.place, at, nodes, nodes_t0);
+    const StatePair was = states_before(s, point.place.epoch, view.states_t0);
+    ContactState now[2];
+    now[0] = now[1] = no_contact_state();
+    const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
+    ContactPointPair touching = contact_points_of(ball, point.near, &was);
+    if (touching.first.found) {
+        take_wall_motion(&touching.first, ball, point.near.wall);
+        take_wall_motion(&touching.second, ball, point.near.wall);
+        // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
+        const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
+        const MultiplierState ma = plain ? no_multiplier() : view.multipliers[2 * s],
+                              mb = plain ? no_multiplier() : view.multipliers[2 * s + 1];
+        const real to_a = fit(was.a, ma, was.a_lives, touching.first.normal),
+                   to_b = fit(was.b, mb, was.b_lives, touching.first.normal);
+        const int swap = (was.b_lives || mb.live) && (!(was.a_lives || ma.live) || to_b > to_a);
+        const vec3 axis = at.origin + at.offset;
+        add_contact_point(touching.first, axis, swap ? was.b : was.a, swap ? mb : ma, &c, &now[swap ? 1 : 0], &out);
+        if (touching.second.found)
+            add_contact_point(touching.second, axis, swap ? was.a : was.b, swap ? ma : mb, &c, &now[swap ? 0 : 1], &out);
+        if (out.contacts > 0) out.length = c.m.length;
+    }
+    write_states(s, now, view.states);
+    return out;
+}
+
+// A quadrature point that touched nothing in the last step and touches nothing now, without more ado. @return 0: it has to be
+// evaluated
+SEL_FN int is_clear(PointView point, NodeView nodes, StateView view, SEL_GLOBAL Clearance* clearance)
+{
+    for (uint k = 2 * point.index; k < 2 * point.index + 2; ++k)
+        if (view.states_t0[k].epoch + 1 == point.place.epoch) return 0;
+    const AxisPoint at = axis_point(point.place.edge, point.place.bary, nodes);
+    if (!is_clear_of_wall(at, point.model, point.near, clearance)) return 0;
+    ContactState now[2];
+    now[0] = now[1] = no_contact_state();
+    write_states(point.index, now, view.states);
+    return 1;
+}
+
+// What contact_evaluate does for one quadrature point: see is_clear and evaluate_point.
+SEL_FN ContactForce contact_force(PointView point, ContactParams par, NodeView nodes, NodeView nodes_t0, StateView view,
+                                  SEL_GLOBAL Clearance* clearance)
+{
+    if (is_clear(point, nodes, view, clearance)) return no_force(point.model);
+    return evaluate_point(point, par, nodes, nodes_t0, view);
+}
+
+SEL_END
+#endif
