@@ -135,7 +135,8 @@ RodTrial WireProblem::trial_view() const
     double* s = q.split.data();
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t c = 0; c < per_node; ++c) s[c * n + i] = q.trial[per_node * i + c];
-    return {{s, n}, {s + n, n}, {s + 2 * n, n}, {s + 3 * n, n}};
+    const auto part = [&](std::size_t c) { return std::span<const double>(s + c * n, n); };
+    return {part(0), part(1), part(2), part(RodDofs::spin_place)};
 }
 
 // A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that

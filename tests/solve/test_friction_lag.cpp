@@ -50,8 +50,8 @@ std::vector<Turned> turn_on_plane(int forth, int back)
     rig.integrate_with({}, {0, 0, -pressure / mass});
     setup.gravity = {0, 0, -pressure / mass};
     device::Context context(-1);
-    const WallModel wall(setup.vessel, setup.mesh, setup.centreline);
-    const auto contact = make_contact(context, contact_setup(setup, wall), rig.rods);
+    const WallModel vessel_wall(setup.vessel, setup.mesh, setup.centreline);
+    const auto contact = make_contact(context, contact_setup(setup, vessel_wall), rig.rods);
 
     std::vector<Turned> trace;
     for (int k = 1; k <= forth + back; ++k) {
