@@ -1,3 +1,4 @@
+// Measures a device's roofs with small kernels: triad bandwidth, multiply-add rates by vector width, time of a launch.
 #include "device/peaks.h"
 
 #include <algorithm>

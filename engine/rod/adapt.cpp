@@ -1,3 +1,4 @@
+// Plans splits and merges of edges from the tip error that each edge makes, and shortens what is left evenly.
 #include "rod/adapt.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Energy, gradient and Hessian of a clamp, and its director's reference as the edges beside it turn.
 #include "rod/clamp.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// The discrete gradient of stretching, bending and twisting between two configurations, stencil by stencil.
 #include "rod/discrete_gradient.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Puts the nodes of a wire along a line, arc, ring, polyline or centreline at equal chords; refuses folds and sharp corners.
 #include "rod/place.h"
 
 #include "core/error.h"

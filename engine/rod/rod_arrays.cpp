@@ -1,3 +1,4 @@
+// Storage of the wires' per-node arrays: views of one wire, nodes inserted and erased in all arrays at once.
 #include "rod/rod_arrays.h"
 
 #include "core/check.h"

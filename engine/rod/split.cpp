@@ -1,3 +1,4 @@
+// Splits an edge in two and merges two: positions, rest lengths, frames, spins and velocities that keep what the wire carries.
 #include "rod/split.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Looks up the section of a wire at a material coordinate; later sections win.
 #include "rod/wire_spec.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// When a scene's prescribed motion ends, how many steps it has, and stiffnesses from a material.
 #include "scene/scene.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The bumpy tube of the twin tests and their contexts, made once.
 #include "contact/twin_support.h"
 
 #include "contact/contact_system.h"

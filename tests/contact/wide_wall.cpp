@@ -1,3 +1,4 @@
+// Builds the twin tests' wall as a wide tree, once.
 #include "contact/wide_wall.h"
 
 #include "vessel/tree.h"

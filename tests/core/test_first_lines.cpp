@@ -1,0 +1,76 @@
+// Every source file opens with a line that says what it is for, so that a listing of first lines is a map of the project.
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// files that have no such line yet; nothing is added here
+const std::set<std::string> still_without = {
+    "engine/contact/barrier_path.cpp",
+    "engine/contact/capsule.cpp",
+    "engine/contact/contact_storage.cpp",
+    "engine/contact/contact_system.cpp",
+    "engine/contact/device_records.cpp",
+    "engine/contact/device_wall.cpp",
+    "engine/contact/edge_sums.cpp",
+    "engine/contact/layer.cpp",
+    "engine/contact/multipliers.cpp",
+    "engine/contact/near_wall.cpp",
+    "engine/contact/samples.cpp",
+    "engine/contact/wall_law.cpp",
+    "engine/energy_audit.cpp",
+    "engine/solve/band_matrix.cpp",
+    "engine/solve/constraints.cpp",
+    "engine/solve/energy_balance.cpp",
+    "engine/solve/feed.cpp",
+    "engine/solve/momentum.cpp",
+    "engine/solve/newton.cpp",
+    "engine/solve/newton_wire.cpp",
+    "engine/solve/wire_problem.cpp",
+    "engine/step_stages.cpp",
+};
+
+constexpr std::size_t shortest = 20;  // characters of a line that says something
+
+/// The comment with which a file opens: its first line but for `#pragma once`, an include guard and `#!`.
+std::string opening_comment(const fs::path& file)
+{
+    std::ifstream in(file);
+    std::string line;
+    while (std::getline(in, line))
+        if (!line.starts_with("#pragma once") && !line.starts_with("#ifndef") && !line.starts_with("#define") &&
+            !line.starts_with("#!"))
+            break;
+    for (const std::string mark : {"//", "\"\"\"", "# "})
+        if (line.starts_with(mark)) return line.substr(mark.size());
+    return "";
+}
+
+}  // namespace
+
+TEST_SUITE("core/first_lines")
+{
+    TEST_CASE("property: every source file opens with a comment that says what it is for")
+    {
+        const fs::path root = SEL_SOURCE_DIR;
+        int seen = 0;
+        for (const char* folder : {"engine", "kernels", "apps", "tests", "bench", "assets"})
+            for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+                const std::string extension = entry.path().extension();
+                if (extension != ".h" && extension != ".cpp" && extension != ".cl" && extension != ".py") continue;
+                ++seen;
+                const std::string name = fs::relative(entry.path(), root).generic_string();
+                const bool has = opening_comment(entry.path()).size() >= shortest;
+                if (still_without.contains(name)) CHECK_MESSAGE(!has, name << " has its line: take it off the list here");
+                else CHECK_MESSAGE(has, name << " does not say what it is for");
+            }
+        REQUIRE(seen > 300);
+    }
+}
