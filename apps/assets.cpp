@@ -1,3 +1,4 @@
+// Finds the assets folder (environment, beside the build, installed, source tree) and runs plot scripts with Debian's python3.
 #include "assets.h"
 
 #include "core/error.h"

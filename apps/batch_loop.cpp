@@ -1,3 +1,4 @@
+// The loop of `seldinger batch`: worlds one after the other, results table, checkpoints, Ctrl-C and time limit between steps.
 #include "batch_loop.h"
 
 #include "core/file_io.h"

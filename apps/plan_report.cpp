@@ -1,3 +1,4 @@
+// What `seldinger plan` tells: the choice and its reasons in words and JSON, and the scene files of the plan.
 #include "plan_report.h"
 
 #include "core/file_io.h"

@@ -1,3 +1,4 @@
+// The line on a terminal that follows a run or a batch, redrawn four times a second.
 #include "progress.h"
 
 #include <fmt/format.h>

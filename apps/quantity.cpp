@@ -1,3 +1,4 @@
+// Parses quantities of the command line; a missing or unknown unit is an error that lists the known ones.
 #include "quantity.h"
 
 #include "core/error.h"

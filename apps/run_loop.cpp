@@ -1,3 +1,4 @@
+// The loop of `seldinger run`: settle, step, record, save; it ends at rest, at a signal, at a limit or at a failed step.
 #include "run_loop.h"
 
 #include "core/file_io.h"

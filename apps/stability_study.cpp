@@ -1,3 +1,4 @@
+// Which cells of the stability maps are wanted and not yet in the table, the threads that run them, and the summary.
 #include "stability_study.h"
 
 #include "core/error.h"

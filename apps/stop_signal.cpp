@@ -1,3 +1,4 @@
+// Handlers and masks of SIGINT and SIGTERM, obeyed also while an OpenCL driver has handlers of its own.
 #include "stop_signal.h"
 
 #include <ctime>

@@ -1,3 +1,5 @@
+// Reads the energies of a wire and the work that was done on it, sub-step by sub-step.
+
 #include "energy_audit.h"
 
 #include "core/bytes.h"

@@ -1,3 +1,4 @@
+// The list of baselines, and the check that a scene is the cantilever that all of them can compute.
 #include "baselines/baselines.h"
 
 #include "baselines/corotational_beam.h"

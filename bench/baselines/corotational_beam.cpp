@@ -1,3 +1,4 @@
+// Corotational Euler-Bernoulli beams: frame and stiffness of an element, assembly, one or several Newton iterations of a step.
 #include "baselines/corotational_beam.h"
 
 #include <algorithm>

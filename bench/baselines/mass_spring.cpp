@@ -1,3 +1,4 @@
+// Chain of masses with axial and bending springs: forces, and symplectic Euler in as many parts of a step as stay stable.
 #include "baselines/mass_spring.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Collapses the binary tree into nodes of eight children, subtrees of large meshes on two threads.
 #include "wide/wide_tree.h"
 
 #include "core/check.h"

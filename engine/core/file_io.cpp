@@ -1,3 +1,4 @@
+// Writes whole files by a temporary name and rename, and growing tables row by row, by POSIX calls that are all checked.
 #include "core/file_io.h"
 
 #include "core/error.h"

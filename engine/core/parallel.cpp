@@ -1,3 +1,4 @@
+// Runs ranges of items on oneTBB's pool, with the number of threads that was asked for.
 #include "core/parallel.h"
 
 #include <oneapi/tbb/global_control.h>

@@ -1,3 +1,4 @@
+// Writes and checks sealed files: magic, size, payload, checksum.
 #include "core/sealed_file.h"
 
 #include "core/bytes.h"

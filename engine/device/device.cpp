@@ -1,3 +1,4 @@
+// Contexts, buffers, kernels and launches by OpenCL 1.2 calls, each checked; names of OpenCL's error codes.
 #include "device/device.h"
 
 #include "core/error.h"

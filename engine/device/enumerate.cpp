@@ -1,3 +1,4 @@
+// Lists the devices of all OpenCL platforms, asking PoCL for its single-thread device too, and picks the default one.
 #include "device/enumerate.h"
 
 #include "core/error.h"

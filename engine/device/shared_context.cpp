@@ -1,3 +1,4 @@
+// Keeps one cl_context per set of devices and builds each program once; finds the first error in a compiler's log.
 #include "device/shared_context.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Writes .npy headers and arrays (numbers, fixed-width Unicode) into an uncompressed zip.
 #include "io/npz_write.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Parses PLY headers and elements, ascii and binary of either byte order, and checks announced counts against the file's size.
 #include "io/ply_read.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Writes RGB rows as PNG by libpng, into memory first and then to the file.
 #include "io/png_write.h"
 
 #include "core/check.h"

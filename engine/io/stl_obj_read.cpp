@@ -1,3 +1,4 @@
+// Parses binary and ASCII STL and OBJ; text coordinates become doubles, polygons of OBJ become triangles.
 #include "io/stl_obj_read.h"
 
 #include "core/error.h"

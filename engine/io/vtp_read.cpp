@@ -1,3 +1,4 @@
+// Parses VTK PolyData: XML by pugixml, arrays by encoding (ascii, base64, appended), blocks by zlib.
 #include "io/vtp_read.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Assembles .vtp files (appended raw arrays after the XML) and .pvd lists.
 #include "io/vtp_write.h"
 
 #include "core/check.h"

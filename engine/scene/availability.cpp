@@ -1,3 +1,4 @@
+// The list of choices that the scene file names and this build does not have, each with what to use instead.
 #include "scene/availability.h"
 
 #include "scene/toml_table.h"

@@ -1,3 +1,4 @@
+// Packs a run's state, tally and file sizes into checkpoint.bin and checks every length on the way back.
 #include "scene/checkpoint.h"
 
 #include "core/bytes.h"

@@ -1,3 +1,4 @@
+// Makes the .vtp text of the wire (with radius, curvature, material coordinate), of the contacts and of the wall.
 #include "scene/frames.h"
 
 #include <fmt/format.h>

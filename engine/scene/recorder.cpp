@@ -1,3 +1,4 @@
+// Writes trace.csv, wire.csv, contacts.csv, the .vtp frames with their .pvd lists, summary.json and the checkpoint of a run.
 #include "scene/recorder.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Reads a scene's tables in their order and checks each against those before; [wire] and [vessel] have files of their own.
 #include "scene/scene_read.h"
 
 #include "core/error.h"

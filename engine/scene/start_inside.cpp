@@ -1,3 +1,4 @@
+// Finds where a placed axis lies beyond the wall, moves that stretch into the lumen when it is shallow, and says so or refuses.
 #include "scene/start_inside.h"
 
 #include "rod/place.h"

@@ -1,3 +1,4 @@
+// Assembles summary.json (model, forces, energies, stages, vessel, warnings) and its few lines for people.
 #include "scene/summary.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Applies one --set text to a parsed scene: splits the path, parses the value, makes missing tables.
 #include "scene/toml_set.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Typed look-ups in a TOML table with the message of every mistake, and the nearest known word to a mistyped key.
 #include "scene/toml_table.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Groups a sweep's runs into worlds, steps a world and takes out the wires that are done, saves and restores it.
 #include "study/batch.h"
 
 #include "core/error.h"

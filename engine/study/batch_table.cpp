@@ -1,3 +1,4 @@
+// Makes a result row from a wire's readings, and writes the rows as CSV and as arrays of an .npz.
 #include "study/batch_table.h"
 
 #include "io/npz_write.h"

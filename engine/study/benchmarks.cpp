@@ -1,3 +1,4 @@
+// The table of built-in benchmarks and their refinements, and the benchmark that follows from a scene of one's own.
 #include "study/benchmarks.h"
 
 #include "core/error.h"

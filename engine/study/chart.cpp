@@ -1,3 +1,4 @@
+// Runs a chart's models and references scene by scene, compares, and writes chart.csv and references.csv.
 #include "study/chart.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Builds the list of models of a chart: grids of nodes and steps, contact choices, adaptive, explicit, published, baselines.
 #include "study/chart_models.h"
 
 #include "scene/scene_names.h"

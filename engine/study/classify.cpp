@@ -1,3 +1,4 @@
+// Judges a run from its readings step by step: jitter of the hand's force, overlap, escape, failed steps, energy that appears.
 #include "study/classify.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Finds the clamp's moment of the extensible elastica by bisection and integrates the shape from there.
 #include "study/elastica.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Compares a trajectory with a reference sample by sample: tip, shape, hand force, friction, spread of the contact force.
 #include "study/errors.h"
 
 #include "study/frechet.h"

@@ -1,3 +1,4 @@
+// Fréchet distance of two polylines by bisection over the free-space diagram.
 #include "study/frechet.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Picks the points of least cost for their error out of a list.
 #include "study/pareto.h"
 
 #include <algorithm>

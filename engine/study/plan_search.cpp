@@ -1,3 +1,4 @@
+// Walks the grid of nodes and steps, exchanges one choice at a time for a cheaper one, and keeps what still meets the goals.
 #include "study/plan_search.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Runs a plan's trial runs against the reference as they go, stops those that cannot meet the goals, and times the others.
 #include "study/plan_trials.h"
 
 #include "study/frechet.h"

@@ -1,3 +1,4 @@
+// The planner's order of work: reference, pilots, search, a last timing of the best, and the plan that comes of it.
 #include "study/planner.h"
 
 #include "study/plan_search.h"

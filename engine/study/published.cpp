@@ -1,3 +1,4 @@
+// The published method's choices as printed, and its best settings by benchmark as bench/published_at_best.py found them.
 #include "study/published.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Refines a scene in nodes and steps, judges convergence from how far each level moves, and stops when it is good enough.
 #include "study/reference.h"
 
 #include "core/file_io.h"

@@ -1,3 +1,4 @@
+// Reads, looks up and appends rows of a results CSV (RFC 4180).
 #include "study/result_table.h"
 
 #include "core/check.h"

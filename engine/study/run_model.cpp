@@ -1,3 +1,4 @@
+// Steps one scene under one model from sample to sample, timing the steps alone, and averages forces before each sample.
 #include "study/run_model.h"
 
 #include "study/run_watch.h"

@@ -1,3 +1,4 @@
+// Keys of finished runs (scene, plan, model), their rows in a table and their trajectories in files.
 #include "study/run_store.h"
 
 #include "core/error.h"

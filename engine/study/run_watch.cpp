@@ -1,3 +1,4 @@
+// Adds up the work of holds and loads on a wire and hands it to the failure watch after each step.
 #include "study/run_watch.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Times whole scenes: repeats, median, stages, device counts after a warm-up.
 #include "study/scene_bench.h"
 
 #include "core/error.h"

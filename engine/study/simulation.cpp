@@ -1,3 +1,4 @@
+// The engine's World as a Simulation, and the look-up of registered baselines.
 #include "study/simulation.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// The stability maps' methods and steps, the scene of a cell, and who cannot run it; stability_maps.cpp has the maps.
 #include "study/stability.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Builds the maps' walls (damaged bend, stenosis, septum, fork) and writes them as PLY files, once.
 #include "study/stability_meshes.h"
 
 #include "io/mesh_file.h"

@@ -1,3 +1,4 @@
+// Parses sweep files, draws values by a hash of seed, key and index, and lists each run's settings.
 #include "study/sweep.h"
 
 #include "core/error.h"

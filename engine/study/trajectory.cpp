@@ -1,3 +1,4 @@
+// Cumulative contact forces on the common grid, and trajectories as checksummed binary files.
 #include "study/trajectory.h"
 
 #include "core/bytes.h"

@@ -1,3 +1,4 @@
+// Finds edges whose facets stand out into the lumen and averages their angle by length.
 #include "vessel/ridges.h"
 
 #include "vessel/mesh_edges.h"

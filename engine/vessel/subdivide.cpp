@@ -1,3 +1,4 @@
+// One round of Loop subdivision: new vertices on edges, old ones moved, rims by the cubic B-spline of their own points.
 #include "vessel/subdivide.h"
 
 #include "vessel/mesh_edges.h"

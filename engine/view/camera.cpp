@@ -1,3 +1,4 @@
+// Projects points, and aims a camera along the vessel's shortest principal axis from where all of it is in the picture.
 #include "view/camera.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Blends anti-aliased lines, boxes, rings and FreeType glyphs into rows of sRGB bytes.
 #include "view/canvas.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// sRGB to linear light and back, and the force scale as a path of equal steps in Oklab.
 #include "view/colour.h"
 
 #include <algorithm>

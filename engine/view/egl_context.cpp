@@ -1,3 +1,4 @@
+// Tries EGL's surfaceless platform and then every device until one gives an OpenGL 4.5 context.
 #include "view/egl_context.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Makes buffers, vertex arrays, framebuffers, render targets and programs by direct state access.
 #include "view/gl_objects.h"
 
 #include <array>

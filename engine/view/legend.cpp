@@ -1,3 +1,4 @@
+// Lays out the sheet and draws readings, scale bars, tip mark, inset frame and the force scale.
 #include "view/legend.h"
 
 #include "view/colour.h"

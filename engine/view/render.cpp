@@ -1,3 +1,4 @@
+// Picks the frames that were asked for, one camera and force scale for all, and writes their pictures.
 #include "view/render.h"
 
 #include "core/error.h"

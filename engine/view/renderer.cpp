@@ -1,3 +1,4 @@
+// The passes of a picture: far walls, wire and contacts, ghosts, near walls as glass, sheet, read-back, legend.
 #include "view/renderer.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Reads wire.pvd, the frames' .vtp files, vessel.vtp and the trace of a run's folder.
 #include "view/run_folder.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// Tubes, balls and cones as triangles along smooth curves through the nodes.
 #include "view/solids.h"
 
 #include "core/check.h"

@@ -1,3 +1,4 @@
+// Builds the host-reference tests' wall as a wide tree, once.
 #include "bench/wide_wall.h"
 
 #include "vessel/tree.h"

@@ -1,3 +1,4 @@
+// The bumpy tube of the host-reference tests and their contexts, made once.
 #include "contact/host_reference_support.h"
 
 #include "contact/contact_system.h"

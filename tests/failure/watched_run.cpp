@@ -1,3 +1,4 @@
+// Steps a world under a method, watches each wire's readings and its exact distance to the wall, and tells the outcome.
 #include "failure/watched_run.h"
 
 #include "solve/feed.h"

@@ -1,3 +1,4 @@
+// Replaces operator new, malloc, calloc and realloc of the whole program by ones that count.
 #include "support/count_allocations.h"
 
 #include <atomic>

@@ -10,7 +10,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -70,9 +69,7 @@ TEST_SUITE("vessel/shared_vessels")
             spec.shape = VesselShape::Mesh;
             spec.mesh = *shared / "vessels" / row.file;
             spec.units = row.units;
-            const auto start = std::chrono::steady_clock::now();
             const LoadedVessel vessel = load_vessel(spec);
-            const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             const Centreline& line = vessel.centreline;
             CHECK(vessel.report.loops.size() == row.openings);
             CHECK(vessel.report.non_manifold_edges == 0);
@@ -91,7 +88,7 @@ TEST_SUITE("vessel/shared_vessels")
             MESSAGE(std::string(row.file) << ": read " << read << ", kept " << vessel.report.triangles << ", vertices "
                                           << vessel.report.vertices << ", openings " << vessel.report.loops.size()
                                           << ", centreline " << line.total_length() / unit << " " << std::string(row.units)
-                                          << ", median radius " << median_radius(line) / unit << ", " << seconds << " s");
+                                          << ", median radius " << median_radius(line) / unit);
         }
     }
 
