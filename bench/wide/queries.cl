@@ -1,5 +1,5 @@
 // The two queries that bench/peers compares with other libraries.
-//   launch  bench/peers/ours.cpp       test  tests/contact/test_twin.cpp, bench/peers (every answer against the others')
+//   launch  bench/peers/ours.cpp       test  tests/bench/test_wide_walk.cpp, bench/peers (every answer against the others')
 #include "wide/wide_walk.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

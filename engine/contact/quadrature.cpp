@@ -138,7 +138,7 @@ void place_new_quadrature(QuadratureSet& set, int wire, const RodView& rod, int 
 {
     WireQuadrature& points = set.wires[wire];
     if (points.placed_to != rod.material_s[rod.n - 2])
-        return place_quadrature(set, wire, rod, begin, false);  // still in the guide
+        return place_quadrature(set, wire, rod, begin, false);  // still in the introducer
     const auto first = std::upper_bound(points.s.begin(), points.s.end(), rod.material_s[rod.n - 2]);
     points.live = place_from(set, wire, rod, begin, static_cast<int>(first - points.s.begin()));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the wires as the solver sees them: one interface for whatever adds to residual and tangent (contact with the wall, a
-// guide, another instrument), and the list of them that Newton's method works with.
+// Forces on the wires as the solver sees them: one interface for whatever adds to residual and tangent (contact with the wall or
+// with another instrument), and the list of them that Newton's method works with.
 //
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step, and in a sub-step likewise:
 //
@@ -55,7 +55,7 @@ public:
     // ---- start of a step ----
     /// Remembers what it needs of the start of the step.
     virtual void begin_step(RodArrays& /*rods*/) {}
-    /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the guide).
+    /// Takes the present node set (after feeding); nothing acts on wires with live[w] == 0 (still in the introducer).
     virtual void prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> /*live*/) {}
 
     virtual void set_settling(Settling /*how*/) {}
@@ -75,8 +75,8 @@ public:
     /// False where the force would be infinite, or cannot be told: a trial that overlaps the wall beyond what the law allows, or
     /// moved farther than was searched.
     [[nodiscard]] virtual bool admissible(int /*wire*/) const { return true; }
-    /// Adds -force to `residual` (laid out as RodDofs says) and -d(force)/dq to `tangent` if not null. `symmetric`: leave out the unsymmetric (sliding
-    /// friction) part of the tangent.
+    /// Adds -force to `residual` (laid out as RodDofs says) and -d(force)/dq to `tangent` if not null. `symmetric`: leave out the
+    /// unsymmetric (sliding friction) part of the tangent.
     virtual void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const = 0;
     /// What joins unknowns of the system that no stencil of a wire does (two wires, far nodes of one): adds -force to `residual`,
     /// in the system's unknowns, and -d(force)/dq to `tangent` if not null, as columns beside the band.

@@ -1,5 +1,5 @@
 // The wide tree's promises: every triangle in one leaf, every box round what is in it, few nodes, bounded depth.
-#include "mesh_fixtures.h"
+#include "vessel/mesh_fixtures.h"
 #include "vessel/tree.h"
 #include "wide/wide_tree.h"
 

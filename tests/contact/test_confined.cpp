@@ -67,7 +67,7 @@ struct Cluster {
 std::vector<Cluster> clusters(const World& world, const Vec3& centre)
 {
     std::vector<Cluster> list;
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     for (const ContactRow& row : world.contacts()) {
         const double s = (rod.material_s[row.a.element] + rod.material_s[row.a.element + 1]) / 2;
         const bool outer = row.normal.dot(centre - row.point) > 0;
@@ -257,7 +257,7 @@ TEST_SUITE("contact/confined")
             setup.wires = {placed};
             FedWorld world(std::move(setup));
             REQUIRE_FALSE(settle(world).failed());
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             double mode = 0, side = 0;
             for (int i = 0; i < nodes; ++i)
                 mode += 2.0 / (nodes - 1) * std::sin(k * rod.material_s[i]) * std::asin(rod.y[i] / clearance) * clearance;

@@ -48,7 +48,7 @@ double weight_of(const World& world)
 
 double mean_height(const World& world)
 {
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     double sum = 0, mass = 0;
     for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.z[i], mass += rod.mass[i];
     return sum / mass;
@@ -56,7 +56,7 @@ double mean_height(const World& world)
 
 double mean_speed(const World& world)
 {
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     double sum = 0, mass = 0;
     for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.vz[i], mass += rod.mass[i];
     return sum / mass;

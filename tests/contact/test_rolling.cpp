@@ -53,7 +53,7 @@ Rig on_plane(double dt)
 }
 
 /// theta turns about the tangent from tip to base, -x: a wire that rolls towards +y turns by y/r about -x.
-double rolled(const RodView& rod) { return rod.theta[nodes / 2]; }
+double rolled(const ConstRodView& rod) { return rod.theta[nodes / 2]; }
 
 struct Path {
     double distance = 0;         // of the middle, at the end [m]
@@ -80,7 +80,7 @@ Path run(const Rig& rig, double time)
         if (2 * k > steps) path.slid = std::max(path.slid, now.sliding);
         if (2 * k == steps) halfway = world.rod(0).vy[nodes / 2];
     }
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     path.distance = rod.y[nodes / 2] - y0;
     path.speed = rod.vy[nodes / 2];
     path.driven = (path.speed - halfway) / (0.5 * time);

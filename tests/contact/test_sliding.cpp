@@ -159,7 +159,7 @@ TEST_SUITE("contact/sliding")
         double largest = 0, least = 1;
         for (int n = 1; n <= 32000; ++n) {
             REQUIRE_FALSE(step(world, dt).failed());
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             const double x = (rod.x[2] + rod.x[3]) / 2, pull = k * (anchor + speed * n * dt - x);
             const bool moving = rod.vx[2] > 0.5 * speed;
             if (moving && !slipping) {

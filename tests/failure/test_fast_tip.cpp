@@ -38,7 +38,7 @@ Shot shoot(NormalLaw law, double speed, bool nose_first)
         const StepReport report = step(world, 1.0 / 60);
         CHECK_FALSE(report.failed());
         CHECK_FALSE((report.flags & StepWallPenetration) != 0);
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         for (int j = 0; j + 1 < rod.n; ++j)
             for (int part = 0; part <= 8; ++part) {
                 const LumenPlace place = lumen.locate(rod.pos(j) + part / 8.0 * (rod.pos(j + 1) - rod.pos(j)));

@@ -63,7 +63,7 @@ void check_refusal(const std::string& text, const std::vector<std::string>& sets
     for (const std::string& part : says) CHECK(message.find(part) != std::string::npos);
 }
 
-bool finite(const RodView& rod)
+bool finite(const ConstRodView& rod)
 {
     for (int i = 0; i < rod.n; ++i)
         if (!std::isfinite(rod.pos(i).sum() + rod.vel(i).sum() + rod.theta[std::min(i, rod.n - 2)])) return false;
@@ -155,7 +155,7 @@ TEST_SUITE("failure/rod_edges")
         World swinging = world_of(clamped, stiff);
         CHECK(worst_sub_steps(swinging, 200, 1e-3) == 1);
         double inside = 0;
-        const RodView rod = swinging.rod(0);
+        const ConstRodView rod = swinging.rod(0);
         for (int j = 0; j < rod.n - 1; ++j) inside += (rod.pos(j + 1) - rod.pos(j)).norm();
         CHECK(inside == about(length).epsilon(1e-6));
     }
@@ -176,7 +176,7 @@ TEST_SUITE("failure/rod_edges")
             if (at_rest) REQUIRE_FALSE(settle(world).failed());
             else (void)worst_sub_steps(world, 100, 1e-3);  // 200 turns in the first step, then the spin comes to rest
             CHECK(std::abs(world.readings(0).hand_torque) == about(torque).epsilon(1e-5));
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             for (int j = 0; j < rod.n - 1; ++j) CHECK(std::abs(rod.theta[j]) == about(angle * (j + 0.5) / 40).epsilon(1e-4));
         }
     }

@@ -15,7 +15,7 @@ constexpr double radius = 0.4445e-3, pi = std::numbers::pi;
 
 /// The farthest that a stretch of the wire winds one way round the axis of a tube along x, nodes near the ends left out [rad]: a helix
 /// may turn back half-way, as a telephone cord does.
-double winding(const RodView& rod)
+double winding(const ConstRodView& rod)
 {
     double sum = 0, least = 0, most = 0;
     for (int i = 6; i + 6 < rod.n; ++i) {
@@ -138,7 +138,7 @@ TEST_SUITE("failure/shapes")
             };
             run.run(150);
             const Outcomes o = run.outcomes();
-            const RodView rod = run.world.rod(0);
+            const ConstRodView rod = run.world.rod(0);
             MESSAGE("F16, " << std::string(method.name) << ": base " << rod.theta[19] << " rad, tip " << rod.theta[0] << " rad; "
                             << tell(o));
             if (method.scheme != Scheme::Newton) {

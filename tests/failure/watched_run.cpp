@@ -62,9 +62,9 @@ WireReadings WatchedRun::at_start(int wire) const
 {
     WireReadings start = world.readings(wire);
     if (world.setup().wires[wire].feed.on) return start;
-    const RodView rod = world.rod(wire);
+    const ConstRodView rod = world.rod(wire);
     RodFrames frames(rod.n);
-    start.elastic = energy_now(rod, {}, frames);
+    start.elastic = energy_now(world.impl().rods.view(wire), {}, frames);
     for (int i = 0; i < rod.n; ++i) {
         start.kinetic += 0.5 * rod.mass[i] * rod.vel(i).squaredNorm();
         start.gravitational -= rod.mass[i] * world.setup().gravity.dot(rod.pos(i));
@@ -76,8 +76,8 @@ WireReadings WatchedRun::at_start(int wire) const
 void WatchedRun::audit()
 {
     for (int w = 0; w < world.wire_count(); ++w) {
-        const TestWire& setup = world.setup().wires[w];
-        const RodView rod = world.rod(w);
+        const WireSetup& setup = world.setup().wires[w];
+        const ConstRodView rod = world.rod(w);
         for (int j = 0; j + 1 < rod.n; ++j)
             for (int k = 0; k < points_per_edge; ++k) {
                 const Vec3 p = rod.pos(j) + k / double(points_per_edge) * (rod.pos(j + 1) - rod.pos(j));

@@ -199,7 +199,7 @@ void check_same_rest(const Scene& a, const Scene& b)
     CHECK(v.poisson == w.poisson);
     CHECK(v.thickness == w.thickness);
     CHECK(v.centreline == w.centreline);
-    const ContactSpec &c = a.contact, &d = b.contact;
+    const SceneContact &c = a.contact, &d = b.contact;
     CHECK(c.detection == d.detection);
     CHECK(c.normal == d.normal);
     CHECK(c.friction == d.friction);

@@ -102,7 +102,7 @@ const char* const through_the_saddle =
 
 double least_clearance(const World& world, const LumenQuery& lumen)
 {
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     double least = 1;
     for (int j = 0; j + 1 < rod.n; ++j)
         for (int part = 0; part <= 8; ++part)
@@ -119,7 +119,7 @@ TEST_SUITE("scene/start_inside")
         World world(setup_of(through_the_saddle, saddle()));
         const LumenQuery lumen(world.setup().mesh, {});
         CHECK(least_clearance(world, lumen) > 0.99 * radius);
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         CHECK((rod.pos(rod.n - 1) - Vec3(-0.012, 0, -0.0018)).norm() == 0);
         CHECK(rod.tangent(rod.n - 2).dot(Vec3(-0.011, 0, -0.0005).normalized()) > 1 - 1e-9);  // edges point from tip to hub
         for (int j = 0; j + 1 < rod.n; ++j)

@@ -1,5 +1,6 @@
 // Holds, loads and links: where they act, how they move, and what is refused.
 #include "core/error.h"
+#include "solve/feed.h"
 #include "solve/wire_fixture.h"
 
 #include <string>
@@ -127,9 +128,8 @@ TEST_SUITE("solve/constraints")
 
     TEST_CASE("property: feed keys are piecewise linear and constant outside")
     {
-        FeedSpec feed;
-        CHECK(feed.at(1).advance == 0);
-        feed.keys = {{1, 0, 0}, {2, 0.1, 3}, {4, 0.1, 6}};
+        const FeedKey keys[] = {{1, 0, 0}, {2, 0.1, 3}, {4, 0.1, 6}};
+        const HubPath feed(keys);
         CHECK(feed.at(0).advance == 0);
         CHECK(feed.at(1.5).advance == about(0.05));
         CHECK(feed.at(3).turn == about(4.5));

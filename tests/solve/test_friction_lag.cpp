@@ -22,7 +22,7 @@ struct Turned {
 /// instead of rolling off; turned at its base by a millirad a step, `forth` and then `back`.
 std::vector<Turned> turn_on_plane(int forth, int back)
 {
-    TestSetup setup;
+    WorldSetup setup;
     setup.vessel.shape = VesselShape::Plane;
     setup.vessel.size = 0.4;
     setup.vessel.triangles = 8;

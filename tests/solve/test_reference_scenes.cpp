@@ -112,7 +112,7 @@ double frequency(const Motion& motion, double expected)
 
 /// Largest angle between the wire and the line of its ends [rad], between the edges by a parabola; an edge is its arc's mean
 /// tangent, the tangent in its middle is the mean less t'' h^2/24.
-double steepest(const RodView& rod)
+double steepest(const ConstRodView& rod)
 {
     const Vec3 line = (rod.pos(rod.n - 1) - rod.pos(0)).normalized();
     std::vector<double> angle;
@@ -127,7 +127,7 @@ double steepest(const RodView& rod)
 }
 
 /// How far the wire is from the line of its ends, or the ring from its plane [m]; the ring's tilt about its hold is none of it.
-double off_straight(const RodView& rod, bool ring)
+double off_straight(const ConstRodView& rod, bool ring)
 {
     if (ring) {
         const auto z = [&](double part) {
@@ -161,7 +161,7 @@ Values measure(const Json& of, int edges)
     const std::string quantity = of.at("quantity");
     if (quantity.starts_with("frequency_")) return {frequency(motion(of, edges), of.at("expected").get<double>())};
     const World world = settled(of, settings_of(of, edges));
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     const WireReadings readings = world.readings(0);
     const Vec3 tip = rod.pos(0);
     if (quantity == "tip") return {tip.x(), tip.y(), tip.z()};
@@ -296,7 +296,7 @@ TEST_SUITE("solve/reference_scenes")
             settings["wire.min_edge_m"] = 5e-4;
             settings["wire.max_edge_m"] = 0.02;
             World world = settled(of, settings);
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             const Vec3 tip = rod.pos(0);
             const double edge_error = world.setup().wires[0].wire.edge_error;
             CHECK(distance({tip.x(), tip.y(), tip.z()}, values_of(of.at("expected"))) <= (rod.n - 1) * edge_error);

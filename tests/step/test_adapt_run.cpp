@@ -58,7 +58,7 @@ double mean_force(FedWorld& world, int steps, bool adapt)
     return sum / steps;
 }
 
-void check_edges(const RodView& rod, const WireSpec& spec, bool fed)
+void check_edges(const ConstRodView& rod, const WireSpec& spec, bool fed)
 {
     for (int j = 0; j < rod.n - 1; ++j) {
         CAPTURE(j);
@@ -137,7 +137,7 @@ TEST_SUITE("step/adapt_run")
             REQUIRE_FALSE(step(world, 1e-3).failed());
             most = std::max(most, world.rod(0).n);
         }
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         const FeedState& feed = world.impl().feeds[0];
         CHECK(most > 2 * rod.n);
         CHECK(rod.material_s[rod.n - 1] == about(feed.advance + feed.surplus).epsilon(1e-9));
@@ -168,14 +168,14 @@ TEST_SUITE("step/adapt_run")
             const int n = world.rod(0).n;
             REQUIRE_FALSE(step(world, 1e-3).failed());
             changes += world.rod(0).n != n;
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             const int node = world.impl().holds[0].node(1, rod);
             CAPTURE(k);
             REQUIRE(std::abs(rod.material_s[node] - held) < 1e-4);  // no other node is as near; the surplus is some micrometres
             REQUIRE((rod.pos(node) - at).norm() < 1e-12);
         }
         REQUIRE(changes > 10);
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         check_edges(rod, spec, false);
         // paid to e^-t/0.05 s of the last change, and the last was long ago
         CHECK(rod.material_s[rod.n - 1] == about(0.2).epsilon(1e-6));

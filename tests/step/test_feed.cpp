@@ -17,7 +17,7 @@ struct Sample {
     int nodes = 0;
 };
 
-double length_inside(const RodView& rod)
+double length_inside(const ConstRodView& rod)
 {
     return std::accumulate(rod.rest_length.begin(), rod.rest_length.begin() + rod.n - 1, 0.0);
 }
@@ -54,7 +54,7 @@ TEST_SUITE("step/feed")
                 CHECK(feed.advance < edge / 2);
                 continue;
             }
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             worst = std::max(worst, std::abs(length_inside(rod) - feed.advance - feed.surplus));
             surplus = std::max(surplus, std::abs(feed.surplus));
             for (int c = 0; c < 3; ++c) CHECK((rod.pos(rod.n - 1) - feed.point)[c] == 0);  // to the last bit
@@ -75,7 +75,7 @@ TEST_SUITE("step/feed")
         std::vector<Sample> trace;
         for (int k = 0; k < 1500; ++k) {
             REQUIRE_FALSE(step(world, 1e-3).failed());
-            const RodView rod = world.rod(0);
+            const ConstRodView rod = world.rod(0);
             Vec3 momentum = Vec3::Zero();
             for (int i = 0; i < rod.n; ++i) momentum += rod.mass[i] * rod.vel(i);
             trace.push_back({world.readings(0).hand_force, length_inside(rod), momentum.norm(), rod.n});
@@ -179,7 +179,7 @@ TEST_SUITE("step/feed")
             for (int k = 0; k < std::lround(0.6 / dt); ++k) {
                 const StepReport report = step(world, dt);
                 REQUIRE_FALSE(report.failed());
-                const RodView rod = world.rod(0);
+                const ConstRodView rod = world.rod(0);
                 if (!world.impl().feeds[0].inside) continue;
                 for (int j = 0; j + 1 < rod.n; ++j) REQUIRE(rod.rest_length[j] > 0);
                 // where a part of a step feeds an edge, one is split when half a one more is inside
@@ -207,7 +207,7 @@ TEST_SUITE("step/feed")
             REQUIRE_FALSE(step(world, 1e-3).failed());
             largest = std::max(largest, std::abs(world.readings(0).hand_torque));
         }
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         for (int j = 0; j < rod.n - 1; ++j) CHECK(rod.theta[j] == about(-7.5).epsilon(1e-6));  // about the tangent tip -> hub
         CHECK(world.readings(0).turned == about(7.5));
         // while it starts and stops the hand feels the wire's inertia; what is left is the residual that the solver leaves on an

@@ -172,7 +172,7 @@ TEST_SUITE("step/hand_readings")
         setup.integrator.damping_mass = 0;
         FedWorld world(std::move(setup));
         for (int k = 0; k < 10; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
-        const RodView rod = world.rod(0);
+        const ConstRodView rod = world.rod(0);
         const Vec3 t = rod.tangent(5), d1 = rod.ref_d1(5), d2 = t.cross(d1);
         const Vec3 director = std::cos(rod.theta[5]) * d1 + std::sin(rod.theta[5]) * d2;
         // +z turned about +x by 0.02 rad

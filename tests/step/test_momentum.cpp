@@ -15,7 +15,7 @@ namespace {
 // Momentum by the test's own sum, so that the engine's rate of change is not believed but checked.
 Vec3 momentum_of(const World& world)
 {
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.vel(i);
     return sum;
@@ -25,7 +25,7 @@ Vec3 momentum_of(const World& world)
 // origin, which the stiffest edge turns into force on both its nodes.
 double allowed_error(const World& world)
 {
-    const RodView rod = world.rod(0);
+    const ConstRodView rod = world.rod(0);
     double stiffest = 0, reach = 0;
     for (int j = 0; j + 1 < rod.n; ++j) stiffest = std::max(stiffest, rod.stretch_stiffness[j] / rod.rest_length[j]);
     for (int i = 0; i < rod.n; ++i) reach = std::max(reach, rod.pos(i).norm());

@@ -14,7 +14,7 @@ using namespace seldinger::test;
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Two wires in a tube, the first fed.
 TestSetup two_wires()
@@ -60,10 +60,10 @@ TEST_SUITE("step/requests")
         refused([](TestSetup& s) { s.wires[1].contact.precision = Precision::Float32; }, "wires[1].contact.precision: differs");
         refused([](TestSetup& s) { s.mesh.triangles.clear(); }, "mesh: has no triangles");
         refused([](TestSetup& s) { s.mesh.triangles[7][1] = 1 << 30; }, "mesh.triangles[7]: names vertex 1073741824");
-        refused([](TestSetup& s) { s.mesh.vertices[3].x() = nan; }, "mesh.vertices[3]: is [nan");
-        refused([](TestSetup& s) { s.gravity.z() = nan; }, "gravity: is [0, 0, nan]");
+        refused([](TestSetup& s) { s.mesh.vertices[3].x() = not_a_number; }, "mesh.vertices[3]: is [nan");
+        refused([](TestSetup& s) { s.gravity.z() = not_a_number; }, "gravity: is [0, 0, nan]");
         refused([](TestSetup& s) { s.wires[0].wire.length = 0; }, "wires[0].wire.length: is 0, expected a finite number greater than 0");
-        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = nan; }, "wires[0].wire.shaft.radius: is nan");
+        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = not_a_number; }, "wires[0].wire.shaft.radius: is nan");
         refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: is -1");
         refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: is 0.25, expected at least");
         refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: is 1");
@@ -84,15 +84,15 @@ TEST_SUITE("step/requests")
             CHECK(message.find(expected) != std::string::npos);
             CHECK(world.state_hash() == before);
         };
-        const FeedKey backwards[] = {{1, 0, 0}, {1, 0.01, 0}}, lost[] = {{0, nan, 0}};
+        const FeedKey backwards[] = {{1, 0, 0}, {1, 0.01, 0}}, lost[] = {{0, not_a_number, 0}};
         refuses({}, 0, "step: dt: is 0 s");
         refuses({}, -1e-3, "step: dt: is -0.001 s");
-        refuses({}, nan, "step: dt: is nan s");
+        refuses({}, not_a_number, "step: dt: is nan s");
         refuses({}, std::numeric_limits<double>::infinity(), "step: dt: is inf s");
-        refuses(Control().move_to(0, nan, 0), 1e-3, "control: instrument 0: advance is nan m");
+        refuses(Control().move_to(0, not_a_number, 0), 1e-3, "control: instrument 0: advance is nan m");
         refuses(Control().move_to(0, 0.2, 0), 1e-3, "advance is 0.2 m, expected 0 to the wire's length, 0.1 m");
         refuses(Control().move_to(0, -1e-3, 0), 1e-3, "advance is -0.001 m");
-        refuses(Control().move_to(0, 0.01, nan), 1e-3, "turn is nan rad");
+        refuses(Control().move_to(0, 0.01, not_a_number), 1e-3, "turn is nan rad");
         refuses(Control().move_to(1, 0.01, 0), 1e-3, "control: instrument 1: is not fed");
         refuses(Control().move_to(2, 0.01, 0), 1e-3, "control: instrument 2: is not there, expected an index below 2");
         refuses(Control().follow(0, backwards), 1e-3, "key 1 is at 1 s, expected times that increase");
