@@ -2,6 +2,7 @@
 
 #include "contact/barrier_path.h"
 
+#include "contact/programs.h"
 #include "core/bytes.h"
 #include "shared/barrier_path.h"
 
@@ -11,8 +12,8 @@ namespace seldinger {
 
 BarrierPath::BarrierPath(device::Context& context, const DeviceWall& wall, const QuadratureSet& points, int node_capacity)
     : context_(context),
-      clearance_(context, "contact/barrier_path.cl", "contact_clearance", device::Items::Branching, wall.defines()),
-      sweep_(context, "contact/barrier_path.cl", "contact_sweep", device::Items::Branching, wall.defines()),
+      clearance_(context, programs::barrier, "contact_clearance", device::Items::Branching, wall.defines()),
+      sweep_(context, programs::barrier, "contact_sweep", device::Items::Branching, wall.defines()),
       base_(context, node_capacity),
       result_buffer_(context, points.models.size() * sizeof(real)),
       result_(points.models.size()),

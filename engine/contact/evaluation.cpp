@@ -3,6 +3,7 @@
 #include "contact/evaluation.h"
 
 #include "contact/device_records.h"
+#include "contact/programs.h"
 
 #include <algorithm>
 
@@ -10,8 +11,8 @@ namespace seldinger {
 
 Evaluation::Evaluation(device::Context& context, const DeviceWall& wall, std::size_t points)
     : context_(context),
-      evaluate_(context, "contact/evaluation.cl", "contact_evaluate", device::Items::Branching, wall.defines()),
-      reduce_(context, "contact/edge_sums.cl", "contact_reduce"),
+      evaluate_(context, programs::quadrature, "contact_evaluate", device::Items::Branching, wall.defines()),
+      reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching, wall.defines()),
       forces_(context, points * device_size<ContactForce>(context)),
       barys_(context, points * device_size<double>(context)),
       no_multipliers_(context, sizeof(MultiplierState))

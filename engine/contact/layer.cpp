@@ -2,6 +2,7 @@
 
 #include "contact/layer.h"
 
+#include "contact/programs.h"
 #include "contact/wall_law.h"
 #include "core/bytes.h"
 #include "core/error.h"
@@ -41,9 +42,9 @@ LayerContact::LayerContact(device::Context& context, const ContactSetup& setup, 
     : ContactMethod(context, setup, rods, tree),
       setup_(setup),
       typical_radius_(setup.wall.typical_lumen_radius),
-      find_(context, "contact/layer.cl", "layer_find"),
-      evaluate_(context, "contact/layer.cl", "layer_evaluate"),
-      reduce_(context, "contact/edge_sums.cl", "contact_reduce")
+      find_(context, programs::layer, "layer_find"),
+      evaluate_(context, programs::layer, "layer_evaluate"),
+      reduce_(context, programs::layer, "contact_reduce")
 {
     params_.slots = 64;
     params_.friction = static_cast<uint>(setup.method().friction);

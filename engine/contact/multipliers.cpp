@@ -2,6 +2,8 @@
 
 #include "contact/multipliers.h"
 
+#include "contact/programs.h"
+
 #include <algorithm>
 
 namespace seldinger {
@@ -9,8 +11,8 @@ namespace seldinger {
 Multipliers::Multipliers(device::Context& context, int points)
     : context_(context),
       points_(points),
-      start_(context, "contact/multipliers.cl", "contact_start"),
-      next_(context, "contact/multipliers.cl", "contact_multipliers"),
+      start_(context, programs::multipliers, "contact_start"),
+      next_(context, programs::multipliers, "contact_multipliers"),
       states_(context, 2 * points_ * sizeof(MultiplierState)),
       next_states_(context, 2 * points_ * sizeof(MultiplierState)),
       ratio_buffer_(context, points_ * sizeof(real)),

@@ -3,6 +3,7 @@
 #include "contact/near_wall.h"
 
 #include "contact/device_records.h"
+#include "contact/programs.h"
 #include "core/parallel.h"
 
 #include <algorithm>
@@ -29,8 +30,8 @@ NearWall::NearWall(device::Context& context, const QuadratureSet& points, const 
       states_(states),
       lengths_(lengths),
       slots_(first_slots),
-      find_(context, "contact/near_wall.cl", "contact_find", device::Items::Branching, wall.defines()),
-      distance_(context, "contact/near_wall.cl", "contact_distance", device::Items::Branching, wall.defines())
+      find_(context, programs::quadrature, "contact_find", device::Items::Branching, wall.defines()),
+      distance_(context, programs::quadrature, "contact_distance", device::Items::Branching, wall.defines())
 {
     const std::size_t n = points.models.size();
     at_.resize(n);

@@ -80,7 +80,8 @@ std::string assemble_source(const std::string& file)
 {
     std::set<std::string> seen;
     std::string out;
-    append(file, seen, out);
+    std::istringstream files(file);
+    for (std::string one; std::getline(files, one, '+');) append(one, seen, out);
     return out;
 }
 

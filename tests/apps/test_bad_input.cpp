@@ -232,7 +232,7 @@ TEST_SUITE("apps/bad_input")
         const ScratchFolder folder;
         folder.write("t.toml", tube_scene(0.01));
         fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder.path / "kernels", fs::copy_options::recursive);
-        std::ofstream(folder.path / "kernels/contact/capsule.cl", std::ios::app) << "\nthis is not OpenCL\n";
+        std::ofstream(folder.path / "kernels/contact/evaluation.cl", std::ios::app) << "\nthis is not OpenCL\n";
         const AppResult result =
             run_app(folder, "run t.toml -o D", fmt::format("SEL_KERNEL_DIR='{}'", (folder.path / "kernels").string()));
         CAPTURE(result.err);
@@ -241,7 +241,7 @@ TEST_SUITE("apps/bad_input")
         const std::string text = result.err.substr(0, result.err.size() - 1);
         const std::string last = text.substr(text.rfind('\n') + 1);
         CHECK(last.starts_with("seldinger: "));
-        CHECK(last.find("contact/capsule.cl") != std::string::npos);
+        CHECK(last.find("contact/evaluation.cl") != std::string::npos);
         CHECK_FALSE(fs::exists(folder.path / "D"));
     }
 }

@@ -154,12 +154,12 @@ TEST_SUITE("device")
         namespace fs = std::filesystem;
         const fs::path folder = fs::temp_directory_path() / ("seldinger-kernels-" + std::to_string(::getpid()));
         fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
-        std::ofstream(folder / "contact" / "capsule.cl", std::ios::app) << "\n__kernel void broken() { no_such_thing = 1; }\n";
+        std::ofstream(folder / "contact" / "evaluation.cl", std::ios::app) << "\n__kernel void broken() { no_such_thing = 1; }\n";
         setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
         ExitCode code = ExitCode::Done;
-        const std::string broken = message_of([] { (void)device::Context().program("contact/capsule.cl"); }, code);
+        const std::string broken = message_of([] { (void)device::Context().program("contact/evaluation.cl"); }, code);
         CHECK(code == ExitCode::NoDevice);
-        CHECK(holds(broken, "kernels/contact/capsule.cl does not build on device"));
+        CHECK(holds(broken, "kernels/contact/evaluation.cl does not build on device"));
         CHECK(holds(broken, "no_such_thing"));
         CHECK(holds(broken, "CL_BUILD_PROGRAM_FAILURE"));
         const std::string missing = message_of([] { (void)device::Context().program("contact/none.cl"); }, code);
@@ -172,7 +172,7 @@ TEST_SUITE("device")
     TEST_CASE(
         "property: the second context of the same devices builds nothing, and what depends on a build's options is not shared")
     {
-        const char* const file = "contact/capsule.cl";
+        const char* const file = "contact/evaluation.cl";
         device::Context first, second, single(-1, true);
         const cl_program program = first.program(file);
         CHECK(second.program(file) == program);
@@ -186,7 +186,7 @@ TEST_SUITE("device")
         fs::copy(fs::path(SEL_SOURCE_DIR) / "kernels", folder, fs::copy_options::recursive);
         setenv("SEL_KERNEL_DIR", folder.c_str(), 1);
         CHECK(device::Context().program(file) == program);
-        std::ofstream(folder / "contact" / "capsule.cl", std::ios::app) << "\n// changed\n";
+        std::ofstream(folder / "contact" / "evaluation.cl", std::ios::app) << "\n// changed\n";
         device::Context changed;
         CHECK(changed.program(file) != program);
         CHECK(changed.counters().programs_built == 1);
