@@ -58,7 +58,7 @@ WatchedRun::WatchedRun(TestSetup setup, const Method& method, double dt, double 
 }
 
 /// Readings are of steps; before the first the energies of a wire that is placed are reckoned here.
-WireReadings WatchedRun::at_start(int wire) const
+WireReadings WatchedRun::at_start(int wire)
 {
     WireReadings start = world.readings(wire);
     if (world.setup().wires[wire].feed.on) return start;

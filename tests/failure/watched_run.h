@@ -64,7 +64,7 @@ public:
 
 private:
     void audit();
-    [[nodiscard]] WireReadings at_start(int wire) const;
+    [[nodiscard]] WireReadings at_start(int wire);
 
     double dt_;
     std::vector<FailureWatch> watches_;

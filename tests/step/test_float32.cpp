@@ -26,25 +26,25 @@ TEST_SUITE("step/float32")
 {
     TEST_CASE("twin: records go to a float32 device and come back, word by word")
     {
-        std::vector<ContactState> touches(3);
-        for (std::size_t k = 0; k < touches.size(); ++k) {
-            ContactState& t = touches[k];
+        std::vector<ContactState> states(3);
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            ContactState& t = states[k];
             t = {};
             t.slip[0] = 1.5 + static_cast<double>(k);
             t.moment = -0.25;
             t.triangle = 4000000000u;  // not a real: must not be rounded
-            t.stamp = 16777217u + static_cast<uint>(k);
+            t.epoch = 16777217u + static_cast<uint>(k);
         }
         std::vector<std::uint32_t> words;
-        narrow_words(record_words<ContactState>, touches.data(), touches.size(), words);
+        narrow_words(record_words<ContactState>, states.data(), states.size(), words);
         CHECK(words.size() == 3 * (18 + 4));
         std::vector<ContactState> back(3);
         widen_words(record_words<ContactState>, words.data(), back.size(), back.data());
-        for (std::size_t k = 0; k < touches.size(); ++k) {
-            CHECK(back[k].slip[0] == touches[k].slip[0]);
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            CHECK(back[k].slip[0] == states[k].slip[0]);
             CHECK(back[k].moment == -0.25);
             CHECK(back[k].triangle == 4000000000u);
-            CHECK(back[k].stamp == touches[k].stamp);
+            CHECK(back[k].epoch == states[k].epoch);
         }
     }
 

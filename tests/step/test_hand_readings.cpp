@@ -60,7 +60,7 @@ TestSetup turned_by_hold(double rate, double from)
 TestSetup turned_by_feed(double rate, double from)
 {
     TestSetup setup = bent_tip();
-    FeedSpec& feed = setup.wires[0].feed;
+    TestFeed& feed = setup.wires[0].feed;
     feed.on = true;
     feed.keys = {{0, length, 0}, {from, length, 0}, {from + 10, length, 10 * rate}};
     return setup;

@@ -49,7 +49,7 @@ inline StudyScene scripted_scene(double duration = 1)
     scene.vessel.shape = VesselShape::Tube;
     scene.feed.on = true;
     scene.feed.keys = {{0, 0, 0}, {10, 0.1, 0}};
-    study.setup.wires.push_back({scene.wire, scene.feed, {}, {}, {}, {}});
+    study.setup.wires.push_back({scene.wire, scene.feed.inlet(), {}, {}, {}, {}, {}});
     return study;
 }
 
