@@ -121,25 +121,24 @@ void check_wall(const WorldSetup& setup)
     need_positive(setup.vessel.thickness, "vessel.thickness");
 }
 
-void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub)
+/// Asked in every step: makes no text unless there is something to say.
+void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub, double dt)
 {
     if (hub.kind == Control::Hub::Kind::Stay) return;
-    const std::string where = fmt::format("control: instrument {}", instrument);
+    const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
     if (instrument >= state.wire_count())
-        refuse(where, fmt::format("is not there, expected an index below {}", state.wire_count()));
-    if (!state.feeds[instrument].on) refuse(where, "is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
-    const double length = state.setup.wires[instrument].wire.length;
-    const auto check = [&](double advance, double turn) {
-        if (!(advance >= 0 && advance <= length))
-            refuse(where, fmt::format("advance is {} m, expected 0 to the wire's length, {} m", advance, length));
-        if (!std::isfinite(turn)) refuse(where, fmt::format("turn is {} rad, expected a finite number", turn));
-    };
-    if (hub.kind == Control::Hub::Kind::MoveTo) return check(hub.advance, hub.turn);
-    for (std::size_t k = 0; k < hub.keys.size(); ++k) {
-        check(hub.keys[k].advance, hub.keys[k].turn);
+        refuse_it(fmt::format("is not there, expected an index below {}", state.wire_count()));
+    if (!state.feeds[instrument].on) refuse_it("is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
+    for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
-            refuse(where, fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
-    }
+            refuse_it(fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
+    // of a way that is known beforehand, what lies beyond this step need not be met by it
+    const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
+                                                               : HubPath(hub.keys).at(state.wire_time[instrument] + dt);
+    const double length = state.setup.wires[instrument].wire.length;
+    if (!(end.advance >= 0 && end.advance <= length))
+        refuse_it(fmt::format("advance is {} m, expected 0 to the wire's length, {} m", end.advance, length));
+    if (!std::isfinite(end.turn)) refuse_it(fmt::format("turn is {} rad, expected a finite number", end.turn));
 }
 
 }  // namespace
@@ -166,7 +165,7 @@ void check_request(const World::Impl& state, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt))
         refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));
-    for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k]);
+    for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k], dt);
 }
 
 }  // namespace seldinger

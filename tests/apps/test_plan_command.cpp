@@ -174,7 +174,7 @@ TEST_SUITE("apps/plan")
     {
         const ScratchFolder folder;
         folder.write("t.toml", free_scene(0.5));
-        const fs::path table = folder.path / "p.trials" / "runs.csv";
+        const fs::path table = folder.path / "p.pilots" / "runs.csv";
         const std::vector<std::string> arguments = {"plan", "t.toml", "--tolerance", "0.5mm", "-o", "p.toml", "--quiet"};
         const AppResult cut = run_and_signal(folder.path, arguments, table, 2, SIGINT);
         CAPTURE(cut.err);

@@ -112,9 +112,11 @@ bool says(const std::string& text, const std::string& part) { return text.find(p
 /// Whether any base scene takes the key, whatever it says of the value: a date is no value of any key.
 bool is_read(const std::string& section, const std::string& key)
 {
+    // the message names the table (by its last word, with or without a place in a list) and the key
+    const std::regex named("\\b" + section.substr(section.rfind('.') + 1) + "(\\.[0-9]+)?\\." + key + ":");
     return std::any_of(std::begin(bases), std::end(bases), [&](const std::string& base) {
         const std::string error = read_with(base, path_of(section, key) + "=1979-05-27").error;
-        return says(error, "." + key + ":") && !says(error, "unknown key");
+        return std::regex_search(error, named) && !says(error, "unknown key");
     });
 }
 
@@ -202,6 +204,9 @@ TEST_SUITE("scene/scene_docs")
                 const Reading with = read_with(base, setting), without = read_with(base, "");
                 // a key of a table that the base has not makes the table: only where it is there is nothing changed
                 if (with.scene.empty() || without.scene.empty()) continue;
+                // bases that say something else
+                if (k.section == "wire.place" && says(base, "{" + k.key + " = ")) continue;
+                if (k.section == "load" && says(base, k.key + " = ")) continue;
                 if (k.section.find("feed") == 0 && !says(base, "[feed]")) continue;
                 if (k.section == "hold" && !says(base, "[[hold]]")) continue;
                 CHECK(with.scene == without.scene);

@@ -14,8 +14,8 @@ TestSetup pair_in_a_tube(bool one_system)
 {
     TestSetup setup;
     add_tube(setup, tube(0.005, 0.3, 6000));
-    setup.wires = {fed_wire(steel_wire(0.1, 21), {0.0005, 1e-3, -0.0025}, 0.1, 1.0),
-                   fed_wire(steel_wire(0.1, 21), {0.0005, -1e-3, -0.0025}, 0.05)};
+    setup.wires = {fed_wire(steel_wire(0.1, 21), {0.0005, 1e-3, -0.0042}, 0.1, 1.0),
+                   fed_wire(steel_wire(0.1, 21), {0.0005, -1e-3, -0.0042}, 0.07)};
     if (one_system) setup.systems = {2};
     return setup;
 }
@@ -60,8 +60,16 @@ TEST_SUITE("step/systems")
     TEST_CASE("property: a system is retired and hashed as a whole, and saved with the rest")
     {
         FedWorld world(pair_in_a_tube(true));
-        for (int k = 0; k < 100; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
-        CHECK(world.state_hash(0) == world.state_hash());  // it is all there is
+        TestSetup with_another = pair_in_a_tube(true);
+        with_another.wires.push_back(fed_wire(steel_wire(0.1, 21), {0.0005, 0, 0.002}, 0.09));
+        with_another.systems = {2, 1};
+        FedWorld crowd(with_another);
+        for (int k = 0; k < 100; ++k) {
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            REQUIRE_FALSE(step(crowd, 1e-3).failed());
+        }
+        CHECK(crowd.state_hash(0) == world.state_hash(0));  // whoever else is there
+        CHECK(crowd.state_hash(1) != world.state_hash(0));
         const auto saved = world.save_state();
         const std::string then = world.state_hash();
         for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 1e-3).failed());
