@@ -1,3 +1,5 @@
+// The wall of the wide tree's tests.
+
 #include "bench/wide_wall.h"
 
 #include "vessel/tree.h"

@@ -1,3 +1,5 @@
+// Context and wall of the host reference tests.
+
 #include "contact/host_reference_support.h"
 
 #include "contact/contact_system.h"

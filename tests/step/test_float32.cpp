@@ -33,7 +33,7 @@ TEST_SUITE("step/float32")
             t.slip[0] = 1.5 + static_cast<double>(k);
             t.moment = -0.25;
             t.triangle = 4000000000u;  // not a real: must not be rounded
-            t.stamp = 16777217u + static_cast<uint>(k);
+            t.epoch = 16777217u + static_cast<uint>(k);
         }
         std::vector<std::uint32_t> words;
         narrow_words(record_words<ContactState>, touches.data(), touches.size(), words);
@@ -44,7 +44,7 @@ TEST_SUITE("step/float32")
             CHECK(back[k].slip[0] == touches[k].slip[0]);
             CHECK(back[k].moment == -0.25);
             CHECK(back[k].triangle == 4000000000u);
-            CHECK(back[k].stamp == touches[k].stamp);
+            CHECK(back[k].epoch == touches[k].epoch);
         }
     }
 
