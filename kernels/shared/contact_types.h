@@ -1,6 +1,6 @@
 // Layouts of the contact stage, shared by kernels, their host references and the code that fills the buffers.
 //
-// Quadrature points of the wire ("quadrature points") are fixed in the material; what they carry from step to step (anchors,
+// Quadrature points of the wire are fixed in the material; what they carry from step to step (anchors,
 // approach speed, rolling angle) therefore survives splits, merges and changes of triangle. Records are structs, not split
 // arrays: every kernel that touches a quadrature point reads its whole record, so one cache line serves it; nodes and triangles
 // are split arrays.
@@ -61,8 +61,8 @@ typedef struct QuadraturePlace {
     uint edge_t0;  // at its start; SEL_NO_EDGE: the quadrature point has just been fed in
     real bary;     // position = (1 - bary) node[edge] + bary node[edge + 1]
     real bary_t0;
-    uint epoch;  // of this step for the quadrature point's wire; what the last one wrote has epoch - 1
-    uint system;  // whose wall it meets
+    uint epoch;             // of this step for the quadrature point's wire; what the last one wrote has epoch - 1
+    uint system;            // whose wall it meets
     real radius_reduction;  // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
 } QuadraturePlace;
 #define SEL_NO_EDGE 0xffffffffu

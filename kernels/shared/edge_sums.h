@@ -31,50 +31,66 @@ SEL_FN void add_couple(ContactForce f, real a, real b, EdgeForce* out)
     }
 }
 
-// Sums the quadrature points items[first..last) (consecutive on one edge) in order. barys: of those quadrature points.
-SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
+SEL_FN EdgeForce no_edge_force(void)
 {
-    EdgeForce out;
-    for (int k = 0; k < 3; ++k) out.force_a[k] = out.force_b[k] = out.st_a[k] = out.st_b[k] = out.ut_a[k] = out.ut_b[k] = 0;
-    for (int k = 0; k < 6; ++k) out.s_aa[k] = out.s_bb[k] = 0;
-    for (int k = 0; k < 9; ++k) out.s_ab[k] = out.u_aa[k] = out.u_ab[k] = out.u_ba[k] = out.u_bb[k] = 0;
-    out.torque = out.s_tt = 0;
-    out.depth = (real)-1e30;
-    out.normal_sum = out.friction_sum = out.sliding_sum = out.rolling_sum = out.length = 0;
-    out.flags = out.contacts = 0;
+    EdgeForce none;
+    for (int k = 0; k < 3; ++k) none.force_a[k] = none.force_b[k] = none.st_a[k] = none.st_b[k] = none.ut_a[k] = none.ut_b[k] = 0;
+    for (int k = 0; k < 6; ++k) none.s_aa[k] = none.s_bb[k] = 0;
+    for (int k = 0; k < 9; ++k) none.s_ab[k] = none.u_aa[k] = none.u_ab[k] = none.u_ba[k] = none.u_bb[k] = 0;
+    none.torque = none.s_tt = 0;
+    none.depth = (real)-1e30;
+    none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
+    none.flags = none.contacts = 0;
+    return none;
+}
+
+// Force on the axis point x = a x_a + b x_b, and the symmetric part of its tangent.
+SEL_FN void add_axis_force(ContactForce f, real a, real b, EdgeForce* out)
+{
     const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
     const int spin[3] = {3, 6, 8};            // xt yt zt
     const int full[9] = {0, 1, 2, 1, 4, 5, 2, 5, 7};
+    for (int i = 0; i < 3; ++i) {
+        out->force_a[i] += a * f.force[i];
+        out->force_b[i] += b * f.force[i];
+        out->st_a[i] += a * f.sym[spin[i]];
+        out->st_b[i] += b * f.sym[spin[i]];
+    }
+    for (int i = 0; i < 6; ++i) {
+        out->s_aa[i] += a * a * f.sym[block[i]];
+        out->s_bb[i] += b * b * f.sym[block[i]];
+    }
+    for (int i = 0; i < 9; ++i) out->s_ab[i] += a * b * f.sym[full[i]];
+}
+
+// What sliding makes unsymmetric.
+SEL_FN void add_sliding(ContactForce f, real a, real b, EdgeForce* out)
+{
+    for (int i = 0; i < 9; ++i) {
+        out->u_aa[i] += a * a * f.skew[i];
+        out->u_ab[i] += a * b * f.skew[i];
+        out->u_ba[i] += a * b * f.skew[i];
+        out->u_bb[i] += b * b * f.skew[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+        out->ut_a[i] += a * f.skew[9 + i];
+        out->ut_b[i] += b * f.skew[9 + i];
+    }
+}
+
+// Sums forces[first..last) (consecutive on one edge) in order. barys: where on the edge they act.
+SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL const real* barys, uint first, uint last)
+{
+    EdgeForce out = no_edge_force();
     for (uint k = first; k < last; ++k) {
         const ContactForce f = forces[k];
         out.depth = max_r(out.depth, f.depth);
         out.flags |= f.flags;
         if (f.contacts == 0) continue;
         const real b = barys[k], a = 1 - b;
-        for (int i = 0; i < 3; ++i) {
-            out.force_a[i] += a * f.force[i];
-            out.force_b[i] += b * f.force[i];
-            out.st_a[i] += a * f.sym[spin[i]];
-            out.st_b[i] += b * f.sym[spin[i]];
-        }
-        for (int i = 0; i < 6; ++i) {
-            out.s_aa[i] += a * a * f.sym[block[i]];
-            out.s_bb[i] += b * b * f.sym[block[i]];
-        }
-        for (int i = 0; i < 9; ++i) out.s_ab[i] += a * b * f.sym[full[i]];
+        add_axis_force(f, a, b, &out);
         if (f.flags & SEL_FORCE_COUPLE) add_couple(f, a, b, &out);
-        if (f.flags & SEL_FORCE_SLIDING) {
-            for (int i = 0; i < 9; ++i) {
-                out.u_aa[i] += a * a * f.skew[i];
-                out.u_ab[i] += a * b * f.skew[i];
-                out.u_ba[i] += a * b * f.skew[i];
-                out.u_bb[i] += b * b * f.skew[i];
-            }
-            for (int i = 0; i < 3; ++i) {
-                out.ut_a[i] += a * f.skew[9 + i];
-                out.ut_b[i] += b * f.skew[9 + i];
-            }
-        }
+        if (f.flags & SEL_FORCE_SLIDING) add_sliding(f, a, b, &out);
         out.torque += f.force[3];
         out.s_tt += f.sym[9];
         out.normal_sum += f.normal_sum;

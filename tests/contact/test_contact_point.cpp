@@ -220,7 +220,7 @@ TEST_SUITE("contact/contact_point")
     }
 
     // depth of the nearest of the n facets' planes, and the blend's bias: planes within 0.004 r at most, a quarter of that each
-    TEST_CASE("regression: in a neck narrower than the wire both touches are as deep as a wall is, not metres deep")
+    TEST_CASE("regression: in a neck narrower than the wire both contact points are as deep as a wall is, not metres deep")
     {
         const int n = 24;
         const double neck = 0.9 * r, apothem = neck * std::cos(std::numbers::pi / n);

@@ -1,4 +1,4 @@
-// Cells of the tree in the place of lists of triangles: what is left out must not matter, and little must be left to look at.
+// Nodes of the tree in the place of lists of triangles: what is left out must not matter, and little must be left to look at.
 
 #include "contact/wall_fixture.h"
 #include "shared/clearance.h"
@@ -72,7 +72,7 @@ TEST_SUITE("contact/walk")
 {
     // Wide and narrow lumens, in front of the wall and behind it, with a hint and without, the list found where the quadrature
     // point was a slack away.
-    TEST_CASE("property: walking the cells gives the same touches, bit by bit, as looking at every triangle")
+    TEST_CASE("property: walking the listed nodes gives the same contact points, bit by bit, as looking at every triangle")
     {
         Random draw;
         int found = 0, opposite = 0, outside = 0;
