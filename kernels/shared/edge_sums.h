@@ -6,28 +6,28 @@
 SEL_BEGIN
 
 // Adds what a quadrature point's couple does: q = (x_a, x_b, theta), x = a x_a + b x_b, w = x_b - x_a.
-SEL_FN void add_couple(ContactForce f, real a, real b, EdgeForce* out)
+SEL_FN void add_couple(const ContactForce* f, real a, real b, EdgeForce* out)
 {
     const int place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};  // of (i, j) among xx xy xz yy yz zz
     for (int i = 0; i < 3; ++i) {
-        out->force_a[i] -= f.couple[i];
-        out->force_b[i] += f.couple[i];
-        out->st_a[i] -= f.sym_tw[i];
-        out->st_b[i] += f.sym_tw[i];
+        out->force_a[i] -= f->couple[i];
+        out->force_b[i] += f->couple[i];
+        out->st_a[i] -= f->sym_tw[i];
+        out->st_b[i] += f->sym_tw[i];
         for (int j = 0; j < 3; ++j) {
-            const real xw = f.sym_xw[3 * i + j], wx = f.sym_xw[3 * j + i], ww = f.sym_ww[place[3 * i + j]];
+            const real xw = f->sym_xw[3 * i + j], wx = f->sym_xw[3 * j + i], ww = f->sym_ww[place[3 * i + j]];
             out->s_ab[3 * i + j] += a * xw - b * wx - ww;
             if (j < i) continue;
             out->s_aa[place[3 * i + j]] += ww - a * (xw + wx);
             out->s_bb[place[3 * i + j]] += ww + b * (xw + wx);
         }
     }
-    if (!(f.flags & SEL_FORCE_SLIDING)) return;
+    if (!(f->flags & SEL_FORCE_SLIDING)) return;
     for (int i = 0; i < 9; ++i) {
-        out->u_aa[i] -= a * f.skew_wx[i];
-        out->u_ab[i] -= b * f.skew_wx[i];
-        out->u_ba[i] += a * f.skew_wx[i];
-        out->u_bb[i] += b * f.skew_wx[i];
+        out->u_aa[i] -= a * f->skew_wx[i];
+        out->u_ab[i] -= b * f->skew_wx[i];
+        out->u_ba[i] += a * f->skew_wx[i];
+        out->u_bb[i] += b * f->skew_wx[i];
     }
 }
 
@@ -45,36 +45,36 @@ SEL_FN EdgeForce no_edge_force(void)
 }
 
 // Force on the axis point x = a x_a + b x_b, and the symmetric part of its tangent.
-SEL_FN void add_axis_force(ContactForce f, real a, real b, EdgeForce* out)
+SEL_FN void add_axis_force(const ContactForce* f, real a, real b, EdgeForce* out)
 {
     const int block[6] = {0, 1, 2, 4, 5, 7};  // xx xy xz yy yz zz among the ten of `sym`
     const int spin[3] = {3, 6, 8};            // xt yt zt
     const int full[9] = {0, 1, 2, 1, 4, 5, 2, 5, 7};
     for (int i = 0; i < 3; ++i) {
-        out->force_a[i] += a * f.force[i];
-        out->force_b[i] += b * f.force[i];
-        out->st_a[i] += a * f.sym[spin[i]];
-        out->st_b[i] += b * f.sym[spin[i]];
+        out->force_a[i] += a * f->force[i];
+        out->force_b[i] += b * f->force[i];
+        out->st_a[i] += a * f->sym[spin[i]];
+        out->st_b[i] += b * f->sym[spin[i]];
     }
     for (int i = 0; i < 6; ++i) {
-        out->s_aa[i] += a * a * f.sym[block[i]];
-        out->s_bb[i] += b * b * f.sym[block[i]];
+        out->s_aa[i] += a * a * f->sym[block[i]];
+        out->s_bb[i] += b * b * f->sym[block[i]];
     }
-    for (int i = 0; i < 9; ++i) out->s_ab[i] += a * b * f.sym[full[i]];
+    for (int i = 0; i < 9; ++i) out->s_ab[i] += a * b * f->sym[full[i]];
 }
 
 // What sliding makes unsymmetric.
-SEL_FN void add_sliding(ContactForce f, real a, real b, EdgeForce* out)
+SEL_FN void add_sliding(const ContactForce* f, real a, real b, EdgeForce* out)
 {
     for (int i = 0; i < 9; ++i) {
-        out->u_aa[i] += a * a * f.skew[i];
-        out->u_ab[i] += a * b * f.skew[i];
-        out->u_ba[i] += a * b * f.skew[i];
-        out->u_bb[i] += b * b * f.skew[i];
+        out->u_aa[i] += a * a * f->skew[i];
+        out->u_ab[i] += a * b * f->skew[i];
+        out->u_ba[i] += a * b * f->skew[i];
+        out->u_bb[i] += b * b * f->skew[i];
     }
     for (int i = 0; i < 3; ++i) {
-        out->ut_a[i] += a * f.skew[9 + i];
-        out->ut_b[i] += b * f.skew[9 + i];
+        out->ut_a[i] += a * f->skew[9 + i];
+        out->ut_b[i] += b * f->skew[9 + i];
     }
 }
 
@@ -88,9 +88,9 @@ SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL c
         out.flags |= f.flags;
         if (f.contacts == 0) continue;
         const real b = barys[k], a = 1 - b;
-        add_axis_force(f, a, b, &out);
-        if (f.flags & SEL_FORCE_COUPLE) add_couple(f, a, b, &out);
-        if (f.flags & SEL_FORCE_SLIDING) add_sliding(f, a, b, &out);
+        add_axis_force(&f, a, b, &out);
+        if (f.flags & SEL_FORCE_COUPLE) add_couple(&f, a, b, &out);
+        if (f.flags & SEL_FORCE_SLIDING) add_sliding(&f, a, b, &out);
         out.torque += f.force[3];
         out.s_tt += f.sym[9];
         out.normal_sum += f.normal_sum;
