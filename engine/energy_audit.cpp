@@ -229,6 +229,7 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     read_energies(state, wire);
     EnergyInput input = audit.fed;
     input.work += held_work(state, wire) + turning_work(state, wire) + hand_work(state, wire) + load_work(state, wire);
+    input.work += state.terms.work_from_outside(wire);
     input.unseen += unseen_work(state, wire, h);
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
         input.work += state.solver->residual_work(wire);

@@ -50,6 +50,9 @@ public:
     [[nodiscard]] ConstRodView rod(int wire) const;
     [[nodiscard]] const std::vector<ContactRow>& contacts() const;  // all wires, fetched from the device on demand
     [[nodiscard]] WireReadings readings(int wire) const;
+    /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
+    [[nodiscard]] WallReadings wall_readings(int system = 0) const;
+    [[nodiscard]] WallMechanics wall_mechanics() const;
     /// Of the last step() or settle().
     [[nodiscard]] const WireReport& report(int wire) const;
     /// Contact force on each node of a wire [n] [N].

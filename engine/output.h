@@ -4,6 +4,7 @@
 #include "contact/contact_row.h"
 #include "core/stage_times.h"
 #include "solve/momentum_balance.h"
+#include "wall/wall_readings.h"
 
 #include <vector>
 
@@ -14,6 +15,7 @@ enum StepFlag : unsigned {
     StepOk = 0,
     StepHalved = 1u << 0,        // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
     StepNotConverged = 1u << 1,  // no state could be found even for the smallest sub-step; the state before it was kept
+    StepWallFar = 1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepNonFinite = 1u << 4,        // a value is not finite; the state before the step was kept
     StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
@@ -74,13 +76,29 @@ struct WireOutput {
     std::vector<Vec3> contact_force;    // [N]
 };
 
+/// The wall of one system, copied.
+struct WallOutput {
+    WallReadings readings;
+    // Output::WallShape; empty of a rigid wall
+    std::vector<Vec3> displacement;  // of the vertices of WorldSetup::mesh [m]
+    std::vector<double> stress;      // there: von Mises, the larger of both surfaces [Pa]
+};
+
 /// A copy of what can be read, independent of the world it was read from: for a recorder, a picture, another thread.
 struct Output {
-    enum Parts : unsigned { Numbers = 0, Shape = 1u << 0, Contacts = 1u << 1, Everything = Shape | Contacts };
+    enum Parts : unsigned {
+        Numbers = 0,
+        Shape = 1u << 0,
+        Contacts = 1u << 1,
+        Wall = 1u << 2,       // readings of walls that yield
+        WallShape = 1u << 3,  // and where they are
+        Everything = Shape | Contacts | Wall | WallShape
+    };
     double time = 0;  // [s]
     long step = 0;
     unsigned parts = Numbers;          // that were read
     std::vector<WireOutput> wires;     // in the order of WorldSetup::wires
+    std::vector<WallOutput> walls;     // Wall: of each system
     std::vector<ContactRow> contacts;  // Contacts; sorted by (wire, edge, triangle)
 };
 

@@ -33,14 +33,17 @@ void audit_outside(World::Impl& state, int wire)
             std::make_unique<LumenQuery>(state.setup.mesh, open ? describe(state.setup.mesh).loops : std::vector<BoundaryLoop>{});
     }
     const RodView rod = state.rods.view(wire);
+    if (state.yielding) state.yielding->carry_back(state.rods, wire);
     double& outside = state.results[wire].contact.outside;
+    // where the wall was before it moved
+    const RodView seen = state.unmoved_rods ? state.unmoved_rods->view(wire) : rod;
     const auto look = [&](const Vec3& p) {
         const LumenPlace place = state.lumen->locate(p);
         if (place.opening < 0) outside = std::max(outside, -place.signed_distance);
     };
     for (int j = 0; j + 1 < rod.n; ++j) {
-        look(rod.pos(j));
-        look((rod.pos(j) + rod.pos(j + 1)) / 2);
+        look(seen.pos(j));
+        look((seen.pos(j) + seen.pos(j + 1)) / 2);
     }
 }
 
@@ -56,6 +59,8 @@ void check_state(World::Impl& state, double dt, StepReport& report)
             if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
                 note(state, report, w, StepNonFinite);
         if (needs_audit(state, w, dt)) audit_outside(state, w);
+        if (state.yielding && state.yielding->move_under(state.system_of[w]) > state.elastic_wall->largest_move())
+            note(state, report, w, StepWallFar);
         if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }
 }

@@ -110,9 +110,15 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     feeds.resize(count);
     hub_requests.resize(count);
     parts.assign(count, 1);
+    if (!setup.mesh.triangles.empty()) {
+        wall.emplace(setup.vessel, setup.mesh, setup.centreline);
+        if (setup.vessel.elastic) elastic_wall = std::make_unique<ElasticWall>(*wall);
+    }
     for (int w = 0; w < count; ++w) {
         WireSetup& wire = setup.wires[w];
         close_ring(wire);
+        // between two nodes the wall's displacement is linear (contact/wall_stations.h)
+        if (elastic_wall) wire.wire.max_edge = std::max(wire.wire.min_edge, std::min(wire.wire.max_edge, elastic_wall->edge()));
         if (wire.feed.on) {
             feeds[w].edge = uniform_edge(wire.wire);
             start_feed(feeds[w], wire.feed, wire.wire, rods, w);
@@ -126,9 +132,10 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
-        wall.emplace(setup.vessel, setup.mesh, setup.centreline);
-        contact = make_contact(*context, contact_setup(setup, *wall), rods);
-        terms.add(*contact);
+        if (elastic_wall) unmoved_rods = std::make_unique<RodArrays>(rods);
+        contact = make_contact(*context, contact_setup(setup, *wall), unmoved_rods ? *unmoved_rods : rods);
+        if (elastic_wall) yielding = std::make_unique<YieldingWall>(*elastic_wall, *contact, rods, *unmoved_rods, system_of);
+        terms.add(yielding ? static_cast<ForceTerm&>(*yielding) : *contact);
     }
     constraints.resize(count);
     reports.resize(count);

@@ -6,7 +6,7 @@
 //   control   hub_requests                       of the present step
 //   output    results, wire_reports, rows        of the accepted state
 
-#include "contact/contact_system.h"
+#include "contact/yielding_wall.h"
 #include "device/device.h"
 #include "energy_audit.h"
 #include "engine.h"
@@ -17,6 +17,7 @@
 #include "solve/solver.h"
 #include "sub_steps.h"
 #include "vessel/inside.h"
+#include "wall/wall_shape.h"
 
 #include <array>
 #include <optional>
@@ -72,8 +73,11 @@ struct World::Impl {
     std::vector<EnergyAudit> audits;         // per wire
     std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
     std::optional<WallModel> wall;           // none without a vessel
-    std::unique_ptr<ContactMethod> contact;  // none without a vessel
-    ForceTerms terms;                        // what acts on the wires: contact
+    std::unique_ptr<ElasticWall> elastic_wall;  // only of a vessel that yields, and so what is next
+    std::unique_ptr<RodArrays> unmoved_rods;    // the wires as the wall sees them where it has not moved
+    std::unique_ptr<ContactMethod> contact;     // none without a vessel
+    std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
+    ForceTerms terms;                           // what acts on the wires: contact
     std::unique_ptr<Solver> solver;
     // scratch of a step
     std::vector<WireConstraints> constraints;
@@ -94,6 +98,7 @@ struct World::Impl {
     std::vector<ContactRow> rows;                                 // what contacts() last returned
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
+    std::unique_ptr<WallShape> wall_shape;  // made when first asked for
     std::unique_ptr<LumenQuery> lumen;  // made when first needed; see audit_outside
 
     [[nodiscard]] int wire_count() const { return rods.wire_count(); }

@@ -42,7 +42,9 @@ void World::Impl::read_results(int wire, double h)
     }
     if (contact) {
         result.contact = contact->totals(wire);
-        contact->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
+        const std::span<Vec3> forces = std::span(result.nodal_contact).first(rod.n);
+        if (yielding) yielding->add_nodal_forces(wire, forces);
+        else contact->add_nodal_forces(wire, forces);
     }
     const int hub = rod.n - 1;
     for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, RodDofs::position(hub, k));
@@ -115,7 +117,8 @@ WireReadings World::readings(int wire) const
 const std::vector<ContactRow>& World::contacts() const
 {
     impl_->rows.clear();
-    if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
+    if (impl_->yielding) impl_->rows = impl_->yielding->rows(impl_->rods);
+    else if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
     return impl_->rows;
 }
 
@@ -176,6 +179,37 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
 
 }  // namespace
 
+WallReadings World::wall_readings(int system) const
+{
+    if (!impl_->yielding) return {};
+    return read_wall(*impl_->elastic_wall, impl_->yielding->state(system));
+}
+
+WallMechanics World::wall_mechanics() const
+{
+    return impl_->elastic_wall ? impl_->elastic_wall->mechanics() : WallMechanics{};
+}
+
+namespace {
+
+void read_walls(const World::Impl& s, unsigned parts, std::vector<WallOutput>& into)
+{
+    into.resize(static_cast<std::size_t>(s.system_count()));
+    for (int system = 0; system < s.system_count(); ++system) {
+        WallOutput& wall = into[static_cast<std::size_t>(system)];
+        wall = {};
+        if (!s.yielding) continue;
+        const ElasticWallState& state = s.yielding->state(system);
+        std::vector<double> stress;
+        wall.readings = read_wall(*s.elastic_wall, state, &stress);
+        if (!(parts & Output::WallShape)) continue;
+        wall.displacement = s.wall_shape->displacement(state.w);
+        wall.stress = s.wall_shape->spread(stress);
+    }
+}
+
+}  // namespace
+
 void World::read(Output& into, unsigned parts) const
 {
     into.time = time();
@@ -193,6 +227,9 @@ void World::read(Output& into, unsigned parts) const
         if (parts & Output::Shape) read_shape(rod(w), impl_->results[w].nodal_contact, wire);
     }
     if (parts & Output::Contacts) into.contacts = contacts();
+    if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
+        impl_->wall_shape = std::make_unique<WallShape>(*impl_->elastic_wall, impl_->setup.mesh);
+    if (parts & (Output::Wall | Output::WallShape)) read_walls(*impl_, parts, into.walls);
 }
 
 Output World::output(unsigned parts) const
@@ -224,6 +261,16 @@ std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrato
                        record.without, record.steps);
 }
 
+std::string describe_wall(const World::Impl& s)
+{
+    if (!s.elastic_wall) return "rigid shape, elastic bed under each contact (D6b)";
+    const VesselSpec& v = s.setup.vessel;
+    return fmt::format("elastic (D11): shell of {:.3g} MPa, {:.3g} mm on tissue of {:.3g} MPa/m, {} control vertices, edge {}; elastic bed "
+                       "under each contact (D6b) in series",
+                       1e-6 * v.youngs, 1e3 * v.thickness, 1e-6 * v.support, s.elastic_wall->compliance().vertex_count(),
+                       s.elastic_wall->edge_reason());
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> World::model() const
@@ -251,7 +298,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     static const char* const detections[] = {"swept", "capsule", "layer", "nodes"};
     list.emplace_back("detection", detections[static_cast<int>(wire.contact.detection)]);
     list.emplace_back("rolling", !wire.contact.rolling ? "off" : "on (asked for)");
-    list.emplace_back("wall", "rigid shape, elastic bed under each contact (D6b)");
+    list.emplace_back("wall", describe_wall(s));
     list.emplace_back("precision", s.context->float32() ? "float32" : "float64");
     for (auto& entry : s.contact->describe()) list.push_back(std::move(entry));
     return list;

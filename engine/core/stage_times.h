@@ -5,18 +5,18 @@ namespace seldinger {
 
 /// Of one step, all systems together [s].
 struct StageTimes {
-    double detect = 0, evaluate = 0, reduce = 0, solve = 0, adapt = 0;
-    [[nodiscard]] double in_all() const { return detect + evaluate + reduce + solve + adapt; }
+    double detect = 0, evaluate = 0, reduce = 0, wall = 0, solve = 0, adapt = 0;
+    [[nodiscard]] double in_all() const { return detect + evaluate + reduce + wall + solve + adapt; }
     StageTimes& operator+=(const StageTimes& other)
     {
         detect += other.detect, evaluate += other.evaluate, reduce += other.reduce;
-        solve += other.solve, adapt += other.adapt;
+        wall += other.wall, solve += other.solve, adapt += other.adapt;
         return *this;
     }
     StageTimes& operator-=(const StageTimes& other)
     {
         detect -= other.detect, evaluate -= other.evaluate, reduce -= other.reduce;
-        solve -= other.solve, adapt -= other.adapt;
+        wall -= other.wall, solve -= other.solve, adapt -= other.adapt;
         return *this;
     }
 };

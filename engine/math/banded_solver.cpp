@@ -101,6 +101,7 @@ void BandedSolver::reset(int size)
 {
     band.reset(size);
     columns.clear();
+    condensed.clear();
     std::fill_n(fixed_.begin(), size, std::uint8_t{0});
 }
 
@@ -114,6 +115,7 @@ void BandedSolver::add_column(int j, double x_j, std::span<double> y) const
 {
     band.add_column(j, x_j, y);
     if (!columns.empty()) columns.add_column(j, x_j, y);
+    condensed.add_column(j, x_j, y);
 }
 
 int BandedSolver::factor_symmetric()
@@ -194,6 +196,13 @@ double BandedSolver::residual_of(std::span<const double> b, std::span<const doub
 }
 
 void BandedSolver::solve(std::span<double> rhs_to_x)
+{
+    if (condensed.empty()) return solve_with_columns(rhs_to_x);
+    const std::size_t size = static_cast<std::size_t>(band.size());
+    (void)condensed.solve(rhs_to_x.first(size), {fixed_.data(), size}, [this](std::span<double> x) { solve_with_columns(x); });
+}
+
+void BandedSolver::solve_with_columns(std::span<double> rhs_to_x)
 {
     if (columns.empty()) return solve_band(rhs_to_x);
     const std::span<double> x = rhs_to_x.first(static_cast<std::size_t>(band.size()));

@@ -8,10 +8,13 @@
 // a column holds) y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution; so the residual of the whole is
 // checked, and the solution refined once by it where it is too large.
 //
+// Unknowns beside the band that are eliminated (math/condensed.h) come on top: what is left of them takes a few more solutions.
+//
 // Signs. With A positive definite and C symmetric, A + U C U^T has as many negative eigenvalues as S has:
 // A^-1/2 (A + U C U^T) A^-1/2 = I + W C W^T, W = A^-1/2 U, and W C W^T has the eigenvalues of C W^T W = C U^T A^-1 U beside zeros.
 
 #include "math/band_matrix.h"
+#include "math/condensed.h"
 #include "math/low_rank.h"
 
 #include <cstdint>
@@ -44,10 +47,12 @@ public:
 
     BandMatrix band;
     LowRank columns;
+    Condensed condensed;
 
 private:
     struct Woodbury;  // what is kept of the columns; made when there are any
     void factor_columns();
+    void solve_with_columns(std::span<double> rhs_to_x);
     void solve_band(std::span<double> rhs_to_x);
     void solve_whole(std::span<double> rhs_to_x);
     [[nodiscard]] double residual_of(std::span<const double> b, std::span<const double> x);

@@ -7,5 +7,6 @@
 namespace seldinger {
 
 using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
 
 }  // namespace seldinger

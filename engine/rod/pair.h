@@ -44,7 +44,6 @@
 
 namespace seldinger {
 
-using Mat3 = Eigen::Matrix3d;
 
 /// Two unit tangents that meet. An inverse length of 0 marks a clamp: a tangent that does not move.
 struct Pair {

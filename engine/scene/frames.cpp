@@ -47,4 +47,15 @@ std::string wall_vtp(const WallMesh& mesh)
     return out.bytes();
 }
 
+std::string moved_wall_vtp(const WallMesh& mesh, const WallOutput& wall)
+{
+    std::vector<Vec3> now(mesh.vertices);
+    for (std::size_t v = 0; v < now.size(); ++v) now[v] += wall.displacement[v];
+    VtpWriter out(now);
+    out.set_polys(mesh.triangles);
+    out.add_point_vectors("displacement", wall.displacement);
+    out.add_point_data("stress", 1, wall.stress);
+    return out.bytes();
+}
+
 }  // namespace seldinger

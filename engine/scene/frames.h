@@ -22,4 +22,8 @@ namespace seldinger {
 /// The wall in metres, triangles facing the lumen.
 [[nodiscard]] std::string wall_vtp(const WallMesh& mesh);
 
+/// The same where it has moved to. Point data: displacement [m], stress (von Mises, the larger of both surfaces) [Pa].
+/// @param wall  with Output::WallShape
+[[nodiscard]] std::string moved_wall_vtp(const WallMesh& mesh, const WallOutput& wall);
+
 }  // namespace seldinger

@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv",
-                                     "wire.pvd",       "contacts.pvd", "vessel.vtp", "scene.toml", "picture.png"};
-constexpr const char* own_series[] = {"wire_", "contacts_", "frame_"};
+                                     "wire.pvd",       "contacts.pvd", "wall.pvd", "vessel.vtp", "scene.toml", "picture.png"};
+constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
 constexpr std::string_view trace_header =
     "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_"
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
-    "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m\n";
+    "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_pa\n";
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -96,7 +96,12 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
 }
 
 Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& world, fs::path dir)
-    : scene_(scene), vessel_(vessel), dir_(std::move(dir)), vessel_hash_(hash_of(world.setup().mesh))
+    : scene_(scene),
+      vessel_(vessel),
+      mesh_(world.setup().mesh),
+      dir_(std::move(dir)),
+      vessel_hash_(hash_of(mesh_)),
+      yields_(world.setup().vessel.elastic)
 {
     const Stopwatch watch(tally_.record);
     const std::string resolved = write_scene(scene, dir_);  // first: it may be what is overwritten
@@ -105,9 +110,8 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     write_file(dir_ / "scene.toml", resolved);
     trace_ = AppendFile(dir_ / "trace.csv", 0);
     trace_.append(trace_header);
-    const WallMesh& mesh = world.setup().mesh;
-    has_wall_ = !mesh.triangles.empty();
-    if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh));
+    has_wall_ = !mesh_.triangles.empty();
+    if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output();
     readings_ = now.wires[0].readings;
     if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
@@ -121,9 +125,11 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
 Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world, fs::path dir, const Checkpoint& saved)
     : scene_(scene),
       vessel_(vessel),
+      mesh_(world.setup().mesh),
       dir_(std::move(dir)),
-      vessel_hash_(hash_of(world.setup().mesh)),
-      has_wall_(!world.setup().mesh.triangles.empty()),
+      vessel_hash_(hash_of(mesh_)),
+      has_wall_(!mesh_.triangles.empty()),
+      yields_(world.setup().vessel.elastic),
       tally_(saved.tally),
       wire_frames_(saved.wire_frames),
       contact_frames_(saved.contact_frames)
@@ -162,8 +168,10 @@ void Recorder::settled(const Output& now, const StepReport& report)
 unsigned Recorder::wants() const
 {
     const std::int64_t next = tally_.steps + 1;
+    const unsigned contacts = yields_ ? Output::Contacts | Output::WallShape : Output::Contacts;
     return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
-           (has_wall_ && due(next, scene_.contacts_every) ? Output::Contacts : Output::Numbers);
+           (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
+           (yields_ && due(next, scene_.record_every) ? Output::Wall : Output::Numbers);
 }
 
 void Recorder::stepped(const Output& now, const StepReport& report, double seconds)
@@ -199,10 +207,18 @@ void Recorder::write_row(const Output& now)
                            r.elastic, r.gravitational})
         row += "," + csv(v);
     const Vec3& tip = now.wires[0].tip;
-    trace_.append(row + fmt::format(",{},{},{},{},{}\n", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()),
-                                    csv(tip.y()), csv(tip.z())));
+    trace_.append(row + fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()),
+                                    csv(tip.y()), csv(tip.z())) + wall_fields(now));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
+}
+
+std::string Recorder::wall_fields(const Output& now)
+{
+    const WallReadings w = now.walls.empty() ? WallReadings{} : now.walls[0].readings;
+    tally_.wall_move_max = std::max(tally_.wall_move_max, w.move_max);
+    tally_.wall_stress_max = std::max(tally_.wall_stress_max, w.stress_max);
+    return fmt::format(",{},{},{},{}\n", csv(w.move_max), csv(w.energy), csv(w.loss), csv(w.stress_max));
 }
 
 void Recorder::write_wire_frame(const Output& now)
@@ -215,6 +231,7 @@ void Recorder::write_contact_frame(const Output& now)
 {
     if (!has_wall_) return;
     write_file(dir_ / frame_name("contacts", tally_.steps), contacts_vtp(now.contacts));
+    if (yields_) write_file(dir_ / frame_name("wall", tally_.steps), moved_wall_vtp(mesh_, now.walls[0]));
     contact_frames_.push_back({tally_.steps, now.time});
 }
 
@@ -222,9 +239,10 @@ void Recorder::write_contact_frame(const Output& now)
 void Recorder::write_collections()
 {
     const std::pair<const char*, const std::vector<FrameMark>*> series[] = {{"wire", &wire_frames_},
-                                                                            {"contacts", &contact_frames_}};
+                                                                            {"contacts", &contact_frames_},
+                                                                            {"wall", &contact_frames_}};
     for (const auto& [stem, frames] : series) {
-        if (frames->empty()) continue;
+        if (frames->empty() || (stem == std::string_view("wall") && !yields_)) continue;
         std::vector<PvdEntry> entries;
         for (const FrameMark& frame : *frames) entries.push_back({frame.time, frame_name(stem, frame.step)});
         write_file(dir_ / fmt::format("{}.pvd", stem), pvd_text(entries));

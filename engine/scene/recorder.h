@@ -57,15 +57,18 @@ private:
     void write_wire_frame(const Output& now);
     void write_contact_frame(const Output& now);
     void write_collections();
+    [[nodiscard]] std::string wall_fields(const Output& now);
     void write_wire_table(const WireOutput& wire);
     void write_contact_table(const Output& now);
     [[nodiscard]] std::string csv(double value);
 
     const Scene& scene_;
     const RepairReport& vessel_;
+    const WallMesh& mesh_;  // of the world
     std::filesystem::path dir_;
     std::uint64_t vessel_hash_ = 0;
     bool has_wall_ = false;
+    bool yields_ = false;  // and it yields
     AppendFile trace_;
     RunTally tally_;
     WireReadings readings_;  // of the last accepted step

@@ -46,7 +46,7 @@ Json stages_of(const RunTally& tally)
     const double to_ms = 1e3 / static_cast<double>(std::max<std::int64_t>(tally.steps, 1));
     const StageTimes& s = tally.stages;
     return {{"detect", s.detect * to_ms},    {"evaluate", s.evaluate * to_ms}, {"reduce", s.reduce * to_ms},
-            {"solve", s.solve * to_ms},      {"wall", 0.0},                    {"adapt", s.adapt * to_ms},  // a rigid wall takes no time
+            {"solve", s.solve * to_ms},      {"wall", s.wall * to_ms},         {"adapt", s.adapt * to_ms},
             {"record", tally.record * to_ms}};
 }
 
@@ -77,6 +77,25 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("gravitational_j", r.gravitational);
 }
 
+/// Of a wall that yields; a rigid one has none of these.
+void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& world)
+{
+    const WallMechanics made = world.wall_mechanics();
+    if (made.vertices == 0) return;
+    const WallReadings now = world.wall_readings();
+    out["wall_vertices"] = made.vertices;
+    number.set("wall_edge_m", made.edge);
+    number.set("wall_made_s", made.made_in);
+    number.set("wall_factor_s", made.factor);
+    out["wall_columns"] = made.columns;
+    number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
+    number.set("wall_move_max_m", std::max(tally.wall_move_max, now.move_max));
+    number.set("wall_stress_max_pa", std::max(tally.wall_stress_max, now.stress_max));
+    number.set("wall_energy_j", now.energy);
+    number.set("wall_loss_j", now.loss);
+    out["wall_far_steps"] = tally.far_steps;
+}
+
 std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes& notes, const std::vector<std::string>& lost)
 {
     std::vector<std::string> list = notes.warnings;
@@ -87,6 +106,9 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
         list.push_back(
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most", 1e3 * tally.outside_max));
+    if (tally.far_steps > 0)
+        list.push_back(share(tally.far_steps) + " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
+                                                "theory is good for (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
@@ -100,6 +122,7 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     contacts_max = std::max<std::int64_t>(contacts_max, readings.contacts);
     newton_max = std::max<std::int64_t>(newton_max, newton_iterations);
     halved_steps += (flags & StepHalved) != 0;
+    far_steps += (flags & StepWallFar) != 0;
     outside_steps += (flags & StepWallPenetration) != 0;
     friction_max = std::max(friction_max, readings.friction);
     overlap_max = std::max(overlap_max, readings.overlap);
@@ -140,6 +163,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     number.set("turned_rad", r.turned);
     out["nodes"] = r.nodes;
     set_forces_and_energies(number, out, tally, r);
+    set_wall(number, out, tally, world);
     out["halved_steps"] = tally.halved_steps;
     out["at_rest"] = world.at_rest();
     out["stage_ms"] = stages_of(tally);

@@ -8,7 +8,6 @@
 
 namespace seldinger {
 
-using Mat3 = Eigen::Matrix3d;
 
 void add_edge_block(BandRows& matrix, int j, const Mat3& k)
 {

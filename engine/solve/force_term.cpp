@@ -54,9 +54,9 @@ void ForceTerms::add(int wire, std::span<double> residual, BandRows* tangent, bo
     for (const ForceTerm* term : list_) term->add(wire, residual, tangent, symmetric);
 }
 
-void ForceTerms::couple(const SystemUnknowns& system, std::span<double> residual, LowRank* tangent) const
+void ForceTerms::couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
 {
-    for (const ForceTerm* term : list_) term->couple(system, residual, tangent);
+    for (const ForceTerm* term : list_) term->couple(system, residual, tangent, symmetric);
 }
 
 bool ForceTerms::unsymmetric(int wire) const
@@ -97,6 +97,13 @@ double ForceTerms::stored_energy(int wire) const
 {
     double sum = 0;
     for (const ForceTerm* term : list_) sum += term->stored_energy(wire);
+    return sum;
+}
+
+double ForceTerms::work_from_outside(int wire) const
+{
+    double sum = 0;
+    for (const ForceTerm* term : list_) sum += term->work_from_outside(wire);
     return sum;
 }
 

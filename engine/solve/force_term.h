@@ -24,7 +24,7 @@
 
 namespace seldinger {
 
-class LowRank;  // math/low_rank.h
+class BandedSolver;  // math/banded_solver.h
 
 /// Trial configuration of all wires, in the concatenated layout of RodArrays.
 struct TrialState {
@@ -79,8 +79,11 @@ public:
     /// unsymmetric (sliding friction) part of the tangent.
     virtual void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const = 0;
     /// What joins unknowns of the system that no stencil of a wire does (two wires, far nodes of one): adds -force to `residual`,
-    /// in the system's unknowns, and -d(force)/dq to `tangent` if not null, as columns beside the band.
-    virtual void couple(const SystemUnknowns& /*system*/, std::span<double> /*residual*/, LowRank* /*tangent*/) const {}
+    /// in the system's unknowns, and -d(force)/dq to `tangent` if not null, beside its band. `symmetric`: as in add().
+    virtual void couple(const SystemUnknowns& /*system*/, std::span<double> /*residual*/, BandedSolver* /*tangent*/,
+                        bool /*symmetric*/) const
+    {
+    }
     /// Whether the tangent at the trial is unsymmetric (sliding friction).
     [[nodiscard]] virtual bool unsymmetric(int /*wire*/) const { return false; }
     /// Largest force on one edge of the wire at the trial [N]; the scale of a jump that a kink of the wall can make.
@@ -108,6 +111,9 @@ public:
     // ---- the accepted state ----
     /// The last evaluated trial becomes the accepted state of wires with active[w] != 0.
     virtual void commit(std::span<const std::uint8_t> /*active*/) {}
+    /// Work done on the wire, from outside of it and of what stored_energy() speaks of, by what moves under the force: a wall,
+    /// in the step that was evaluated last [J].
+    [[nodiscard]] virtual double work_from_outside(int /*wire*/) const { return 0; }
     /// The most energy that it can give back from where it was evaluated last [J].
     [[nodiscard]] virtual double stored_energy(int /*wire*/) const { return 0; }
     /// Whether the law allows no overlap at all, and so no change of nodes that makes one.
@@ -145,7 +151,7 @@ public:
     [[nodiscard]] bool admissible(int wire) const;
     /// The sum of all.
     void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const;
-    void couple(const SystemUnknowns& system, std::span<double> residual, LowRank* tangent) const;
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const;
     /// Of any.
     [[nodiscard]] bool unsymmetric(int wire) const;
     [[nodiscard]] bool follows_spins() const;
@@ -156,6 +162,7 @@ public:
     /// The sum.
     [[nodiscard]] double rounding(int wire) const;
     [[nodiscard]] double stored_energy(int wire) const;
+    [[nodiscard]] double work_from_outside(int wire) const;
     /// The least.
     [[nodiscard]] double feasible_step(int wire) const;
     [[nodiscard]] double move_limit(int wire) const;

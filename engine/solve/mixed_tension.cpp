@@ -74,7 +74,6 @@ void MixedTension::change_residual(const EdgeStretch& now, std::span<double> r) 
 // b the mean direction: half of EA/l b t^T + N/m (I - b t^T) in place of half the Hessian.
 void MixedTension::change_tangent(const EdgeStretch& now, HessianMode mode, bool symmetric, BandRows& tangent) const
 {
-    using Mat3 = Eigen::Matrix3d;
     const RodView& rod = now.rod;
     const double least = mode == HessianMode::Projected ? 0.0 : -std::numeric_limits<double>::infinity();
     for (int j = 0; j < rod.n - 1; ++j) {

@@ -132,7 +132,7 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
         std::fill_n(term_residual_.begin(), count, 0.0);
         for (std::size_t k = 0; k < solved_.size(); ++k)
             terms.add(solved_wires_[k], term_residual_.subspan(map.first(static_cast<int>(k)), solved_[k]->size()), nullptr, true);
-        terms.couple(unknowns(), term_residual_.first(count), nullptr);
+        terms.couple(unknowns(), term_residual_.first(count), nullptr, true);
         for (std::size_t i = 0; i < count; ++i) residual[i] += term_residual_[i];
     }
     return finish_residual();
@@ -146,6 +146,7 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
         for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
         term_tangent_.multiply(velocities_, scratch_);
         linear.columns.add_product(velocities_, scratch_);
+        linear.condensed.add_product(velocities_, scratch_);
         for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
     }
     return finish_residual();
@@ -176,7 +177,7 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
         }
         wire->add_stiffness_damping(part);
     }
-    terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear.columns);
+    terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
 }
 
 bool SystemProblem::unsymmetric() const

@@ -1,5 +1,5 @@
 // Several wires solved together: what is not coupled moves as it would alone, and what couples them is solved exactly.
-#include "math/low_rank.h"
+#include "math/banded_solver.h"
 #include "solve/system_problem.h"
 #include "solve/wire_fixture.h"
 
@@ -28,7 +28,7 @@ public:
         apart_ = at(0) - at(1);
     }
     void add(int, std::span<double>, BandRows*, bool) const override {}
-    void couple(const SystemUnknowns& system, std::span<double> residual, LowRank* tangent) const override
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool /*symmetric*/) const override
     {
         const int wire_a = system.rod_of(0), wire_b = system.rod_of(1);
         if (wire_a < 0 || wire_b < 0) return;
@@ -40,7 +40,7 @@ public:
             columns.push_back({{a, 1.0}, {b, -1.0}});
         }
         const double k = (mean_ ? 0.5 : 1.0) * stiffness_;
-        if (tangent) tangent->add(columns, std::array{k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k});
+        if (tangent) tangent->columns.add(columns, std::array{k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k});
     }
     [[nodiscard]] bool follows_spins() const override { return false; }
     [[nodiscard]] bool may_jump() const override { return false; }

@@ -1,0 +1,62 @@
+#pragma once
+// Where wires meet a wall that yields. Contact is looked for in the wall's unmoved shape: each node of a wire is carried back by
+// what the wall has moved under it, and from there on the wall is the rigid one, exact mesh, tree and caches included.
+//
+//     y = x - U - G (x - x0),     U = sum_a N_a(foot) w_a,     G = du/dX at the foot                              (D11a)
+//
+// x: node, x0: where it was when its foot was found (the start of the step), foot: the nearest point of the wall's smooth surface;
+// between nodes y is linear, as the wire is. To first order in the slope of the displacement (2.5 % of what a move of a fifth of the
+// lumen's radius over a decay length gives is second order) this is the gap to the moved wall, its normal turned with it: G makes the
+// force on the wire (1 - G)^T f, which does the work that the moving wall takes in. The wall feels -f at the foot. What is far from
+// the wall is not carried at all: U fades out between `full` and `none`.
+
+#include "math/vec3.h"
+#include "rod/rod_arrays.h"
+#include "wall/elastic_wall.h"
+
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+/// A node of a wire and the wall under it.
+struct WallStation {
+    bool near = false;     // else the wall has no say in it
+    LoopStencil weights;   // N, faded [control vertices]
+    Mat3 slope = Mat3::Zero();  // G
+    Vec3 at = Vec3::Zero();     // x0 [m]
+    Vec3 start = Vec3::Zero();  // U at the start of the step [m]
+    double distance = 0;        // of x0 from the wall [m]
+    int row = -1;               // among those that touch, or may
+};
+
+/// Nodes of one system.
+class WallStations {
+public:
+    WallStations(const ElasticWall& wall, int nodes);
+
+    void provide(int nodes);
+    /// Finds the foot of a node at x anew, unless it is there already. @param w  displacement of the wall [3V]
+    void place(int node, const Vec3& x, std::span<const double> w, double radius);
+    /// Nodes from `first` to `last` are no longer there.
+    void forget(int first, int last);
+    [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }
+    [[nodiscard]] WallStation& operator[](int node) { return stations_[node]; }
+    [[nodiscard]] int count() const { return static_cast<int>(stations_.size()); }
+    [[nodiscard]] Vec3 displacement(const WallStation& station, std::span<const double> w) const;
+
+private:
+    struct Clear {
+        Vec3 at = Vec3::Constant(1e30);
+        double distance = 0;  // from there to the wall [m]
+    };
+    const ElasticWall& wall_;
+    std::vector<WallStation> stations_;  // [nodes]
+    std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
+};
+
+/// W: how stations give way to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
+/// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
+void wall_compliance(const WallStations& stations, std::span<const int> rows, const WallFactor& factor, std::vector<double>& w);
+
+}  // namespace seldinger

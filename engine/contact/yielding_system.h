@@ -1,0 +1,85 @@
+#pragma once
+// What contact with a yielding wall keeps of one system while a step is solved. Private to yielding_wall*.cpp.
+
+#include "contact/yielding_wall.h"
+
+#include <limits>
+
+namespace seldinger {
+
+/// One trial of a system's nodes, what contact said there, and how it changes.
+struct WallTrial {
+    std::vector<double> q;      // [4 nodes] positions and spin angles
+    std::vector<double> y;      // [3 nodes] carried back [m]
+    std::vector<double> u;      // [3 rows] where the wall is thought to be [m]
+    std::vector<double> force;  // [3 rows] on the wire [N]
+    std::vector<double> rho;    // [3 rows] how far it would go from there under that force [m]
+    Condensed linear;           // unknowns counted over the system's nodes
+};
+
+struct YieldingWall::System {
+    System(const ElasticWall& wall, int first) : stations(wall, 0), first_node(first)
+    {
+        state.w.assign(static_cast<std::size_t>(wall.unknowns()), 0.0);
+    }
+
+    // ---- trials ----
+    [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
+    [[nodiscard]] const WallTrial& trial() const { return trials_[now_]; }
+    [[nodiscard]] const WallTrial* base_trial() const { return base_ >= 0 ? &trials_[base_] : nullptr; }
+    WallTrial& next_trial()
+    {
+        if (now_ == base_) now_ = 1 - now_;
+        return trials_[now_];
+    }
+    void take() { base_ = now_; }
+    void forget_base() { base_ = -1; }
+    /// The wall where contact's answer sends it, by the linear equations at the trial, whose positions stay.
+    void correct();
+    /// What is missed of the balance of wall and contact, against what may be.
+    /// @param of_force  of the largest force  @param of_radius  of the wire's radius
+    [[nodiscard]] double misses(double of_force, double of_radius) const;
+
+    // ---- nodes ----
+    [[nodiscard]] int row_of(int node) const { return stations[node].near ? stations[node].row : -1; }
+    /// y of a node at x.
+    [[nodiscard]] Vec3 carry(int node, const Vec3& x) const
+    {
+        const WallStation& station = stations[node];
+        if (!station.near) return x;
+        const Vec3 u = station.row >= 0 ? Vec3(Eigen::Map<const Vec3>(&trial().u[3 * station.row])) : station.start;
+        return x - u - station.slope * (x - station.at);
+    }
+    /// dy/dx = 1 - G
+    [[nodiscard]] Mat3 share_of_move(int node) const
+    {
+        return stations[node].near ? Mat3(Mat3::Identity() - stations[node].slope) : Mat3(Mat3::Identity());
+    }
+
+    std::vector<int> wires;
+    WallStations stations;
+    int first_node;  // of the system in the concatenated arrays
+    double least_radius = std::numeric_limits<double>::infinity();
+    ElasticWallState state;
+
+    // of the step
+    bool begun = false;
+    double h = 0;
+    int refinements = 0;
+    std::shared_ptr<const WallFactor> factor;
+    std::vector<double> free;        // [3V] where the wall would be at the end of the step, untouched
+    std::vector<int> rows;           // nodes that touch or may, in order
+    std::vector<int> wire_of_row;    // [rows]
+    std::vector<double> compliance;  // W [3 rows][3 rows]
+    std::vector<double> u_free;      // [3 rows]
+    std::vector<double> y_start;     // [3 nodes] of the start of the step [m]
+    std::vector<double> scratch_q, scratch_m;
+    mutable std::vector<double> missed;
+    WallSolveWork work;
+
+private:
+    WallTrial trials_[2];
+    int now_ = 0, base_ = -1;
+};
+
+}  // namespace seldinger

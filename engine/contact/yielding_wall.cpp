@@ -1,0 +1,333 @@
+// Wire and wall solved together: trials, residual, tangent. Start and end of a step: yielding_wall_step.cpp.
+
+#include "contact/yielding_system.h"
+
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int most_moves = 6;           // of the wall at one trial
+constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
+constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
+constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
+constexpr int most_rounds = 8;          // that ask for more than Newton's convergence
+
+}  // namespace
+
+YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
+                           std::span<const int> systems)
+    : wall_(wall), contact_(contact), rods_(rods), unmoved_(unmoved), system_of_(systems.begin(), systems.end())
+{
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        if (system_of_[w] == static_cast<int>(systems_.size()))
+            systems_.push_back(std::make_unique<System>(wall, rods.node_begin(w)));
+        System& system = of(w);
+        system.wires.push_back(w);
+        system.stations.provide(system.stations.count() + rods.capacity(w));
+        system.least_radius = std::min(system.least_radius, rods.view(w).radius[0]);
+        tangents_.emplace_back(RodDofs::count(rods.capacity(w)));
+        residuals_.emplace_back(RodDofs::count(rods.capacity(w)));
+    }
+    for (TrialState* state : {&carried_, &before_})
+        for (auto* array : {&state->x, &state->y, &state->z, &state->theta}) array->resize(rods.total_capacity());
+    todo_.resize(rods.wire_count());
+}
+
+YieldingWall::~YieldingWall() = default;
+
+// ---- at a trial ---------------------------------------------------------------------------------------------------------------
+
+void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+{
+    std::copy(active.begin(), active.end(), todo_.begin());
+    const auto is_asked = [&](const System& system) {
+        return std::any_of(system.wires.begin(), system.wires.end(), [&](int w) { return todo_[w] != 0; });
+    };
+    bool again = true;
+    for (int round = 0; again; ++round) {
+        auto start = Clock::now();
+        for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
+            System& system = *systems_[s];
+            if (!is_asked(system)) return;
+            if (!system.begun) start_step(system, h);
+            if (round == 0) foresee(system, trial);
+            else system.correct();
+            carry_trial(system, trial, carried_);
+        });
+        seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+        contact_.evaluate(carried_, h, todo_);
+        ++counts_.evaluations;
+        start = Clock::now();
+        again = false;
+        for (const auto& system : systems_) {
+            if (!is_asked(*system)) continue;
+            const bool settled = take_forces(*system) && system->misses(foreseen_force, foreseen_move) <= 1;
+            if (settled || round == most_moves)
+                for (const int w : system->wires) todo_[w] = 0;
+            else again = true, ++counts_.again;
+        }
+        seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    }
+}
+
+/// The wall stands where it is when forces are taken at the start of a step.
+void YieldingWall::evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
+                                  std::span<const std::uint8_t> active)
+{
+    for (const auto& system : systems_) {
+        if (std::none_of(system->wires.begin(), system->wires.end(), [&](int w) { return active[w] != 0; })) continue;
+        if (!system->begun) start_step(*system, h);
+        foresee(*system, start);
+        carry_trial(*system, before, before_);
+        carry_trial(*system, start, carried_);
+    }
+    contact_.evaluate_start(carried_, before_, h, linearised, active);
+    for (const auto& system : systems_)
+        if (std::any_of(system->wires.begin(), system->wires.end(), [&](int w) { return active[w] != 0; }))
+            (void)take_forces(*system);
+}
+
+/// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
+void YieldingWall::foresee(System& system, const TrialState& trial) const
+{
+    WallTrial& now = system.next_trial();
+    now.q.resize(4 * static_cast<std::size_t>(system.stations.count()));
+    for (const int w : system.wires)
+        for (int i = 0; i < rods_.node_count(w); ++i) {
+            const std::size_t from = static_cast<std::size_t>(rods_.node_begin(w) + i);
+            double* q = &now.q[4 * (from - static_cast<std::size_t>(system.first_node))];
+            q[0] = trial.x[from], q[1] = trial.y[from], q[2] = trial.z[from], q[3] = trial.theta[from];
+        }
+    const WallTrial* base = system.base_trial();
+    if (!base) {
+        now.u.resize(3 * system.rows.size());
+        for (std::size_t k = 0; k < system.rows.size(); ++k)
+            Eigen::Map<Vec3>(&now.u[3 * k]) = system.stations[system.rows[k]].start;
+        return;
+    }
+    const std::size_t m = base->u.size();
+    std::vector<double>&move = system.scratch_q, &along = system.scratch_m;
+    move.resize(now.q.size());
+    along.resize(m);
+    for (std::size_t i = 0; i < move.size(); ++i) move[i] = now.q[i] - base->q[i];
+    Condensed::onto(base->linear.f, move, along);
+    now.u.resize(m);
+    base->linear.times_w(along, now.u);
+    for (std::size_t k = 0; k < m; ++k) now.u[k] -= base->rho[k];
+    base->linear.solve_own(now.u);
+    for (std::size_t k = 0; k < m; ++k) now.u[k] += base->u[k];
+}
+
+void YieldingWall::carry_trial(System& system, const TrialState& trial, TrialState& to) const
+{
+    WallTrial& now = system.trial();
+    now.y.resize(3 * static_cast<std::size_t>(system.stations.count()));
+    for (const int w : system.wires)
+        for (int i = 0; i < rods_.node_count(w); ++i) {
+            const std::size_t at = static_cast<std::size_t>(rods_.node_begin(w) + i);
+            const std::size_t own = at - static_cast<std::size_t>(system.first_node);
+            const Vec3 x(trial.x[at], trial.y[at], trial.z[at]);
+            const Vec3 y = system.carry(static_cast<int>(own), x);
+            to.x[at] = y.x(), to.y[at] = y.y(), to.z[at] = y.z(), to.theta[at] = trial.theta[at];
+            Eigen::Map<Vec3>(&now.y[3 * own]) = y;
+        }
+}
+
+/// What contact has said, and how it changes. @return false: nodes have come to touch that were not thought of; the wall moves
+/// under them too from the next evaluation on
+bool YieldingWall::take_forces(System& system) const
+{
+    bool thought_of = true;
+    for (const int w : system.wires) {
+        const int n = rods_.node_count(w);
+        std::span<double> residual = std::span(residuals_[w]).first(RodDofs::count(n));
+        std::fill(residual.begin(), residual.end(), 0.0);
+        tangents_[w].reset(RodDofs::count(n));
+        contact_.add(w, residual, &tangents_[w], false);
+        for (int i = 0; i < n; ++i) {
+            WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
+            if (!station.near || station.row >= 0) continue;
+            const double* r = &residual[RodDofs::position(i)];
+            thought_of = thought_of && r[0] == 0 && r[1] == 0 && r[2] == 0;
+        }
+    }
+    WallTrial& now = system.trial();
+    if (!thought_of) engage(system);
+    const std::size_t m = 3 * system.rows.size();
+    now.force.assign(m, 0.0);
+    for (const int w : system.wires)
+        for (int i = 0; i < rods_.node_count(w); ++i) {
+            const int row = system.row_of(rods_.node_begin(w) - system.first_node + i);
+            for (int c = 0; c < 3 && row >= 0; ++c) now.force[3 * row + c] = -residuals_[w][RodDofs::position(i, c)];
+        }
+    linearise(system, now.linear);
+    now.rho.resize(m);
+    now.linear.times_w(now.force, now.rho);
+    for (std::size_t k = 0; k < m; ++k) now.rho[k] += now.u[k] - system.u_free[k];
+    return thought_of;
+}
+
+/// E, F and D from the tangents that contact has just been asked for.
+void YieldingWall::linearise(const System& system, Condensed& to) const
+{
+    to.reset(static_cast<int>(3 * system.rows.size()), system.compliance);
+    for (const int w : system.wires) {
+        const int n = rods_.node_count(w), first = rods_.node_begin(w) - system.first_node;
+        const BandMatrix& t = tangents_[w];
+        for (int i = 0; i < n; ++i) {
+            const int row = system.row_of(first + i);
+            if (row < 0) continue;
+            for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j) {
+                const Mat3 seen = system.share_of_move(first + j);
+                const int column = system.row_of(first + j), unknown = RodDofs::position(first + j);
+                for (int c = 0; c < 3; ++c) {
+                    const int r = RodDofs::position(i, c);
+                    const Vec3 in_row(t.at(r, RodDofs::position(j, 0)), t.at(r, RodDofs::position(j, 1)),
+                                      t.at(r, RodDofs::position(j, 2)));
+                    const Vec3 in_column(t.at(RodDofs::position(j, 0), r), t.at(RodDofs::position(j, 1), r),
+                                         t.at(RodDofs::position(j, 2), r));
+                    const double to_spin = j < n - 1 ? t.at(r, RodDofs::spin(j)) : 0.0;
+                    const double of_spin = j < n - 1 ? t.at(RodDofs::spin(j), r) : 0.0;
+                    if (in_row.isZero(0) && in_column.isZero(0) && to_spin == 0 && of_spin == 0) continue;
+                    const Vec3 f = seen.transpose() * in_row, e = seen.transpose() * in_column;
+                    for (int d = 0; d < 3; ++d) {
+                        to.f[3 * row + c].push_back({unknown + d, f[d]});
+                        to.e[3 * row + c].push_back({unknown + d, e[d]});
+                        if (column >= 0) to.d[3 * row + c].push_back({3 * column + d, in_row[d]});
+                    }
+                    if (to_spin != 0) to.f[3 * row + c].push_back({unknown + RodDofs::spin_place, to_spin});
+                    if (of_spin != 0) to.e[3 * row + c].push_back({unknown + RodDofs::spin_place, of_spin});
+                }
+            }
+        }
+    }
+}
+
+// ---- residual and tangent -------------------------------------------------------------------------------------------------------
+
+void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
+{
+    const System& system = of(wire);
+    const int n = rods_.node_count(wire), first = rods_.node_begin(wire) - system.first_node;
+    std::span<double> own = std::span(residuals_[wire]).first(RodDofs::count(n));
+    std::fill(own.begin(), own.end(), 0.0);
+    if (tangent) tangents_[wire].reset(RodDofs::count(n));
+    contact_.add(wire, own, tangent ? &tangents_[wire] : nullptr, symmetric);
+    for (int i = 0; i < n; ++i) {
+        const int at = RodDofs::position(i);
+        Eigen::Map<Vec3>(&residual[at]) += system.share_of_move(first + i).transpose() * Eigen::Map<const Vec3>(&own[at]);
+        residual[at + RodDofs::spin_place] += own[at + RodDofs::spin_place];
+    }
+    if (!tangent) return;
+    const BandMatrix& t = tangents_[wire];
+    for (int i = 0; i < n; ++i) {
+        const Mat3 seen_i = system.share_of_move(first + i);
+        const int a = RodDofs::position(i);
+        for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j) {
+            const int b = RodDofs::position(j);
+            Mat3 block;
+            for (int r = 0; r < 3; ++r)
+                for (int c = 0; c < 3; ++c) block(r, c) = t.at(a + r, b + c);
+            if (!block.isZero(0)) {
+                block = seen_i.transpose() * block * system.share_of_move(first + j);
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c) tangent->add(a + r, b + c, block(r, c));
+            }
+            const int spin = b + RodDofs::spin_place;
+            const Vec3 column(t.at(a, spin), t.at(a + 1, spin), t.at(a + 2, spin));
+            const Vec3 row(t.at(spin, a), t.at(spin, a + 1), t.at(spin, a + 2));
+            const Vec3 to_column = seen_i.transpose() * column, to_row = seen_i.transpose() * row;
+            for (int r = 0; r < 3; ++r) {
+                if (to_column[r] != 0) tangent->add(a + r, spin, to_column[r]);
+                if (to_row[r] != 0) tangent->add(spin, a + r, to_row[r]);
+            }
+        }
+        tangent->add(a + RodDofs::spin_place, a + RodDofs::spin_place, t.at(a + RodDofs::spin_place, a + RodDofs::spin_place));
+    }
+}
+
+void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
+{
+    System& system = of(unknowns.wires.front());
+    const WallTrial& now = system.trial();
+    const std::size_t m = 3 * system.rows.size();
+    if (m == 0) return;
+    // from nodes of the system to unknowns of those that are solved
+    const auto place = [&](Condensed::Column& column, int wire) {
+        const int shift = unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
+        for (auto& entry : column) entry.unknown += shift;
+    };
+    std::vector<double> z(now.rho);
+    now.linear.solve_own(z);
+    for (std::size_t k = 0; k < m; ++k) {
+        const int wire = system.wire_of_row[k / 3];
+        if (unknowns.rod_of(wire) < 0) continue;
+        Condensed::Column column = now.linear.e[k];
+        place(column, wire);
+        for (const auto& [unknown, value] : column) residual[unknown] += value * z[k];
+    }
+    if (!tangent) return;
+    Condensed& to = tangent->condensed;
+    linearise(system, to);  // from the tangents of add(), symmetric or not
+    (void)symmetric;
+    for (std::size_t k = 0; k < m; ++k) {
+        const int wire = system.wire_of_row[k / 3];
+        if (unknowns.rod_of(wire) >= 0) {
+            place(to.e[k], wire);
+            place(to.f[k], wire);
+        } else {
+            to.e[k].clear();
+            to.f[k].clear();
+        }
+    }
+}
+
+bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire) && open_way(of(wire), wire) == 1; }
+
+double YieldingWall::feasible_step(int wire) const { return std::min(contact_.feasible_step(wire), open_way(of(wire), wire)); }
+
+/// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the way is open
+double YieldingWall::open_way(const System& system, int wire) const
+{
+    const double limit = contact_.move_limit(wire);
+    if (!std::isfinite(limit)) return 1;
+    const std::vector<double>& from = system.base_trial() ? system.base_trial()->y : system.y_start;
+    const std::vector<double>& to = system.trial().y;
+    double most2 = 0;
+    const int first = rods_.node_begin(wire) - system.first_node;
+    for (int i = first; i < first + rods_.node_count(wire); ++i)
+        most2 = std::max(most2, (Eigen::Map<const Vec3>(&to[3 * i]) - Eigen::Map<const Vec3>(&from[3 * i])).squaredNorm());
+    const double share = limit / std::sqrt(most2);
+    return share < 1 - 1e-6 ? share : 1;
+}
+
+void YieldingWall::take(int wire)
+{
+    contact_.take(wire);
+    of(wire).take();
+}
+
+bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
+{
+    bool any = contact_.refine(solved, again);
+    for (const auto& system : systems_) {
+        const bool all = std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });
+        if (!all || !system->begun || system->refinements >= most_rounds) continue;
+        if (system->misses(balanced_force, balanced_move) <= 1) continue;
+        ++system->refinements;
+        system->take();
+        for (const int w : system->wires)
+            if (solved[w]) again[w] = 1, any = true;
+    }
+    return any;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,105 @@
+#pragma once
+// Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back to
+// it (wall_stations.h). Both bodies are solved together:
+//
+//     wire   R(x) - (1 - G)^T f(y) = 0             f: what contact exerts on the nodes, whatever finds it and whatever its laws
+//     wall   rho = U - U_free + W f(y) = 0         U_free: where the wall would be at the end of the step if nothing touched it
+//
+// Newton's residual takes both: at each trial x the wall has been moved to where the last linear equations of the two have it for
+// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -df/dy the tangent
+// is (1 - G)^T [T - T (W^-1 + T)^-1 T] (1 - G): unknowns U beside the band (math/condensed.h). Where a trial has gone far from what
+// was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
+//
+// When a step is accepted the wall takes -f, all of it: (K + C/h) w1 = C/h w0 - sum N^T f.
+
+#include "contact/contact_system.h"
+#include "contact/wall_stations.h"
+#include "math/banded_solver.h"
+
+#include <memory>
+#include <vector>
+
+namespace seldinger {
+
+class YieldingWall final : public ForceTerm {
+public:
+    /// @param unmoved  what `contact` was made with; as `rods`, carried back @param systems  [wires]  @param rods  of the world
+    YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodArrays& rods, RodArrays& unmoved,
+                 std::span<const int> systems);
+    ~YieldingWall() override;
+
+    void begin_step(RodArrays& rods) override;
+    void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
+    void set_settling(Settling how) override { contact_.set_settling(how); }
+
+    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
+    void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
+                        std::span<const std::uint8_t> active) override;
+    [[nodiscard]] bool admissible(int wire) const override;
+    void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override;
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
+    [[nodiscard]] bool unsymmetric(int wire) const override { return contact_.unsymmetric(wire); }
+    [[nodiscard]] double largest_force(int wire) const override { return contact_.largest_force(wire); }
+    [[nodiscard]] double rounding(int wire) const override { return contact_.rounding(wire); }
+    [[nodiscard]] double feasible_step(int wire) const override;
+    [[nodiscard]] double move_limit(int wire) const override { return contact_.move_limit(wire); }
+    void take(int wire) override;
+    bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
+
+    [[nodiscard]] bool follows_spins() const override { return contact_.follows_spins(); }
+    [[nodiscard]] bool may_jump() const override { return contact_.may_jump(); }
+    void commit(std::span<const std::uint8_t> active) override;
+    [[nodiscard]] double work_from_outside(int wire) const override;
+    [[nodiscard]] double stored_energy(int wire) const override { return contact_.stored_energy(wire); }
+    [[nodiscard]] bool never_overlaps() const override { return contact_.never_overlaps(); }
+    [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
+    [[nodiscard]] StageTimes times() const override;
+    void clear_times() override;
+    void save(std::vector<std::uint8_t>& bytes) override;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+
+    [[nodiscard]] const ElasticWall& wall() const { return wall_; }
+    [[nodiscard]] const ElasticWallState& state(int system) const;
+    /// Contact forces on the nodes of a wire, [n], as the wire feels them.
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const;
+    /// Contacts of the accepted state where the wall is now.
+    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
+    /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
+    void carry_back(RodArrays& rods, int wire);
+    /// Farthest that the wall has moved under a wire of this system [m].
+    [[nodiscard]] double move_under(int system) const;
+    /// Evaluations of contact since the beginning, and those of them that moved the wall again at the same trial.
+    struct Counts {
+        long evaluations = 0, again = 0;
+    };
+    [[nodiscard]] Counts counts() const { return counts_; }
+
+private:
+    struct System;
+    [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
+    void place_and_copy(RodArrays& rods, int wire);
+    void start_step(System& system, double h) const;
+    void list_rows(System& system) const;
+    void engage(System& system) const;
+    void foresee(System& system, const TrialState& trial) const;
+    void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
+    bool take_forces(System& system) const;
+    void linearise(const System& system, Condensed& to) const;
+    [[nodiscard]] double open_way(const System& system, int wire) const;
+
+    const ElasticWall& wall_;
+    ContactMethod& contact_;
+    RodArrays& rods_;
+    RodArrays& unmoved_;
+    std::vector<int> system_of_;                   // [wires]
+    std::vector<std::unique_ptr<System>> systems_;
+    mutable std::vector<BandMatrix> tangents_;       // [wires] of contact, at y
+    mutable std::vector<std::vector<double>> residuals_;  // [wires] likewise
+    TrialState carried_, before_;
+    std::vector<std::uint8_t> todo_;
+    Counts counts_;
+    double seconds_ = 0;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,307 @@
+// Contact with a yielding wall from step to step: feet, what may touch, the wall's own step, saving.
+
+#include "contact/yielding_system.h"
+
+#include "core/bytes.h"
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double may_touch = 2.5;  // radii of the axis from the wall: nearer nodes, and those beside them, move the wall
+
+}  // namespace
+
+void YieldingWall::System::correct()
+{
+    WallTrial& now = trial();
+    scratch_m.assign(now.rho.begin(), now.rho.end());
+    now.linear.solve_own(scratch_m);
+    for (std::size_t k = 0; k < now.u.size(); ++k) now.u[k] -= scratch_m[k];
+}
+
+double YieldingWall::System::misses(double of_force, double of_radius) const
+{
+    const WallTrial& now = trial();
+    double force = 0, most = 0, move = 0;
+    missed.resize(now.rho.size());
+    Condensed::onto(now.linear.d, now.rho, missed);
+    for (std::size_t k = 0; k < now.rho.size(); ++k) {
+        force = std::max(force, std::abs(missed[k]));
+        most = std::max(most, std::abs(now.force[k]));
+        move = std::max(move, std::abs(now.rho[k]));
+    }
+    const double by_move = move / (of_radius * least_radius);
+    return most > 0 ? std::max(force / (of_force * most), by_move) : by_move;
+}
+
+// ---- start of a step ------------------------------------------------------------------------------------------------------------
+
+void YieldingWall::carry_back(RodArrays& rods, int wire)
+{
+    System& system = of(wire);
+    const int first = rods.node_begin(wire) - system.first_node;
+    system.stations.forget(first, first + rods.capacity(wire));
+    place_and_copy(rods, wire);
+}
+
+/// Feet are found where they are not known.
+void YieldingWall::place_and_copy(RodArrays& rods, int wire)
+{
+    System& system = of(wire);
+    const int first = rods.node_begin(wire) - system.first_node, n = rods.node_count(wire);
+    unmoved_.set_node_count(wire, n);
+    const auto from = rods.arrays(wire);
+    auto to = unmoved_.arrays(wire);
+    for (std::size_t k = 0; k < from.size(); ++k) std::copy(from[k].begin(), from[k].end(), to[k].begin());
+    const RodView rod = rods.view(wire), carried = unmoved_.view(wire);
+    system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));
+    for (int i = 0; i < n; ++i) {
+        system.stations.place(first + i, rod.pos(i), system.state.w, rod.radius[std::min(i, n - 2)]);
+        const WallStation& station = system.stations[first + i];
+        if (station.near) carried.set_pos(i, rod.pos(i) - station.start);
+        Eigen::Map<Vec3>(&system.y_start[3 * static_cast<std::size_t>(first + i)]) = carried.pos(i);
+    }
+    system.stations.forget(first + n, first + rods.capacity(wire));
+}
+
+void YieldingWall::begin_step(RodArrays& rods)
+{
+    const auto start = Clock::now();
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) { carry_back(rods, w); });
+    for (const auto& system : systems_) system->begun = false;
+    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    contact_.begin_step(unmoved_);
+}
+
+void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
+{
+    const auto start = Clock::now();
+    for_each_item(rods.wire_count(), wire_grain, [&](int w) {
+        if (live[w]) place_and_copy(rods, w);
+    });
+    for (const auto& system : systems_) system->begun = false;
+    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    contact_.prepare(unmoved_, live);
+}
+
+/// What the wall does by itself in a step of h, and how it gives way where it may be touched.
+void YieldingWall::start_step(System& system, double h) const
+{
+    system.begun = true;
+    system.h = h;
+    system.refinements = 0;
+    system.forget_base();
+    system.factor = wall_.compliance().factor(h);
+    system.free.assign(system.state.w.size(), 0.0);
+    const bool moved = std::any_of(system.state.w.begin(), system.state.w.end(), [](double w) { return w != 0; });
+    const std::span<const double> load = wall_.load();
+    if (moved && h > 0) {
+        const auto size = static_cast<Eigen::Index>(system.free.size());
+        const Eigen::Map<const Eigen::VectorXd> w(system.state.w.data(), size);
+        Eigen::Map<Eigen::VectorXd>(system.free.data(), size).noalias() = (1 / h) * (wall_.compliance().damping() * w);
+    }
+    for (std::size_t i = 0; i < load.size(); ++i) system.free[i] += load[i];
+    if ((moved && h > 0) || !load.empty()) system.factor->solve(system.free, system.work);
+    system.rows.clear();
+    for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
+    for (const int w : system.wires) {
+        const int first = rods_.node_begin(w) - system.first_node, n = rods_.node_count(w);
+        const double reach = may_touch * rods_.view(w).radius[0];
+        const auto close = [&](int i) {
+            const WallStation& station = system.stations[first + i];
+            return station.near && (h == 0 || station.distance < reach);
+        };
+        for (int i = 0; i < n; ++i)
+            if (system.stations[first + i].near && (close(i) || (i > 0 && close(i - 1)) || (i + 1 < n && close(i + 1))))
+                system.stations[first + i].row = 0;
+    }
+    list_rows(system);
+}
+
+/// Rows of the stations that are marked, their compliance and where the wall would be there.
+void YieldingWall::list_rows(System& system) const
+{
+    system.rows.clear();
+    system.wire_of_row.clear();
+    system.u_free.clear();
+    for (const int w : system.wires) {
+        const int first = rods_.node_begin(w) - system.first_node;
+        for (int i = first; i < first + rods_.node_count(w); ++i) {
+            WallStation& station = system.stations[i];
+            if (!station.near || station.row < 0) continue;
+            station.row = static_cast<int>(system.rows.size());
+            system.rows.push_back(i);
+            system.wire_of_row.push_back(w);
+            const Vec3 u = system.stations.displacement(station, system.free);
+            system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
+        }
+    }
+    wall_compliance(system.stations, system.rows, *system.factor, system.compliance);
+}
+
+/// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
+void YieldingWall::engage(System& system) const
+{
+    const std::vector<int> before = system.rows;
+    const std::vector<double> u = system.trial().u;
+    for (const int w : system.wires)
+        for (int i = 0; i < rods_.node_count(w); ++i) {
+            WallStation& station = system.stations[rods_.node_begin(w) - system.first_node + i];
+            const double* r = &residuals_[w][RodDofs::position(i)];
+            if (station.near && station.row < 0 && (r[0] != 0 || r[1] != 0 || r[2] != 0)) station.row = 0;
+        }
+    list_rows(system);
+    std::vector<double>& now = system.trial().u;
+    now.resize(3 * system.rows.size());
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        const Vec3& start = system.stations[system.rows[k]].start;
+        std::copy_n(start.data(), 3, &now[3 * k]);
+    }
+    for (std::size_t k = 0; k < before.size(); ++k) std::copy_n(&u[3 * k], 3, &now[3 * static_cast<std::size_t>(system.row_of(before[k]))]);
+    system.forget_base();
+}
+
+// ---- the accepted state ---------------------------------------------------------------------------------------------------------
+
+double YieldingWall::work_from_outside(int wire) const
+{
+    const System& system = of(wire);
+    if (!system.begun) return 0;
+    const WallTrial& now = system.trial();
+    double sum = 0;
+    for (std::size_t k = 0; k < system.rows.size(); ++k) {
+        if (system.wire_of_row[k] != wire) continue;
+        const Vec3 move = Eigen::Map<const Vec3>(&now.u[3 * k]) - system.stations[system.rows[k]].start;
+        sum += Eigen::Map<const Vec3>(&now.force[3 * k]).dot(move);
+    }
+    return sum;
+}
+
+/// The wall takes what the wires exert on it.
+void YieldingWall::commit(std::span<const std::uint8_t> active)
+{
+    contact_.commit(active);
+    const auto start = Clock::now();
+    for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
+        System& system = *systems_[s];
+        if (!system.begun || std::none_of(system.wires.begin(), system.wires.end(), [&](int w) { return active[w] != 0; })) return;
+        system.begun = false;
+        const WallTrial& now = system.trial();
+        std::vector<double>& pushed = system.scratch_q;
+        pushed.assign(system.state.w.size(), 0.0);
+        bool any = false;
+        for (std::size_t k = 0; k < system.rows.size(); ++k) {
+            const Vec3 f = -Eigen::Map<const Vec3>(&now.force[3 * k]);
+            if (f.isZero(0)) continue;
+            any = true;
+            const LoopStencil& at = system.stations[system.rows[k]].weights;
+            for (int a = 0; a < at.size; ++a)
+                Eigen::Map<Vec3>(&pushed[3 * static_cast<std::size_t>(at.vertex[a])]) += at.n[a] * f;
+        }
+        if (any) system.factor->solve(pushed, system.work);
+        for (std::size_t i = 0; i < pushed.size(); ++i) pushed[i] += system.free[i];
+        for (std::size_t k = 0; k < system.rows.size() && any; ++k) {
+            const WallStation& station = system.stations[system.rows[k]];
+            const Vec3 move = system.stations.displacement(station, pushed) - station.start;
+            system.state.work -= Eigen::Map<const Vec3>(&now.force[3 * k]).dot(move);
+        }
+        const std::span<const double> load = wall_.load();
+        for (std::size_t i = 0; i < load.size(); ++i) system.state.work += load[i] * (pushed[i] - system.state.w[i]);
+        std::swap(system.state.w, pushed);
+    });
+    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+const ElasticWallState& YieldingWall::state(int system) const { return systems_[system]->state; }
+
+double YieldingWall::move_under(int system) const
+{
+    double most2 = 0;
+    const System& s = *systems_[system];
+    for (std::size_t k = 0; 3 * k < s.trial().u.size(); ++k)
+        most2 = std::max(most2, Eigen::Map<const Vec3>(&s.trial().u[3 * k]).squaredNorm());
+    return std::sqrt(most2);
+}
+
+void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
+{
+    const System& system = of(wire);
+    std::vector<Vec3> own(forces.size(), Vec3::Zero());
+    contact_.add_nodal_forces(wire, own);
+    const int first = rods_.node_begin(wire) - system.first_node;
+    for (std::size_t i = 0; i < own.size(); ++i)
+        forces[i] += system.share_of_move(first + static_cast<int>(i)).transpose() * own[i];
+}
+
+std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
+{
+    for (int w = 0; w < rods.wire_count(); ++w) carry_back(rods, w);
+    std::vector<ContactRow> list = contact_.rows(unmoved_);
+    for (ContactRow& row : list) {
+        const System& system = of(row.a.body);
+        const int edge = rods.node_begin(row.a.body) - system.first_node + row.a.element;
+        // between the two nodes, where the point is nearest
+        const Vec3 a = unmoved_.view(row.a.body).pos(row.a.element), b = unmoved_.view(row.a.body).pos(row.a.element + 1);
+        const double t = std::clamp((row.point - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+        const auto moved = [&](int node) { return system.stations[node].near ? system.stations[node].start : Vec3(Vec3::Zero()); };
+        row.point += (1 - t) * moved(edge) + t * moved(edge + 1);
+    }
+    return list;
+}
+
+bool YieldingWall::is_clear(RodArrays& rods, int wire)
+{
+    carry_back(rods, wire);
+    return contact_.is_clear(unmoved_, wire);
+}
+
+StageTimes YieldingWall::times() const
+{
+    StageTimes all = contact_.times();
+    all.wall += seconds_;
+    return all;
+}
+
+void YieldingWall::clear_times()
+{
+    contact_.clear_times();
+    seconds_ = 0;
+}
+
+void YieldingWall::save(std::vector<std::uint8_t>& bytes)
+{
+    contact_.save(bytes);
+    for (const auto& system : systems_) {
+        put_bytes(bytes, system->state.w.data(), system->state.w.size());
+        put_bytes(bytes, &system->state.work, 1);
+    }
+}
+
+void YieldingWall::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    contact_.save_wire(bytes, wire);
+    const System& system = of(wire);
+    if (system.wires.front() != wire) return;
+    put_bytes(bytes, system.state.w.data(), system.state.w.size());
+    put_bytes(bytes, &system.state.work, 1);
+}
+
+void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    contact_.restore(bytes, end);
+    for (const auto& system : systems_) {
+        take_bytes(bytes, end, system->state.w.data(), system->state.w.size());
+        take_bytes(bytes, end, &system->state.work, 1);
+        system->begun = false;
+    }
+}
+
+}  // namespace seldinger

@@ -1,0 +1,147 @@
+// The wall as a body, made from the vessel's mesh; what is read off it.
+
+#include "wall/elastic_wall.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+ShellSpec shell_spec(const VesselSpec& vessel)
+{
+    ShellSpec spec;
+    spec.youngs = vessel.youngs;
+    spec.poisson = vessel.poisson;
+    spec.thickness = vessel.thickness;
+    spec.support = vessel.support;
+    spec.support_damping = vessel.support_damping;
+    spec.relaxation = vessel.relaxation;
+    spec.pressure = vessel.pressure;
+    spec.rims_held = vessel.rims_held;
+    return spec;
+}
+
+/// Direction and radius of the vessel near a place of its wall.
+PrestressAt along(const Centreline& centreline)
+{
+    if (centreline.points.size() < 2) return {};
+    return [&centreline, hint = -1](const Vec3& position) mutable {
+        hint = centreline.nearest(position, hint);
+        int from = centreline.parent[hint], to = hint;
+        if (from < 0) {
+            from = hint;
+            to = static_cast<int>(std::find(centreline.parent.begin(), centreline.parent.end(), hint) - centreline.parent.begin());
+        }
+        Prestress here;
+        here.axis = to < static_cast<int>(centreline.points.size())
+                        ? Vec3(centreline.points[to] - centreline.points[from])
+                        : Vec3(Vec3::UnitZ());
+        here.radius = centreline.radius[hint];
+        return here;
+    };
+}
+
+WallMesh control_mesh(const WallModel& wall, std::string& reason)
+{
+    ControlMeshSpec spec;
+    spec.centreline = &wall.centreline;
+    if (wall.spec.wall_edge > 0) {
+        spec.edge = wall.spec.wall_edge;
+        reason = fmt::format("{:.3g} mm (asked for)", 1e3 * spec.edge);
+    } else {
+        const WallEdge chosen = choose_wall_edge(wall);
+        spec.edge = chosen.edge;
+        spec.share = chosen.share;
+        reason = chosen.why;
+    }
+    return make_control_mesh(wall.mesh, spec);
+}
+
+double mean_edge(const WallMesh& mesh)
+{
+    double sum = 0;
+    for (const auto& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k) sum += (mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]).norm();
+    return sum / (3.0 * static_cast<double>(std::max<std::size_t>(mesh.triangles.size(), 1)));
+}
+
+/// Virtual work of a force at a place of the surface.
+void add_force(const LoopSurface& surface, std::int32_t triangle, double u, double v, const Vec3& force, std::vector<double>& to)
+{
+    LoopStencil at;
+    surface.basis(triangle, u, v, at);
+    for (int k = 0; k < at.size; ++k)
+        Eigen::Map<Vec3>(&to[3 * static_cast<std::size_t>(at.vertex[k])]) += at.n[k] * force;
+}
+
+std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads)
+{
+    if (loads.empty()) return {};
+    std::vector<double> to(3 * surface.control().vertices.size(), 0.0);
+    for (const WallLoad& load : loads) {
+        if (load.pressure != 0)
+            for (const ShellPoint& q : shell.points())
+                add_force(surface, q.triangle, q.u, q.v, -load.pressure * q.area * q.normal, to);
+        if (load.force.isZero(0)) continue;
+        LoopFoot foot;
+        surface.closest(load.at, foot);
+        add_force(surface, foot.triangle, foot.u, foot.v, load.force, to);
+    }
+    return to;
+}
+
+}  // namespace
+
+ElasticWall::ElasticWall(const WallModel& wall)
+{
+    const auto start = std::chrono::steady_clock::now();
+    WallMesh control = control_mesh(wall, edge_reason_);
+    edge_ = mean_edge(control);
+    const std::vector<Vec3> through = control.vertices;
+    surface_ = std::make_unique<LoopSurface>(std::move(control));
+    surface_->interpolate(through);
+    shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
+    compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
+    load_ = loads_on(*surface_, *shell_, wall.spec.loads);
+    const bool plane = wall.spec.shape == VesselShape::Plane || !std::isfinite(wall.typical_lumen_radius);
+    largest_move_ = 0.2 * (plane ? wall.spec.size / 2 : wall.typical_lumen_radius);
+    made_in_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+WallMechanics ElasticWall::mechanics() const
+{
+    const WallCounts counts = compliance_->counts();
+    return {compliance_->vertex_count(), edge_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
+}
+
+WallReadings read_wall(const ElasticWall& wall, const ElasticWallState& state, std::vector<double>* stress)
+{
+    WallReadings now;
+    const LoopSurface& surface = wall.surface();
+    LoopStencil stencil;
+    for (int v = 0; v < wall.compliance().vertex_count(); ++v) {
+        surface.limit_of_vertex(v, stencil);
+        Vec3 move = Vec3::Zero();
+        for (int k = 0; k < stencil.size; ++k)
+            move += stencil.n[k] * Eigen::Map<const Vec3>(&state.w[3 * static_cast<std::size_t>(stencil.vertex[k])]);
+        now.move_max = std::max(now.move_max, move.norm());
+    }
+    const Eigen::Map<const Eigen::VectorXd> w(state.w.data(), static_cast<Eigen::Index>(state.w.size()));
+    now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
+    now.loss = state.work - now.energy;
+    const ShellStress at = wall.shell().stress(state.w);
+    if (stress) stress->resize(at.mises_inner.size());
+    for (std::size_t v = 0; v < at.mises_inner.size(); ++v) {
+        const double larger = std::max(at.mises_inner[v], at.mises_outer[v]);
+        now.stress_max = std::max(now.stress_max, larger);
+        if (stress) (*stress)[v] = larger;
+    }
+    return now;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,59 @@
+#pragma once
+// A wall that yields, as a body: a thin shell on a control mesh of its own in the tissue round it (D11; wall/shell.h), and where it
+// is. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
+//
+//     C w' + K w = f          w: displacement of the control vertices [3V] [m], f: force on them [N]
+//
+// by backward Euler: (K + C/h) w1 = C/h w0 + f. Inertia of the wall is small beside the tissue's damping, and left out.
+
+#include "wall/control_mesh.h"
+#include "wall/wall_compliance.h"
+#include "wall/wall_model.h"
+#include "wall/wall_readings.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+/// What is constant; all systems of a world share it.
+class ElasticWall {
+public:
+    /// @throws Error BadMesh: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory
+    explicit ElasticWall(const WallModel& wall);
+
+    [[nodiscard]] const LoopSurface& surface() const { return *surface_; }
+    [[nodiscard]] const Shell& shell() const { return *shell_; }
+    [[nodiscard]] const WallCompliance& compliance() const { return *compliance_; }
+    [[nodiscard]] int unknowns() const { return 3 * compliance_->vertex_count(); }
+    /// What the scene's wall loads exert on the control vertices [3V] [N]; empty: nothing.
+    [[nodiscard]] std::span<const double> load() const { return load_; }
+    /// Mean edge of the control mesh [m].
+    [[nodiscard]] double edge() const { return edge_; }
+    /// Why it is that long, in words.
+    [[nodiscard]] const std::string& edge_reason() const { return edge_reason_; }
+    /// Linear theory is good up to here: a fifth of the lumen's radius [m].
+    [[nodiscard]] double largest_move() const { return largest_move_; }
+    [[nodiscard]] WallMechanics mechanics() const;
+
+private:
+    std::unique_ptr<LoopSurface> surface_;
+    std::unique_ptr<Shell> shell_;
+    std::unique_ptr<WallCompliance> compliance_;
+    std::vector<double> load_;
+    double edge_ = 0, largest_move_ = 0, made_in_ = 0;
+    std::string edge_reason_;
+};
+
+/// What changes, one per system.
+struct ElasticWallState {
+    std::vector<double> w;  // displacement of control vertices at the end of the last step [3V] [m]
+    double work = 0;        // done on it by contact and loads since the beginning [J]: what is not stored has been lost to damping
+};
+
+/// @param stress  at control vertices [V], the larger von Mises stress of both surfaces [Pa]; may be null
+[[nodiscard]] WallReadings read_wall(const ElasticWall& wall, const ElasticWallState& state, std::vector<double>* stress = nullptr);
+
+}  // namespace seldinger

@@ -1,0 +1,25 @@
+#pragma once
+// What can be read off a wall that yields (wall/elastic_wall.h); all zero of a rigid one.
+
+#include <cstddef>
+
+namespace seldinger {
+
+/// What a wall that yields is made of.
+struct WallMechanics {
+    int vertices = 0;     // of its control mesh; 0: the wall is rigid
+    double edge = 0;      // mean [m]
+    double made_in = 0;   // control mesh and matrices [s]
+    double factor = 0;    // of that, and since: factors, one per length of step [s]
+    long columns = 0;     // of their inverses that contact has asked for
+    std::size_t bytes = 0;  // of factors and columns
+};
+
+struct WallReadings {
+    double move_max = 0;    // farthest that any place of it has gone [m]
+    double energy = 0;      // stored in shell, tissue and against pressure [J]
+    double loss = 0;        // to damping since the beginning, that of the time scheme included [J]
+    double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces [Pa]
+};
+
+}  // namespace seldinger
