@@ -19,6 +19,9 @@ constexpr int most_valence = 9;
 constexpr int least_rim_edges = 4;
 // A triangle may lie across the wall's normals by up to 60 degrees: on a lumen of 1.7 edges' radius that of a good one is 20.
 constexpr double least_along = 0.5;
+/// Whether a change takes triangles too far from the wall's normals; where the wall is folded it may not make it worse.
+constexpr bool turns_over(double along_before, double along_after) { return along_after < std::min(least_along, along_before); }
+
 constexpr double mend_angle = 25 * std::numbers::pi / 180;
 constexpr double good_angle = 30 * std::numbers::pi / 180;
 
@@ -59,7 +62,7 @@ void Remesher::find_rims()
         RimCurve curve(std::move(points));
         for (std::size_t i = 0; i < chain.size(); ++i) vertex_[chain[i]].s = curve.arc_length_of(i);
         field_.add_circle(curve.centre(), curve.length() / (2 * std::numbers::pi));
-        const double window = 0.5 * std::min(field_.at(curve.at(0)), field_.edge());
+        const double window = field_.at(curve.at(0));
         for (const std::size_t i : curve.corners(window)) vertex_[chain[i]].corner = true;
         rim_edges_.push_back(static_cast<int>(chain.size()));
         rims_.push_back(std::move(curve));
@@ -138,8 +141,7 @@ bool Remesher::try_collapse(std::int32_t h, const Vertex& to, double longest)
         });
         if (!good) return false;
     }
-    // where the wall folds more sharply than that, it must not become worse
-    if (after < std::min(least_along, before) || after <= 0) return false;
+    if (turns_over(before, after)) return false;
     if (!mesh_.can_collapse(h) || mesh_.valence(a) + mesh_.valence(b) - 4 > most_valence) return false;
     if (mesh_.across(h) < 0) --rim_edges_[vertex_[a].rim];
     mesh_.collapse(h);
@@ -265,7 +267,7 @@ bool Remesher::turn_helps(std::int32_t h, bool for_angles) const
         std::min(along_wall(vertex_[a], vertex_[b], vertex_[c]), along_wall(vertex_[b], vertex_[a], vertex_[d]));
     const double along_then =
         std::min(along_wall(vertex_[d], vertex_[c], vertex_[a]), along_wall(vertex_[c], vertex_[d], vertex_[b]));
-    return along_then > 0 && along_then >= std::min(least_along, along_now) && angle_then > 0.2 * angle_now;
+    return !turns_over(along_now, along_then) && angle_then > 0.2 * angle_now;
 }
 
 void Remesher::turn_edges(bool for_angles)
@@ -304,10 +306,11 @@ void Remesher::relax_inside(std::int32_t v)
         Vertex there = here;
         there.place = on.point;
         there.normal = on.normal;
-        double after = on.normal.dot(here.normal) > 0 ? 1 : -1;
+        if (on.normal.dot(here.normal) <= 0) continue;  // another sheet
+        double after = 1;
         mesh_.for_triangles(
             v, [&](std::int32_t h) { after = std::min(after, along_wall(there, vertex_[mesh_.to(h)], vertex_[mesh_.apex(h)])); });
-        if (after <= 0 || after < std::min(least_along, before)) continue;
+        if (turns_over(before, after)) continue;
         here = there;
         here.target = field_.at(here.place);
         return;
@@ -328,12 +331,12 @@ void Remesher::relax_on_rim(std::int32_t v)
     Vertex there = here;
     there.s = here.s - back + (back + forth) * h0 / (h0 + h1);
     there.place = rim.at(there.s);
-    double worst = 1, worst_before = 1;
+    double worst = 1, worst_before = 1;  // along the wall
     mesh_.for_triangles(v, [&](std::int32_t h) {
         worst = std::min(worst, along_wall(there, vertex_[mesh_.to(h)], vertex_[mesh_.apex(h)]));
         worst_before = std::min(worst_before, along_wall(here, vertex_[mesh_.to(h)], vertex_[mesh_.apex(h)]));
     });
-    if (worst <= 0 || worst < std::min(least_along, worst_before)) return;
+    if (turns_over(worst_before, worst)) return;
     there.normal = surface_.nearest(there.place).normal;
     there.target = field_.at(there.place);
     here = there;
