@@ -2,7 +2,6 @@
 #include "wall/control_mesh.h"
 
 #include "core/error.h"
-#include "vessel/mesh_components.h"
 #include "vessel/triangle_geometry.h"
 #include "wall/remesh.h"
 
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace seldinger {
@@ -17,6 +17,7 @@ namespace seldinger {
 namespace {
 
 constexpr int rounds = 8;
+constexpr double flat_angle = 1e-3;  // [rad] of a triangle; its stiffness goes with the inverse
 
 [[noreturn]] void refuse(const std::string& what)
 {
@@ -25,10 +26,9 @@ constexpr int rounds = 8;
 
 std::string in_words(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
 
-/// A shell needs one sheet with two sides.
-void check_sheet(const WallMesh& wall)
+/// A shell needs a sheet with two sides.
+void check_edges(const WallMesh& wall, const MeshEdges& edges)
 {
-    const MeshEdges edges = find_edges(wall);
     long shared = 0, against = 0;
     Vec3 shared_at = Vec3::Zero(), against_at = Vec3::Zero();
     for (std::size_t k = 0; k < edges.count(); ++k) {
@@ -48,15 +48,45 @@ void check_sheet(const WallMesh& wall)
     if (against > 0)
         refuse(fmt::format("is to yield and so has to have two sides, but at {} its triangles do not agree which is inside",
                            in_words(against_at)));
-    const std::vector<std::int32_t> label = label_components(wall, edges);
-    const std::int32_t pieces = 1 + *std::max_element(label.begin(), label.end());
-    if (pieces > 1) {
-        std::vector<long> size(static_cast<std::size_t>(pieces), 0);
-        for (const std::int32_t l : label) ++size[l];
-        const auto least = std::min_element(size.begin(), size.end()) - size.begin();
-        const auto t = static_cast<std::size_t>(std::find(label.begin(), label.end(), least) - label.begin());
-        refuse(fmt::format("is to yield and so has to be one sheet, but it is in {} pieces, the smallest of {} triangles at {}",
-                           pieces, size[least], in_words(triangle_of(wall, t).a)));
+}
+
+/// Pieces would each need tissue or rims of their own to hold them, and what is there in two pieces by mistake is debris.
+void check_one_piece(const WallMesh& wall, const EditMesh& sheet)
+{
+    std::vector<std::int32_t> first;  // triangle of each piece
+    std::vector<long> size;
+    std::vector<bool> seen(wall.triangles.size(), false);
+    std::vector<std::int32_t> stack;
+    for (std::int32_t seed = 0; seed < static_cast<std::int32_t>(seen.size()); ++seed) {
+        if (seen[seed]) continue;
+        first.push_back(seed);
+        size.push_back(0);
+        seen[seed] = true;
+        for (stack.assign(1, seed); !stack.empty();) {
+            const std::int32_t t = stack.back();
+            stack.pop_back();
+            ++size.back();
+            for (std::int32_t e = 0; e < 3; ++e)
+                if (const std::int32_t g = sheet.across(3 * t + e); g >= 0 && !seen[g / 3]) {
+                    seen[g / 3] = true;
+                    stack.push_back(g / 3);
+                }
+        }
+    }
+    if (size.size() < 2) return;
+    const auto least = std::min_element(size.begin(), size.end()) - size.begin();
+    refuse(fmt::format("is to yield and so has to be one sheet, but it is in {} pieces, the smallest of {} triangles at {}",
+                       size.size(), size[least], in_words(triangle_of(wall, first[least]).a)));
+}
+
+/// What lies folded flat upon itself has triangles without area, whatever is done.
+void check_angles(const WallMesh& mesh)
+{
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle3 tri = triangle_of(mesh, t);
+        if (least_angle(tri.a, tri.b, tri.c) < flat_angle)
+            refuse(fmt::format("is to yield, but at {} it is folded flat or pinched, and no control mesh fits there",
+                               in_words(tri.a)));
     }
 }
 
@@ -105,12 +135,16 @@ void measure(const WallMesh& mesh, const Remesher& remesher, ControlMeshReport& 
 WallMesh make_control_mesh(const WallMesh& wall, const ControlMeshSpec& spec, ControlMeshReport* report)
 {
     if (wall.triangles.empty()) refuse("has no triangles");
-    check_sheet(wall);
+    const MeshEdges edges = find_edges(wall);
+    check_edges(wall, edges);
+    EditMesh sheet(wall, edges);
+    check_one_piece(wall, sheet);
     check_control_edge(sample_wall(wall).area, spec.edge);
     static const Centreline none;
-    Remesher remesher(wall, spec.edge, spec.share, spec.centreline ? *spec.centreline : none);
+    Remesher remesher(wall, std::move(sheet), spec.edge, spec.share, spec.centreline ? *spec.centreline : none);
     remesher.run(rounds);
     WallMesh mesh = remesher.result();
+    check_angles(mesh);
     if (report) measure(mesh, remesher, *report);
     return mesh;
 }

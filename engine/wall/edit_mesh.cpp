@@ -2,17 +2,16 @@
 #include "wall/edit_mesh.h"
 
 #include "core/check.h"
-#include "vessel/mesh_edges.h"
 
 #include <algorithm>
 
 namespace seldinger {
 
-EditMesh::EditMesh(const WallMesh& mesh)
+EditMesh::EditMesh(const WallMesh& mesh, const MeshEdges& edges)
 {
     from_.reserve(3 * mesh.triangles.size());
     for (const auto& t : mesh.triangles) from_.insert(from_.end(), t.begin(), t.end());
-    across_ = opposite_half_edges(mesh, find_edges(mesh));
+    across_ = opposite_half_edges(mesh, edges);
     out_.assign(mesh.vertices.size(), -1);
     origin_.resize(mesh.vertices.size());
     for (std::size_t v = 0; v < origin_.size(); ++v) origin_[v] = static_cast<std::int32_t>(v);

@@ -4,7 +4,7 @@
 // Half-edge h = 3 t + e runs from corner e of triangle t to corner e + 1 (vessel/mesh_edges.h). What is removed leaves a hole in
 // the arrays that compact() closes. No operation allocates but split().
 
-#include "vessel/wall_mesh.h"
+#include "vessel/mesh_edges.h"
 
 #include <cstdint>
 #include <vector>
@@ -14,8 +14,8 @@ namespace seldinger {
 class EditMesh {
 public:
     /// Vertices where two fans of triangles touch become one vertex for each fan.
-    /// @param mesh  edges of one or two triangles that agree about the way round (asserted)
-    explicit EditMesh(const WallMesh& mesh);
+    /// @param edges  of the mesh: of one or two triangles that agree about the way round (asserted)
+    EditMesh(const WallMesh& mesh, const MeshEdges& edges);
 
     [[nodiscard]] std::int32_t vertex_count() const { return static_cast<std::int32_t>(out_.size()); }  // those gone included
     [[nodiscard]] std::int32_t half_edge_count() const { return static_cast<std::int32_t>(from_.size()); }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace seldinger {
 
@@ -35,8 +36,8 @@ double least_angle(const Vec3& a, const Vec3& b, const Vec3& c)
     return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
 }
 
-Remesher::Remesher(const WallMesh& wall, double edge, double share, const Centreline& centreline)
-    : surface_(wall), mesh_(wall), field_(edge, share, centreline)
+Remesher::Remesher(const WallMesh& wall, EditMesh sheet, double edge, double share, const Centreline& centreline)
+    : surface_(wall), mesh_(std::move(sheet)), field_(edge, share, centreline)
 {
     vertex_.resize(static_cast<std::size_t>(mesh_.vertex_count()));
     for (std::size_t v = 0; v < vertex_.size(); ++v) {
@@ -124,16 +125,25 @@ double Remesher::along_wall(const Vertex& a, const Vertex& b, const Vertex& c)
     return std::min({area.dot(a.normal), area.dot(b.normal), area.dot(c.normal)}) / size;
 }
 
+double Remesher::along_around(std::int32_t h) const
+{
+    double least = 1;
+    for (const std::int32_t v : {mesh_.from(h), mesh_.to(h)})
+        mesh_.for_triangles(v, [&](std::int32_t k) {
+            least = std::min(least, along_wall(vertex_[v], vertex_[mesh_.to(k)], vertex_[mesh_.apex(k)]));
+        });
+    return least;
+}
+
 bool Remesher::try_collapse(std::int32_t h, const Vertex& to, double longest)
 {
     const std::int32_t a = mesh_.from(h), b = mesh_.to(h);
     bool good = true;
-    double before = 1, after = 1;
+    double after = 1;
     for (const std::int32_t v : {a, b}) {
         const std::int32_t other = v == a ? b : a;
         mesh_.for_triangles(v, [&](std::int32_t k) {
             const std::int32_t p = mesh_.to(k), q = mesh_.apex(k);
-            before = std::min(before, along_wall(vertex_[v], vertex_[p], vertex_[q]));
             if (!good || p == other || q == other) return;
             after = std::min(after, along_wall(to, vertex_[p], vertex_[q]));
             for (const std::int32_t w : {p, q})
@@ -141,7 +151,7 @@ bool Remesher::try_collapse(std::int32_t h, const Vertex& to, double longest)
         });
         if (!good) return false;
     }
-    if (turns_over(before, after)) return false;
+    if (after < least_along && turns_over(along_around(h), after)) return false;
     if (!mesh_.can_collapse(h) || mesh_.valence(a) + mesh_.valence(b) - 4 > most_valence) return false;
     if (mesh_.across(h) < 0) --rim_edges_[vertex_[a].rim];
     mesh_.collapse(h);

@@ -20,9 +20,10 @@ namespace seldinger {
 
 class Remesher {
 public:
-    /// @param wall   edges of one or two triangles, the same way round; must outlive this
+    /// @param wall   must outlive this
+    /// @param sheet  the same, to be changed
     /// @param edge   wanted [m]; shorter where the lumen is narrower than edge / share, by the centreline and by the rims
-    Remesher(const WallMesh& wall, double edge, double share, const Centreline& centreline);
+    Remesher(const WallMesh& wall, EditMesh sheet, double edge, double share, const Centreline& centreline);
 
     void run(int rounds);
     [[nodiscard]] WallMesh result() const;
@@ -68,6 +69,7 @@ private:
     /// Draws the edge into `to`, unless triangles would turn, edges become longer than `longest` targets, or topology change.
     bool try_collapse(std::int32_t h, const Vertex& to, double longest);
     /// How well the triangle lies along the wall: least cosine between its normal and those at its corners.
+    [[nodiscard]] double along_around(std::int32_t h) const;  // least of the triangles at either end of the edge
     [[nodiscard]] static double along_wall(const Vertex& a, const Vertex& b, const Vertex& c);
     [[nodiscard]] int best_valence(std::int32_t v) const;
     [[nodiscard]] double angle_of(std::int32_t h) const

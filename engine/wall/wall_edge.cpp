@@ -42,6 +42,15 @@ double solve_falling(double low, double high, double goal, F f)
     return high;
 }
 
+/// Two digits, thousands set apart: "2,000".
+std::string about(double count)
+{
+    const double unit = std::pow(10, std::floor(std::log10(count)) - 1);
+    std::string text = fmt::format("{}", std::llround(std::round(count / unit) * unit));
+    for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3) text.insert(static_cast<std::size_t>(at), ",");
+    return text;
+}
+
 std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * length); }
 
 }  // namespace
@@ -57,23 +66,25 @@ WallEdge choose_wall_edge(const WallModel& wall)
     const auto vertices = [&](double edge, double share) { return vertices_at(samples, wall.centreline, edge, share); };
 
     WallEdge choice{wanted, least_share, 0, ""};
-    const double whole = std::sqrt(samples.area);  // an edge as long as the wall
     if (std::isfinite(wanted)) choice.vertices = vertices(wanted, least_share);
     if (std::isfinite(wanted) && choice.vertices <= most_vertices) {
         choice.why = fmt::format("{} ({})", millimetres(wanted), reason);
         return choice;
     }
-    // longer edges first; where narrow branches alone need more, longer ones there too
-    const double longest = std::isfinite(third) ? std::max(wanted, third) : whole;
-    if (vertices(longest, least_share) > most_vertices)
-        choice.share = solve_falling(least_share, most_share, most_vertices, [&](double s) { return vertices(longest, s); });
-    const double low = std::min(std::isfinite(wanted) ? wanted : longest / 1000, longest);
-    const bool branches_alone = vertices(longest, choice.share) > 1.01 * most_vertices;
-    choice.edge = branches_alone
-                      ? std::max(longest, solve_falling(longest, 3 * longest, most_vertices,
-                                                        [&](double edge) { return vertices(edge, choice.share); }))
-                      : solve_falling(low, longest, most_vertices, [&](double edge) { return vertices(edge, choice.share); });
+    // longer edges, up to those that the widest lumen allows; then longer ones in narrow branches too
+    const auto& radii = wall.centreline.radius;
+    const double widest = radii.empty() ? std::sqrt(samples.area) : *std::max_element(radii.begin(), radii.end());
+    const double low = std::isfinite(wanted) ? wanted : 1e-3 * widest;
+    const auto longest = [&](double share) { return std::max(low, share * widest); };
+    if (vertices(longest(least_share), least_share) > most_vertices)
+        choice.share = solve_falling(least_share, most_share, most_vertices, [&](double s) { return vertices(longest(s), s); });
+    choice.edge = choice.share > least_share ? longest(choice.share)
+                                             : solve_falling(low, longest(least_share), most_vertices,
+                                                             [&](double e) { return vertices(e, least_share); });
     choice.vertices = vertices(choice.edge, choice.share);
+    choice.why = fmt::format("{} ({} vertices", millimetres(choice.edge), about(choice.vertices));
+    if (choice.share > least_share) choice.why += fmt::format(", edges {:.2g} of the local radius", choice.share);
+    choice.why += std::isfinite(wanted) ? fmt::format("; {} would be {})", reason, millimetres(wanted)) : ")";
     return choice;
 }
 
