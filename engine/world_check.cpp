@@ -1,6 +1,8 @@
 // What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
 
 #include "core/error.h"
+#include "vessel/mesh_edges.h"
+#include "wall/wall_model.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -104,9 +106,35 @@ void check_systems(const WorldSetup& setup)
                                       setup.wires.size()));
 }
 
+/// A wall that yields (D11).
+void check_elastic_wall(const WorldSetup& setup)
+{
+    const VesselSpec& vessel = setup.vessel;
+    if (setup.mesh.triangles.empty()) refuse("vessel.elastic", "is set where there is no wall; expected a mesh with triangles");
+    if (!(vessel.poisson >= 0 && vessel.poisson < 0.5))
+        refuse("vessel.poisson", fmt::format("is {}, expected a number from 0 to below 0.5", vessel.poisson));
+    need_not_negative(vessel.support, "vessel.support");
+    need_not_negative(vessel.support_damping, "vessel.support_damping");
+    need_not_negative(vessel.relaxation, "vessel.relaxation");
+    need_not_negative(vessel.wall_edge, "vessel.wall_edge");
+    if (!std::isfinite(vessel.pressure))
+        refuse("vessel.pressure", fmt::format("is {}, expected a finite number", vessel.pressure));
+    const double radius = WallModel(vessel, setup.mesh, setup.centreline).typical_lumen_radius;
+    if (vessel.thickness > radius)
+        refuse("vessel.thickness", fmt::format("is {} m, expected at most the lumen's radius, {:.4g} m: the wall is a thin shell",
+                                               vessel.thickness, radius));
+    if (vessel.support > 0) return;
+    const MeshEdges edges = find_edges(setup.mesh);
+    bool has_rim = false;
+    for (std::size_t k = 0; k < edges.count(); ++k) has_rim |= edges.uses(k).size() == 1;
+    if (!vessel.rims_held || !has_rim)
+        refuse("vessel.support", fmt::format("is 0 and {}: the wall could fly away; expected tissue or held rims",
+                                             has_rim ? "rims are free" : "the mesh has no rims"));
+}
+
 void check_wall(const WorldSetup& setup)
 {
-    if (setup.vessel.shape == VesselShape::None && setup.mesh.triangles.empty()) return;
+    if (setup.vessel.shape == VesselShape::None && setup.mesh.triangles.empty() && !setup.vessel.elastic) return;
     if (setup.mesh.triangles.empty())
         refuse("mesh", "has no triangles, expected the vessel's wall, repaired (or vessel.shape None)");
     const auto vertices = static_cast<std::int64_t>(setup.mesh.vertices.size());
@@ -119,6 +147,7 @@ void check_wall(const WorldSetup& setup)
         if (!setup.mesh.vertices[v].allFinite()) need_finite(setup.mesh.vertices[v], fmt::format("mesh.vertices[{}]", v));
     need_positive(setup.vessel.youngs, "vessel.youngs");
     need_positive(setup.vessel.thickness, "vessel.thickness");
+    if (setup.vessel.elastic) check_elastic_wall(setup);
 }
 
 /// Asked in every step: makes no text unless there is something to say.

@@ -22,6 +22,7 @@ inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", Curvatu
                                                                {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
+inline constexpr Choice<bool> rims_words[] = {{"held", true}, {"free", false}};
 inline constexpr Choice<Scheme> scheme_words[] = {
     {"newton", Scheme::Newton}, {"linearised", Scheme::Linearised}, {"static", Scheme::Static}, {"explicit", Scheme::Explicit}};
 inline constexpr Choice<Spins> spins_words[] = {{"auto", Spins::Auto}, {"kept", Spins::Kept}};

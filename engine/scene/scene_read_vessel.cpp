@@ -107,14 +107,37 @@ void read_axes(const TableReader& t, VesselSpec& vessel)
         t.fail("normal", "is parallel to axis; give any other direction");
 }
 
+/// What a wall that yields is held by, and what it carries.
+void read_elastic_wall(const TableReader& t, VesselSpec& vessel)
+{
+    t.number("support_pa_m", vessel.support, not_negative);
+    t.number("support_pa_s_m", vessel.support_damping, not_negative);
+    t.number("relaxation_s", vessel.relaxation, not_negative);
+    t.number("pressure_pa", vessel.pressure, any_number);
+    t.number("wall_edge_m", vessel.wall_edge, not_negative);
+    t.choice("rims", vessel.rims_held, rims_words);
+    if (!vessel.elastic) return;
+    if (vessel.support == 0 && !vessel.rims_held)
+        t.fail("support_pa_m",
+               "expected more than 0 where rims = \"free\": the wall could fly away; give it tissue, or set rims = "
+               "\"held\"");
+    const bool has_radius = vessel.shape == VesselShape::Tube || vessel.shape == VesselShape::Arc;
+    if (has_radius && vessel.thickness > vessel.radius)
+        t.fail("thickness_m",
+               fmt::format("expected at most radius_m, {} m, of a wall = \"elastic\", which is a thin shell; make it "
+                           "thinner, or set wall = \"rigid\"",
+                           vessel.radius));
+}
+
 }  // namespace
 
 void read_vessel_table(const toml::table& table, Scene& scene)
 {
-    const TableReader t(
-        table, "vessel",
-        {"mesh", "units", "shape", "radius_m", "length_m", "axis", "origin", "normal", "bend_radius_m", "angle_deg", "lead_in_m",
-         "lead_out_m", "size_m", "triangles", "wall", "youngs_pa", "poisson", "thickness_m", "centreline"});
+    const TableReader t(table, "vessel", {"mesh",         "units",       "shape",       "radius_m",      "length_m",
+                                          "axis",         "origin",      "normal",      "bend_radius_m", "angle_deg",
+                                          "lead_in_m",    "lead_out_m",  "size_m",      "triangles",     "wall",
+                                          "youngs_pa",    "poisson",     "thickness_m", "support_pa_m",  "support_pa_s_m",
+                                          "relaxation_s", "pressure_pa", "wall_edge_m", "rims",          "centreline"});
     VesselSpec& vessel = scene.vessel;
     read_shape_choice(t, scene);
     check_shape_keys(t, vessel.shape);
@@ -124,6 +147,7 @@ void read_vessel_table(const toml::table& table, Scene& scene)
     t.number("youngs_pa", vessel.youngs, positive);
     t.number("poisson", vessel.poisson, {0, 0.5, false, true, "a Poisson's ratio from 0 to below 0.5"});  // D6: 1 - 2 nu > 0
     t.number("thickness_m", vessel.thickness, positive);
+    read_elastic_wall(t, vessel);
     if (t.has("centreline")) vessel.centreline = existing_file(t, "centreline", scene);
 }
 

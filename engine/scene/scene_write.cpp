@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 namespace seldinger {
 namespace {
@@ -137,6 +138,18 @@ std::string rebased(const std::filesystem::path& path, const std::filesystem::pa
     return (relative.empty() ? path : relative).generic_string();
 }
 
+/// A rigid wall says nothing of what only a yielding one has, unless it was given.
+void write_elastic_wall(TableText& t, const VesselSpec& v)
+{
+    const VesselSpec plain;
+    const auto of = [](const VesselSpec& s) {
+        return std::tuple(s.support, s.support_damping, s.relaxation, s.pressure, s.wall_edge, s.rims_held);
+    };
+    if (!v.elastic && of(v) == of(plain)) return;
+    t.num("support_pa_m", v.support).num("support_pa_s_m", v.support_damping).num("relaxation_s", v.relaxation);
+    t.num("pressure_pa", v.pressure).num_unless_zero("wall_edge_m", v.wall_edge).word("rims", word_of(rims_words, v.rims_held));
+}
+
 void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::path& folder)
 {
     if (v.shape == VesselShape::None) return;
@@ -160,6 +173,7 @@ void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::
         .num("youngs_pa", v.youngs)
         .num("poisson", v.poisson)
         .num("thickness_m", v.thickness);
+    write_elastic_wall(t, v);
     if (!v.centreline.empty()) t.word("centreline", rebased(v.centreline, folder));
 }
 

@@ -20,10 +20,16 @@ struct VesselSpec {
     Vec3 origin = Vec3::Zero(), axis = Vec3::UnitX(), normal = Vec3::UnitZ();
     double size = 0;                   // plane: side [m]
     int triangles = 0;                 // about
-    bool elastic = false;              // wall = "elastic": not available yet
+    bool elastic = false;              // the wall yields; the rest of what it takes for that is below
     double youngs = 1.0e6;             // wall [Pa]
     double poisson = 0.45;             // [-]
     double thickness = 0.001;          // H [m]
+    double support = 1e6;              // of the tissue around it, per area [Pa/m]
+    double support_damping = 1e4;      // likewise [Pa s/m]
+    double relaxation = 0.02;          // of the wall's own stress [s]
+    double pressure = 0;               // mean pressure that the given shape carries [Pa]
+    double wall_edge = 0;              // of the control mesh [m]; 0: chosen
+    bool rims_held = true;             // openings' rims do not move
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
 };
 

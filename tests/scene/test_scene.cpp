@@ -198,6 +198,13 @@ void check_same_rest(const Scene& a, const Scene& b)
     CHECK(v.youngs == w.youngs);
     CHECK(v.poisson == w.poisson);
     CHECK(v.thickness == w.thickness);
+    CHECK(v.elastic == w.elastic);
+    CHECK(v.support == w.support);
+    CHECK(v.support_damping == w.support_damping);
+    CHECK(v.relaxation == w.relaxation);
+    CHECK(v.pressure == w.pressure);
+    CHECK(v.wall_edge == w.wall_edge);
+    CHECK(v.rims_held == w.rims_held);
     CHECK(v.centreline == w.centreline);
     const SceneContact &c = a.contact, &d = b.contact;
     CHECK(c.detection == d.detection);
@@ -405,6 +412,29 @@ TEST_SUITE("scene/scene")
                 CAPTURE(place);
                 check_round_trip(read(minimal + "place = " + place + "\n[vessel]\n" + vessel));
             }
+    }
+
+    TEST_CASE("property: a wall that yields is read, and survives the round trip")
+    {
+        const std::string tube = minimal + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.2\n";
+        const Scene plain = read(tube);
+        CHECK_FALSE(plain.vessel.elastic);
+        CHECK(plain.vessel.rims_held);
+        // of a rigid wall nothing is written that only a yielding one has
+        CHECK(write_scene(plain, ".").find("support_pa_m") == std::string::npos);
+        const Scene s =
+            read(tube, {"vessel.wall=elastic", "vessel.support_pa_m=3e5", "vessel.support_pa_s_m=0", "vessel.rims=free",
+                        "vessel.relaxation_s=0.01", "vessel.pressure_pa=-13e3", "vessel.wall_edge_m=0.002"});
+        CHECK(s.vessel.elastic);
+        CHECK(s.vessel.support == 3e5);
+        CHECK(s.vessel.support_damping == 0);
+        CHECK(s.vessel.relaxation == 0.01);
+        CHECK(s.vessel.pressure == -13e3);
+        CHECK(s.vessel.wall_edge == 0.002);
+        CHECK_FALSE(s.vessel.rims_held);
+        check_round_trip(s);
+        check_round_trip(read(tube, {"vessel.wall=elastic"}));
+        check_round_trip(read(tube, {"vessel.rims=free"}));
     }
 
     TEST_CASE("property: any angle in degrees comes back to the same radians")

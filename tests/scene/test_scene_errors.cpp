@@ -228,9 +228,28 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"scene.dt_s=1e-12"}, "scene.dt_s: makes 2e+12 steps"});
     }
 
-    TEST_CASE("property: what is not built says so")
+    TEST_CASE("property: a wall that yields is a thin shell, and something holds it")
     {
-        check_mistake({good, {"vessel.wall=elastic"}, "vessel.wall: \"elastic\" is not available yet"});
+        const std::string tube = good + "[vessel]\nshape = \"tube\"\nradius_m = 0.01\nlength_m = 0.3\n";
+        const std::string elastic = tube + "wall = \"elastic\"\n";
+        CHECK_NOTHROW((void)read_scene_text(elastic, "good.toml"));
+        check_mistake({good, {"vessel.wall=elastic"}, "vessel.mesh: is missing"});
+        check_mistake({elastic, {"vessel.youngs_pa=0"}, "vessel.youngs_pa: expected"});
+        check_mistake({elastic, {"vessel.poisson=0.5"}, "vessel.poisson: expected"});
+        check_mistake({elastic, {"vessel.poisson=-0.1"}, "vessel.poisson: expected"});
+        check_mistake({elastic, {"vessel.thickness_m=0"}, "vessel.thickness_m: expected"});
+        check_mistake({elastic, {"vessel.thickness_m=0.011"}, "vessel.thickness_m: expected at most radius_m, 0.01 m"});
+        for (const auto key : {"support_pa_m", "support_pa_s_m", "relaxation_s", "wall_edge_m"})
+            for (const auto value : {"-1", "nan", "inf", "soft"})
+                check_mistake({elastic, {std::string("vessel.") + key + "=" + value}, std::string(key) + ": expected"});
+        for (const auto value : {"nan", "inf", "high"})
+            check_mistake({elastic, {std::string("vessel.pressure_pa=") + value}, "vessel.pressure_pa: expected"});
+        check_mistake({elastic, {"vessel.rims=loose"}, "vessel.rims: expected one of"});
+        check_mistake({elastic, {"vessel.rims=free", "vessel.support_pa_m=0"}, "vessel.support_pa_m: expected more than 0"});
+        // each of the two is enough, and a rigid wall needs neither
+        CHECK_NOTHROW((void)read_scene_text(elastic + "support_pa_m = 0\n", "good.toml"));
+        CHECK_NOTHROW((void)read_scene_text(elastic + "rims = \"free\"\n", "good.toml"));
+        CHECK_NOTHROW((void)read_scene_text(tube + "rims = \"free\"\nsupport_pa_m = 0\nthickness_m = 0.1\n", "good.toml"));
     }
 
     TEST_CASE("property: a normal law says what it cannot be joined with")

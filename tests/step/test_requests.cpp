@@ -73,6 +73,30 @@ TEST_SUITE("step/requests")
         refused([](TestSetup& s) { s.systems = {2, 0}; }, "systems[1]: is 0");
     }
 
+    TEST_CASE("property: a wall that yields is a thin shell, and something holds it")
+    {
+        const auto elastic = [](const std::function<void(VesselSpec&)>& change) {
+            return [change](TestSetup& s) {
+                s.vessel.elastic = true;
+                change(s.vessel);
+            };
+        };
+        refused(elastic([](VesselSpec& v) { v.youngs = 0; }), "vessel.youngs: is 0");
+        refused(elastic([](VesselSpec& v) { v.poisson = 0.5; }), "vessel.poisson: is 0.5");
+        refused(elastic([](VesselSpec& v) { v.poisson = -0.1; }), "vessel.poisson: is -0.1");
+        refused(elastic([](VesselSpec& v) { v.thickness = 0; }), "vessel.thickness: is 0");
+        refused(elastic([](VesselSpec& v) { v.thickness = 0.006; }),
+                "vessel.thickness: is 0.006 m, expected at most the lumen's radius");
+        refused(elastic([](VesselSpec& v) { v.support = -1; }), "vessel.support: is -1");
+        refused(elastic([](VesselSpec& v) { v.support_damping = -1; }), "vessel.support_damping: is -1");
+        refused(elastic([](VesselSpec& v) { v.relaxation = not_a_number; }), "vessel.relaxation: is nan");
+        refused(elastic([](VesselSpec& v) { v.pressure = not_a_number; }), "vessel.pressure: is nan");
+        refused(elastic([](VesselSpec& v) { v.wall_edge = -1; }), "vessel.wall_edge: is -1");
+        refused(elastic([](VesselSpec& v) { v.support = 0, v.rims_held = false; }), "vessel.support: is 0 and rims are free");
+        refused([](TestSetup& s) { s.mesh = {}, s.vessel = {}, s.vessel.elastic = true; },
+                "vessel.elastic: is set where there is no wall");
+    }
+
     TEST_CASE("property: a step that cannot be taken changes nothing")
     {
         FedWorld world(two_wires());

@@ -1,0 +1,43 @@
+#pragma once
+// How long the edges of a control mesh are to be, place by place: as wanted, but short where the lumen is narrow.
+
+#include "vessel/centreline.h"
+#include "vessel/wall_mesh.h"
+
+#include <vector>
+
+namespace seldinger {
+
+/// target(p) = min(edge, min over spheres of max(share * radius, edge / 15) + grade * distance of p from the sphere): spheres are
+/// the largest ones inside the lumen and the rims' own circles, so a narrow branch makes edges short on itself, and neighbouring
+/// edges differ by about the grade.
+class EdgeField {
+public:
+    /// @param edge   wanted [m]
+    /// @param share  of the local lumen radius that an edge may have at most [-]
+    EdgeField(double edge, double share, const Centreline& centreline);
+    void add_circle(const Vec3& centre, double radius);
+    [[nodiscard]] double at(const Vec3& p) const;
+    [[nodiscard]] double edge() const { return edge_; }
+    [[nodiscard]] double least() const;  // lower bound of at() [m]
+
+private:
+    struct Ball {
+        Vec3 centre;
+        double radius, edge;  // [m]
+    };
+    double edge_, share_;
+    std::vector<Ball> balls_;  // only those that ask for less than edge_
+};
+
+/// Points of a wall, each of which stands for the same area.
+struct WallSamples {
+    std::vector<Vec3> points;  // centroids [m]
+    double area = 0;           // of the whole wall [m^2]
+};
+[[nodiscard]] WallSamples sample_wall(const WallMesh& wall, int wanted = 20'000);
+
+/// Vertices of an isotropic mesh with these edges: equilateral triangles of side h have a vertex per sqrt(3)/2 h^2.
+[[nodiscard]] double expected_vertices(const WallSamples& wall, const EdgeField& field);
+
+}  // namespace seldinger

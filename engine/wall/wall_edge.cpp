@@ -1,0 +1,105 @@
+// Which edge a control mesh gets when the scene gives none, and what memory an edge takes.
+#include "core/error.h"
+#include "wall/control_mesh.h"
+#include "wall/edge_field.h"
+#include "wall/wall_model.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double most_vertices = 2000;  // below it a column of the compliance costs less than a millisecond
+constexpr double least_share = 0.6, most_share = 1.0;
+
+/// Length over which the dent of a ring (tube) or line (plane) load decays [m]; infinite for a plane on nothing.
+double decay_length(const VesselSpec& spec, double radius)
+{
+    const double bend = spec.youngs * std::pow(spec.thickness, 3) / (12 * (1 - spec.poisson * spec.poisson));
+    const double hoop = std::isfinite(radius) ? spec.youngs * spec.thickness / (radius * radius) : 0;
+    return std::pow((hoop + spec.support) / (4 * bend), -0.25);
+}
+
+double vertices_at(const WallSamples& wall, const Centreline& centreline, double edge, double share)
+{
+    return expected_vertices(wall, EdgeField(edge, share, centreline));
+}
+
+/// Where the falling f(x) comes down to `goal`, between low and high, to a thousandth.
+template <class F>
+double solve_falling(double low, double high, double goal, F f)
+{
+    while (high > 1.001 * low) {
+        const double middle = std::sqrt(low * high);
+        (f(middle) > goal ? low : high) = middle;
+    }
+    return high;
+}
+
+/// Two digits, thousands set apart: "2,000".
+std::string about(double count)
+{
+    const double unit = std::pow(10, std::floor(std::log10(count)) - 1);
+    std::string text = fmt::format("{}", std::llround(std::round(count / unit) * unit));
+    for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3) text.insert(static_cast<std::size_t>(at), ",");
+    return text;
+}
+
+std::string millimetres(double length) { return fmt::format("{:.2g} mm", 1e3 * length); }
+
+}  // namespace
+
+WallEdge choose_wall_edge(const WallModel& wall)
+{
+    const WallSamples samples = sample_wall(wall.mesh);
+    const double radius = wall.typical_lumen_radius, third = radius / 3;
+    const double half_decay = 0.5 * decay_length(wall.spec, radius);
+    const bool by_radius = third < half_decay;
+    const double wanted = std::min(third, half_decay);
+    const char* reason = by_radius ? "a third of the lumen's radius" : "half the decay length";
+    const auto vertices = [&](double edge, double share) { return vertices_at(samples, wall.centreline, edge, share); };
+
+    WallEdge choice{wanted, least_share, 0, ""};
+    if (std::isfinite(wanted)) choice.vertices = vertices(wanted, least_share);
+    if (std::isfinite(wanted) && choice.vertices <= most_vertices) {
+        choice.why = fmt::format("{} ({})", millimetres(wanted), reason);
+        return choice;
+    }
+    // longer edges, up to those that the widest lumen allows; then longer ones in narrow branches too
+    const auto& radii = wall.centreline.radius;
+    const double widest = radii.empty() ? std::sqrt(samples.area) : *std::max_element(radii.begin(), radii.end());
+    const double low = std::isfinite(wanted) ? wanted : 1e-3 * widest;
+    const auto longest = [&](double share) { return std::max(low, share * widest); };
+    if (vertices(longest(least_share), least_share) > most_vertices)
+        choice.share = solve_falling(least_share, most_share, most_vertices, [&](double s) { return vertices(longest(s), s); });
+    choice.edge = choice.share > least_share ? longest(choice.share)
+                                             : solve_falling(low, longest(least_share), most_vertices,
+                                                             [&](double e) { return vertices(e, least_share); });
+    choice.vertices = vertices(choice.edge, choice.share);
+    choice.why = fmt::format("{} ({} vertices", millimetres(choice.edge), about(choice.vertices));
+    if (choice.share > least_share) choice.why += fmt::format(", edges {:.2g} of the local radius", choice.share);
+    choice.why += std::isfinite(wanted) ? fmt::format("; {} would be {})", reason, millimetres(wanted)) : ")";
+    return choice;
+}
+
+double factor_bytes(double vertices) { return 9 * 8 * vertices * (12 + 8 * std::log2(std::max(vertices, 2.0))); }
+
+void check_control_edge(double area, double edge)
+{
+    const double vertices = area / (0.5 * std::sqrt(3.0) * edge * edge), bytes = factor_bytes(vertices);
+    const double most = 0.5 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (bytes <= most) return;
+    throw Error(
+        ExitCode::BadScene,
+        fmt::format("vessel.wall_edge_m: {:.3g} m makes about {:.2g} vertices, whose factor takes {:.3g} GB, more than half "
+                    "of this machine's memory; make it longer, or take it out to have it chosen",
+                    edge, vertices, 1e-9 * bytes));
+}
+
+}  // namespace seldinger
