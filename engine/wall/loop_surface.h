@@ -2,6 +2,7 @@
 // Smooth limit surface of Loop subdivision over a control mesh: place, derivatives, closest point. The wall's mechanics and the
 // wire's contact with an elastic wall live on it.
 
+#include "vessel/tree.h"
 #include "wall/loop_corner.h"
 #include "wall/loop_topology.h"
 
@@ -67,8 +68,40 @@ public:
     double interpolate(std::span<const Vec3> points, int sweeps = 60);
 
 private:
+    /// Control vertices that matter to a triangle, and how its points come from them.
+    struct Patch {
+        std::int32_t first_vertex, vertex_count;  // in patch_vertices_
+        std::int32_t first_child;                 // -1: its twelve vertices are the points; else in children_
+        bool divided;                             // four children, or one that is the triangle itself (beside a rim)
+    };
+    /// A regular patch of twelve points, or a corner's. Each point is a row of weights on the patch's vertices.
+    struct Child {
+        std::int32_t corner;      // in corners_, -1: regular
+        std::int32_t first_point;  // in rows_
+    };
+    template <bool curved>
+    struct Weights;
+    template <bool curved>
+    void weigh(std::int32_t triangle, double u, double v, Weights<curved>& weights) const;
+
+    void build_patch(std::int32_t triangle, const LoopRefinement& fine);
+    void add_point(Patch& patch, const LoopPoint& point, const LoopRefinement* fine);
+    std::int32_t corner_index(LoopVertex kind, int triangles, int place);
+    void build_start();
+
+    void descend(const Vec3& p, LoopFoot& foot) const;
+
     WallMesh control_;
     LoopTopology topology_;
+    double edge_ = 0;  // mean length [m]
+    std::vector<Patch> patches_;  // [T]
+    std::vector<std::int32_t> patch_vertices_;
+    std::vector<Child> children_;
+    std::vector<std::int32_t> rows_;    // first entry of each point's row, and one past the last
+    std::vector<unsigned char> slots_;  // of an entry: which of the patch's vertices
+    std::vector<double> row_weights_;   // of an entry
+    std::vector<LoopCorner> corners_;
+    WallTree start_;  // flat pieces of the surface, start_pieces^2 a triangle, for searches from nowhere
 };
 
 }  // namespace seldinger

@@ -44,12 +44,14 @@ struct Prestress {
 };
 using PrestressAt = std::function<Prestress(const Vec3& position)>;
 
-/// One quadrature point: where it is and the strain-displacement matrices in a local frame (e1, e2).
+/// One quadrature point: where it is, and the weights of its control vertices in a local orthonormal frame (e1, e2, normal).
 struct ShellPoint {
     std::int32_t triangle = 0;
     double u = 0, v = 0;
     double area = 0;  // weight of the point [m^2]
     Vec3 position = Vec3::Zero(), normal = Vec3::UnitZ(), e1 = Vec3::UnitX(), e2 = Vec3::UnitY();
+    double b11 = 0, b22 = 0, b12 = 0;                 // curvature b_ab in the frame [1/m]
+    std::int32_t first_vertex = 0, vertex_count = 0;  // in Shell's arrays
 };
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -71,7 +73,7 @@ struct ShellStress {
 
 class Shell {
 public:
-    /// Keeps references to neither; the surface must outlive it.
+    /// The surface must outlive it. Throws Error for a spec out of range.
     Shell(const LoopSurface& surface, const ShellSpec& spec);
 
     [[nodiscard]] const std::vector<ShellPoint>& points() const { return points_; }
@@ -89,9 +91,25 @@ public:
     [[nodiscard]] Energy energy(std::span<const double> displacement) const;
 
 private:
+    /// Of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
+    struct Weight {
+        std::int32_t vertex;
+        double n, n_1, n_2, n_11, n_22, n_12;
+    };
+    void add_point(std::int32_t triangle, double u, double v, double share);
+    [[nodiscard]] std::span<const Weight> weights(const ShellPoint& q) const
+    {
+        return {weights_.data() + q.first_vertex, static_cast<std::size_t>(q.vertex_count)};
+    }
+    /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
+    [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    /// Stresses per strain: C H and D H.
+    [[nodiscard]] Eigen::Matrix3d law() const;
+
     const LoopSurface& surface_;
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
+    std::vector<Weight> weights_;
 };
 
 }  // namespace seldinger
