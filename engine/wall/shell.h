@@ -1,0 +1,115 @@
+#pragma once
+// The vessel's wall as a thin linear Kirchhoff-Love shell on a Loop subdivision surface: stiffness, pressure, stresses.
+//
+// Displacement u [m] of the mid-surface x(s1, s2); a_a = x_,a, a_3 the normal, b_ab = x_,ab . a_3. Energy [J]
+//
+//   E(u) = 1/2 int C H^abcd eps_ab eps_cd + D H^abcd rho_ab rho_cd dA        K_elastic: membrane and bending
+//        + 1/2 int N^ab u_,a . u_,b dA - (p/2) int u . (u_,1 x x_,2 + x_,1 x u_,2) ds1 ds2      K_pressure (outward normal)
+//        + 1/2 int k_s u . u dA                                                                 k_s A: the tissue around
+//
+//   C = E h / (1 - nu^2) [N/m], D = E h^3 / (12 (1 - nu^2)) [N m], H^abcd = nu a^ab a^cd + (1 - nu)/2 (a^ac a^bd + a^ad a^bc)
+//   eps_ab = (a_a . u_,b + a_b . u_,a) / 2                      membrane strain
+//   rho_ab = change of b_ab - (b_a^c eps_cb + b_b^c eps_ca) / 2 change of curvature [Koiter60, Sanders59]: 0 for a tube that
+//            widens evenly; Cirak leaves the second part out, which differs by h^2/(12 R^2) of the membrane's energy
+//
+// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R, N_z = p R / 2 [N/m] carry the
+// mean pressure p and stiffen it (N^ab), and p stays normal to the wall as it moves (second variation of the enclosed volume); on
+// a tube the two leave 0, 0, 3 p/R for the inextensional modes n = 0, 1, 2 [p/R (n^2 - 1)]. [Cirak00; Moireau12 for the tissue]
+
+#include "wall/loop_surface.h"
+
+#include <Eigen/SparseCore>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+struct ShellSpec {
+    double youngs = 1e6;  // [Pa]
+    double poisson = 0.45;
+    double thickness = 1.5e-3;     // h [m]
+    double support = 1e6;          // k_s, springs of the tissue on the displacement vector [Pa/m]
+    double support_damping = 1e4;  // c_s [Pa s/m]
+    double relaxation = 0.02;      // tau of the wall itself [s]
+    double pressure = 0;           // p, mean, inside minus outside [Pa]
+    bool rims_held = true;         // displacement of rims zero, free to turn
+};
+
+/// What carries the mean pressure at a place of the wall.
+struct Prestress {
+    Vec3 axis = Vec3::UnitZ();  // of the vessel, any length
+    double radius = 0;          // of the vessel [m]
+    double axial_part = 0.5;    // N_z / (p R)
+};
+using PrestressAt = std::function<Prestress(const Vec3& position)>;
+
+/// One quadrature point: where it is, and the weights of its control vertices in a local orthonormal frame (e1, e2, normal).
+struct ShellPoint {
+    std::int32_t triangle = 0;
+    double u = 0, v = 0;
+    double area = 0;  // weight of the point [m^2]
+    Vec3 position = Vec3::Zero(), normal = Vec3::UnitZ(), e1 = Vec3::UnitX(), e2 = Vec3::UnitY();
+    double b11 = 0, b22 = 0, b12 = 0;                 // curvature b_ab in the frame [1/m]
+    std::int32_t first_vertex = 0, vertex_count = 0;  // in Shell's arrays
+};
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// Assembled matrices, symmetric, both triangles stored. Unknown 3 vertex + axis.
+struct ShellMatrices {
+    SparseMatrix elastic;             // [3V][3V] [N/m]
+    SparseMatrix pressure;            // [3V][3V] [N/m], empty without pressure
+    SparseMatrix area;                // [V][V] int N_a N_b dA [m^2]
+    std::vector<unsigned char> held;  // [V] 1: displacement zero
+};
+
+/// Stress of the wall. Components 11, 22, 12 in a point's frame [Pa].
+struct ShellStress {
+    std::vector<Eigen::Vector3d> membrane,
+        bending;  // [Q]; at the outer surface membrane + bending, at the inner membrane - bending
+    std::vector<double> mises_inner, mises_outer;  // [V] area-weighted about each control vertex [Pa]
+};
+
+class Shell {
+public:
+    /// The surface must outlive it. Throws Error for a spec out of range.
+    Shell(const LoopSurface& surface, const ShellSpec& spec);
+
+    [[nodiscard]] const std::vector<ShellPoint>& points() const { return points_; }
+    [[nodiscard]] const ShellSpec& spec() const { return spec_; }
+
+    /// All matrices at once. @param prestress  may be empty when the spec's pressure is zero
+    [[nodiscard]] ShellMatrices assemble(const PrestressAt& prestress = {}) const;
+
+    /// @param displacement  [3V] [m]
+    [[nodiscard]] ShellStress stress(std::span<const double> displacement) const;
+    /// Membrane and bending energy of a displacement, summed over quadrature points [J].
+    struct Energy {
+        double membrane = 0, bending = 0;
+    };
+    [[nodiscard]] Energy energy(std::span<const double> displacement) const;
+
+private:
+    /// Of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
+    struct Weight {
+        std::int32_t vertex;
+        double n, n_1, n_2, n_11, n_22, n_12;
+    };
+    void add_point(std::int32_t triangle, double u, double v, double share);
+    [[nodiscard]] std::span<const Weight> weights(const ShellPoint& q) const
+    {
+        return {weights_.data() + q.first_vertex, static_cast<std::size_t>(q.vertex_count)};
+    }
+    /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
+    [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    /// Stresses per strain: C H and D H.
+    [[nodiscard]] Eigen::Matrix3d law() const;
+
+    const LoopSurface& surface_;
+    ShellSpec spec_;
+    std::vector<ShellPoint> points_;  // [Q]
+    std::vector<Weight> weights_;
+};
+
+}  // namespace seldinger

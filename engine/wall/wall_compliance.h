@@ -1,0 +1,66 @@
+#pragma once
+// What an elastic wall gives way under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
+// matrices of one wall, shared by all systems.
+
+#include "math/block_cholesky.h"
+#include "wall/shell.h"
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+/// Scratch of a solve; one per thread.
+struct WallSolveWork {
+    std::vector<double> x;
+};
+
+/// K + C/h, factored. const and safe to share between threads; the bits of every answer depend on the matrix alone.
+class WallFactor {
+public:
+    /// In place: force [N] in, displacement [m] out, [3V]. What is asked of held vertices is ignored, and they get 0.
+    void solve(std::span<double> rhs, WallSolveWork& work) const;
+    /// Two at once, in about the time of one.
+    void solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const;
+    /// Displacement [3V] under a unit force on a control vertex along x, y, z: [3][3V], one after the other. Solved for on first
+    /// use, then kept. Zeros for a held vertex.
+    [[nodiscard]] std::span<const double> columns(std::int32_t vertex) const;
+
+    [[nodiscard]] double step() const { return h_; }
+    [[nodiscard]] double factor_seconds() const { return seconds_; }
+    [[nodiscard]] std::size_t entries() const { return cholesky_.entries(); }
+
+private:
+    friend class WallCompliance;
+    double h_ = 0, seconds_ = 0;
+    BlockCholesky cholesky_;
+    const std::vector<unsigned char>* held_ = nullptr;
+    mutable std::mutex guard_;
+    mutable std::vector<std::unique_ptr<double[]>> columns_;  // [V]
+};
+
+class WallCompliance {
+public:
+    WallCompliance(const Shell& shell, const PrestressAt& prestress = {});
+
+    [[nodiscard]] int vertex_count() const { return static_cast<int>(matrices_.area.rows()); }
+    [[nodiscard]] const ShellMatrices& matrices() const { return matrices_; }
+    /// K and C [3V][3V], held rows and columns zero: for residuals, energies and losses.
+    [[nodiscard]] const SparseMatrix& stiffness() const { return stiffness_; }
+    [[nodiscard]] const SparseMatrix& damping() const { return damping_; }
+
+    /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, as long as somebody holds them.
+    /// Throws Error when the matrix is not positive definite: the wall could fly away, or the pressure buckles it.
+    [[nodiscard]] std::shared_ptr<const WallFactor> factor(double h) const;
+
+private:
+    ShellMatrices matrices_;
+    SparseMatrix stiffness_, damping_;
+    mutable std::mutex guard_;
+    mutable std::vector<std::shared_ptr<const WallFactor>> kept_;  // newest last
+};
+
+}  // namespace seldinger
