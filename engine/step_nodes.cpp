@@ -108,6 +108,10 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
                        return adapt_base(state, w, base_limits(state, w, whole, dt));
                    });
     if (changed) demands.may_refine = demands.may_merge = false;
+    if (state.elastic_wall) {  // between two nodes its displacement is linear (contact/wall_stations.h)
+        demands.contact = std::span(state.results[w].nodal_contact).first(static_cast<std::size_t>(state.rods.node_count(w)));
+        demands.touching_edge = std::max(spec.min_edge, state.elastic_wall->edge());
+    }
     const auto changes = adapter.planner.plan(state.rods.view(w), spec, demands, state.rods.capacity(w));
     if (changes.empty()) return changed;
     if (!state.terms.never_overlaps()) return change_nodes(state, w, changes), true;

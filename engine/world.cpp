@@ -117,8 +117,6 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     for (int w = 0; w < count; ++w) {
         WireSetup& wire = setup.wires[w];
         close_ring(wire);
-        // between two nodes the wall's displacement is linear (contact/wall_stations.h)
-        if (elastic_wall) wire.wire.max_edge = std::max(wire.wire.min_edge, std::min(wire.wire.max_edge, elastic_wall->edge()));
         if (wire.feed.on) {
             feeds[w].edge = uniform_edge(wire.wire);
             start_feed(feeds[w], wire.feed, wire.wire, rods, w);

@@ -58,6 +58,7 @@ NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
         for (const double s : {range.begin, range.end})
             if (s > 0 && s < spec.length) boundaries_.push_back(s);
     changes_.reserve(capacity);
+    touching_.assign(capacity, std::numeric_limits<double>::infinity());
 }
 
 /// Curvature, moment and jump of shear at all nodes.
@@ -102,7 +103,16 @@ double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int f
     double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
     if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
+    for (int i = from; i <= to; ++i) longest = std::min(longest, touching_[i]);
     return std::max(longest, spec.min_edge);
+}
+
+void NodePlanner::note_touching(const RodView& rod, const NodeDemands& demands)
+{
+    std::fill(touching_.begin(), touching_.end(), std::numeric_limits<double>::infinity());
+    const int n = std::min(rod.n, static_cast<int>(demands.contact.size()));
+    for (int i = 0; i < n && std::isfinite(demands.touching_edge); ++i)
+        if (!demands.contact[i].isZero(0)) touching_[i] = demands.touching_edge;
 }
 
 std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
@@ -123,6 +133,7 @@ double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double
 double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
 {
     measure(rod, hub_tangent);
+    note_touching(rod, {});
     const int base = rod.n - 2;
     double whole = std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, base, base + 1)), 2 * spec.min_edge);
     if (base > 0) whole = std::min(whole, edge_ratio_limit * rod.rest_length[base - 1]);
@@ -197,6 +208,7 @@ void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const Nod
 std::span<const NodeChange> NodePlanner::plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity)
 {
     changes_.clear();
+    note_touching(rod, demands);
     longest_edges(rod, spec, demands.hub_tangent);
     plan_splits(rod, spec, demands, capacity);
     if (changes_.empty() && demands.may_merge) plan_merge(rod, spec, demands);

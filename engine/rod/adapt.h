@@ -20,6 +20,8 @@
 
 #include "rod/elastic.h"
 
+#include <limits>
+
 namespace seldinger {
 
 /// Two neighbouring edges differ by at most this factor: the forces of (D2, D3) are second order only where lengths vary slowly.
@@ -38,6 +40,9 @@ struct NodeDemands {
     Vec3 hub_tangent = Vec3::Zero();  // direction held at the hub, tip to hub; zero: none, and so no moment there
     bool may_merge = true;
     bool may_refine = true;  // else only what the ratio of neighbours asks for
+    // edges beside nodes on which contact acts are no longer than that [m]: what they touch bends with them
+    std::span<const Vec3> contact = {};  // [n] [N]
+    double touching_edge = std::numeric_limits<double>::infinity();
     bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which makes it from 0 to h long
 };
 
@@ -60,6 +65,7 @@ public:
 private:
     void measure(const RodView& rod, const Vec3& hub_tangent);
     [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
+    void note_touching(const RodView& rod, const NodeDemands& demands);
     void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
     void spread_marks(const RodView& rod, const WireSpec& spec, int from);
     void plan_merge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
@@ -69,6 +75,7 @@ private:
     std::vector<double> longest_;                 // [n-1]
     std::vector<double> curvature_, shear_jump_;  // [n] [1/m], [N]
     std::vector<Vec3> moment_;                    // [n] [N m]
+    std::vector<double> touching_;                // [n] longest edge beside it that its contact allows [m]
     std::vector<std::uint8_t> marked_;            // [n-1] to be split; [n] kept
     std::vector<NodeChange> changes_;
 };

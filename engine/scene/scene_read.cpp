@@ -274,6 +274,21 @@ void read_link(const toml::table& table, const std::string& path, Scene& scene)
     scene.links.push_back(std::move(link));
 }
 
+void read_wall_load(const toml::table& table, const std::string& path, Scene& scene)
+{
+    const TableReader t(table, path, {"pressure_pa", "at", "force_n"});
+    if (!scene.vessel.elastic)
+        t.fail(t.has("pressure_pa") ? "pressure_pa" : "force_n", "a rigid wall takes any load; set vessel.wall = \"elastic\"");
+    WallLoad load;
+    if (!t.has("pressure_pa") && !t.has("force_n")) t.fail("force_n", "is missing; give pressure_pa, or force_n and at");
+    t.number("pressure_pa", load.pressure, any_number);
+    t.vector("force_n", load.force);
+    if (t.has("force_n")) t.need("at", "the point of the wall nearest to [x, y, z] carries the force");
+    else t.refuse("at", "needs force_n");
+    t.vector("at", load.at);
+    scene.vessel.loads.push_back(load);
+}
+
 void read_output(const toml::table& table, Scene& scene)
 {
     // a run writes about 100 frames unless told otherwise
@@ -311,7 +326,8 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     Scene scene;
     scene.source = file;
     const TableReader all(root, "",
-                          {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "output"});
+                          {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "wall_load",
+                           "output"});
     // an absent table reads as an empty one that stands where the file begins
     auto table = [&](std::string_view name) -> const toml::table& {
         static const toml::table none = toml::parse("");
@@ -332,6 +348,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     read_list(root, "hold", scene, read_hold);
     read_list(root, "load", scene, read_load);
     read_list(root, "link", scene, read_link);
+    read_list(root, "wall_load", scene, read_wall_load);
     read_output(table("output"), scene);
     return scene;
 }

@@ -233,6 +233,11 @@ void write_holds_and_loads(std::string& out, const Scene& scene)
         t.vector("anchor", link.anchor).num("stiffness_n_m", link.stiffness);
         if (!link.move.empty()) t.raw("move", rows(link.move));
     }
+    for (const WallLoad& load : scene.vessel.loads) {
+        TableText t(out, "[[wall_load]]");
+        t.num("pressure_pa", load.pressure);
+        if (!load.force.isZero(0)) t.vector("at", load.at).vector("force_n", load.force);
+    }
 }
 
 }  // namespace

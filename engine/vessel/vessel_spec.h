@@ -5,10 +5,18 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace seldinger {
 
 enum class VesselShape { None, Mesh, Tube, Arc, Plane, Arch };  // Arch: the project's own parametric aortic arch
+
+/// A load on a wall that yields, for as long as the run lasts.
+struct WallLoad {
+    double pressure = 0;        // more than the mean one, over all of it, outward [Pa]
+    Vec3 at = Vec3::Zero();     // the point of the wall nearest to here carries `force` [m]
+    Vec3 force = Vec3::Zero();  // [N]
+};
 
 struct VesselSpec {
     VesselShape shape = VesselShape::None;
@@ -30,6 +38,7 @@ struct VesselSpec {
     double pressure = 0;               // mean pressure that the given shape carries [Pa]
     double wall_edge = 0;              // of the control mesh [m]; 0: chosen
     bool rims_held = true;             // openings' rims do not move
+    std::vector<WallLoad> loads;
     std::filesystem::path centreline;  // optional .vtp with MaximumInscribedSphereRadius
 };
 

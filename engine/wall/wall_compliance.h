@@ -5,7 +5,6 @@
 #include "math/block_cholesky.h"
 #include "wall/shell.h"
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -37,9 +36,17 @@ private:
     friend class WallCompliance;
     double h_ = 0, seconds_ = 0;
     BlockCholesky cholesky_;
-    const std::vector<unsigned char>* held_ = nullptr;
-    mutable std::mutex guard_;
+    int vertex_count_ = 0;
+    mutable std::mutex guard_;          // of what follows
+    mutable std::vector<double> work_;  // scratch of the columns' solves
     mutable std::vector<std::unique_ptr<double[]>> columns_;  // [V]
+};
+
+/// What the factors that are kept have taken.
+struct WallCounts {
+    double factor_seconds = 0;
+    long columns = 0;       // of inverses
+    std::size_t bytes = 0;  // of both
 };
 
 class WallCompliance {
@@ -55,10 +62,12 @@ public:
     /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, as long as somebody holds them.
     /// Throws Error when the matrix is not positive definite: the wall could fly away, or the pressure buckles it.
     [[nodiscard]] std::shared_ptr<const WallFactor> factor(double h) const;
+    [[nodiscard]] WallCounts counts() const;
 
 private:
     ShellMatrices matrices_;
     SparseMatrix stiffness_, damping_;
+    std::vector<double> along_;  // [V] distance from an end of the wall [m]
     mutable std::mutex guard_;
     mutable std::vector<std::shared_ptr<const WallFactor>> kept_;  // newest last
 };

@@ -67,7 +67,8 @@ std::string path_of(const std::string& section, const std::string& key)
 {
     static const std::map<std::string, std::string> lists = {{"wire.section", "wire.section.0"}, {"feed.keys", "feed.keys.0"},
                                                              {"hold", "hold.0"},                 {"load", "load.0"},
-                                                             {"link", "link.0"}};
+                                                             {"link", "link.0"},
+                                                             {"wall_load", "wall_load.0"}};
     const auto found = lists.find(section);
     return (found == lists.end() ? section : found->second) + "." + key;
 }
@@ -85,6 +86,7 @@ const std::string bases[] = {
         "[[hold]]\nspin = true\n[[load]]\nat = \"tip\"\nmoment_nm = [0.0, 0.0, 1.0]\n",
     head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n",
     head + stiff + "place = {shape = \"centreline\"}\n[vessel]\nshape = \"plane\"\nsize_m = 1.0\n",
+    head + stiff + "place = {}\n" + tube + "wall = \"elastic\"\n[[wall_load]]\nat = [0.0, 0.0, 0.0]\nforce_n = [0.0, 0.0, 1.0]\n",
     head + stiff + "place = {shape = \"arc\", bend_radius_m = 0.1}\n[vessel]\nmesh = \"wall.stl\"\n",
 };
 
@@ -207,6 +209,7 @@ TEST_SUITE("scene/scene_docs")
                 // bases that say something else
                 if (k.section == "wire.place" && says(base, "{" + k.key + " = ")) continue;
                 if (k.section == "load" && says(base, k.key + " = ")) continue;
+                if (k.section == "wall_load" && !says(base, "[[wall_load]]")) continue;
                 if (k.section.find("feed") == 0 && !says(base, "[feed]")) continue;
                 if (k.section == "hold" && !says(base, "[[hold]]")) continue;
                 CHECK(with.scene == without.scene);
