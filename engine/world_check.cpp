@@ -110,7 +110,6 @@ void check_systems(const WorldSetup& setup)
 void check_elastic_wall(const WorldSetup& setup)
 {
     const VesselSpec& vessel = setup.vessel;
-    if (setup.mesh.triangles.empty()) refuse("vessel.elastic", "is set where there is no wall; expected a mesh with triangles");
     if (!(vessel.poisson >= 0 && vessel.poisson < 0.5))
         refuse("vessel.poisson", fmt::format("is {}, expected a number from 0 to below 0.5", vessel.poisson));
     need_not_negative(vessel.support, "vessel.support");

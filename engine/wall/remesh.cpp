@@ -11,7 +11,7 @@ namespace seldinger {
 
 namespace {
 
-// of the target edge [Botsch & Kobbelt 2004]: longer ones are split, shorter ones collapsed
+// of the target edge [Botsch04]: longer ones are split, shorter ones collapsed
 constexpr double long_edge = 4.0 / 3, short_edge = 4.0 / 5;
 // thinning out ends with edges of this part of the target: short enough for the rounds to find a mesh of their own
 constexpr double thin_part = 0.55;

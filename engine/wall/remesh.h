@@ -1,6 +1,6 @@
 #pragma once
 // Isotropic remeshing of a wall: edges as long as a field asks for, triangles near to equilateral, vertices on the fine surface
-// and on its rims [Botsch & Kobbelt 2004, doi:10.1145/1057432.1057457].
+// and on its rims [Botsch04].
 //
 // First the fine mesh is thinned out: its short edges go, an end of each staying where it is, in passes of growing length, which
 // takes microseconds an edge whatever the size of the mesh. Then rounds of: split edges longer than 4/3 of the target, collapse

@@ -94,7 +94,7 @@ TEST_SUITE("step/requests")
         refused(elastic([](VesselSpec& v) { v.wall_edge = -1; }), "vessel.wall_edge: is -1");
         refused(elastic([](VesselSpec& v) { v.support = 0, v.rims_held = false; }), "vessel.support: is 0 and rims are free");
         refused([](TestSetup& s) { s.mesh = {}, s.vessel = {}, s.vessel.elastic = true; },
-                "vessel.elastic: is set where there is no wall");
+                "mesh: has no triangles");
     }
 
     TEST_CASE("property: a step that cannot be taken changes nothing")
