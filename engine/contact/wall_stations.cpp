@@ -32,10 +32,10 @@ WallStations::WallStations(const ElasticWall& wall, int nodes) : wall_(wall), st
 void WallStations::provide(int nodes)
 {
     stations_.resize(nodes);
+    feet_.resize(nodes);
     clear_.resize(nodes);
 }
 
-// The nearest point is looked for everywhere, whatever was found before: where a run is taken up again must not matter.
 void WallStations::place(int node, const Vec3& x, std::span<const double> w, double radius)
 {
     const double full = 2 * radius + 0.5 * wall_.edge(), none = 2 * full;
@@ -45,7 +45,14 @@ void WallStations::place(int node, const Vec3& x, std::span<const double> w, dou
     Clear& clear = clear_[node];
     if (clear.distance - length_from(x, clear.at) > none) return;
     LoopFoot foot;
+    WallFoot& last = feet_[node];
+    if (last.triangle >= 0 && length_from(x, Vec3(last.node)) < 0.5 * wall_.edge()) {
+        foot.triangle = static_cast<std::int32_t>(last.triangle);
+        foot.u = last.u;
+        foot.v = last.v;
+    }
     wall_.surface().closest(x, foot);
+    last = {{x.x(), x.y(), x.z()}, foot.u, foot.v, foot.triangle};
     clear = {x, foot.distance};
     station.at = x;
     station.distance = foot.distance;

@@ -30,6 +30,13 @@ struct WallStation {
     int row = -1;               // among those that touch, or may
 };
 
+/// Where a node's foot was found last: the next search starts there. Part of the state, for its last bits depend on it.
+struct WallFoot {
+    double node[3] = {1e30, 1e30, 1e30};  // where the node was [m]
+    double u = 0, v = 0;
+    std::int64_t triangle = -1;
+};
+
 /// Nodes of one system.
 class WallStations {
 public:
@@ -40,6 +47,7 @@ public:
     void place(int node, const Vec3& x, std::span<const double> w, double radius);
     /// Nodes from `first` to `last` are no longer there.
     void forget(int first, int last);
+    [[nodiscard]] WallFoot& foot(int node) { return feet_[node]; }
     [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }
     [[nodiscard]] WallStation& operator[](int node) { return stations_[node]; }
     [[nodiscard]] int count() const { return static_cast<int>(stations_.size()); }
@@ -52,6 +60,7 @@ private:
     };
     const ElasticWall& wall_;
     std::vector<WallStation> stations_;  // [nodes]
+    std::vector<WallFoot> feet_;         // [nodes]
     std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
 };
 

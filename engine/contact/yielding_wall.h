@@ -78,6 +78,8 @@ public:
 private:
     struct System;
     [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
+    void put_wall(std::vector<std::uint8_t>& bytes, const System& system) const;
+    void put_feet(std::vector<std::uint8_t>& bytes, int wire) const;
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;

@@ -3,6 +3,7 @@
 #include "contact/yielding_system.h"
 
 #include "core/bytes.h"
+#include "core/error.h"
 #include "core/parallel.h"
 
 #include <algorithm>
@@ -276,22 +277,32 @@ void YieldingWall::clear_times()
     seconds_ = 0;
 }
 
+/// A system's wall, and the feet of a wire's nodes.
+void YieldingWall::put_wall(std::vector<std::uint8_t>& bytes, const System& system) const
+{
+    put_bytes(bytes, system.state.w.data(), system.state.w.size());
+    put_bytes(bytes, &system.state.work, 1);
+}
+
+void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const
+{
+    System& system = of(wire);
+    const int first = rods_.node_begin(wire) - system.first_node;
+    for (int i = first; i < first + rods_.node_count(wire); ++i) put_bytes(bytes, &system.stations.foot(i), 1);
+}
+
 void YieldingWall::save(std::vector<std::uint8_t>& bytes)
 {
     contact_.save(bytes);
-    for (const auto& system : systems_) {
-        put_bytes(bytes, system->state.w.data(), system->state.w.size());
-        put_bytes(bytes, &system->state.work, 1);
-    }
+    for (const auto& system : systems_) put_wall(bytes, *system);
+    for (int w = 0; w < rods_.wire_count(); ++w) put_feet(bytes, w);
 }
 
 void YieldingWall::save_wire(std::vector<std::uint8_t>& bytes, int wire)
 {
     contact_.save_wire(bytes, wire);
-    const System& system = of(wire);
-    if (system.wires.front() != wire) return;
-    put_bytes(bytes, system.state.w.data(), system.state.w.size());
-    put_bytes(bytes, &system.state.work, 1);
+    if (of(wire).wires.front() == wire) put_wall(bytes, of(wire));
+    put_feet(bytes, wire);
 }
 
 void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
@@ -301,6 +312,17 @@ void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
         take_bytes(bytes, end, system->state.w.data(), system->state.w.size());
         take_bytes(bytes, end, &system->state.work, 1);
         system->begun = false;
+    }
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        System& system = of(w);
+        const int first = rods_.node_begin(w) - system.first_node;
+        for (int i = first; i < first + rods_.capacity(w); ++i) system.stations.foot(i) = {};
+        for (int i = first; i < first + rods_.node_count(w); ++i) {
+            WallFoot& foot = system.stations.foot(i);
+            take_bytes(bytes, end, &foot, 1);
+            if (foot.triangle >= wall_.surface().topology().triangle_count() || !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
+                throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
+        }
     }
 }
 
