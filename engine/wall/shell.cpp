@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "wall/block_pattern.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -31,8 +32,9 @@ void check(const ShellSpec& spec)
     demand(std::isfinite(spec.pressure), "pressure must be finite", spec.pressure);
 }
 
-/// Barycentres of the four triangles that a control triangle is cut into, as (u, v).
-constexpr double quadrature[4][2] = {{1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}, {1.0 / 3, 1.0 / 3}};
+/// Barycentres of the four triangles that a control triangle is cut into, as (u, v); the middle one last.
+constexpr std::size_t per_triangle = 4;
+constexpr double quadrature[per_triangle][2] = {{1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}, {1.0 / 3, 1.0 / 3}};
 
 double mises(const Eigen::Vector3d& s)  // plane stress
 {
@@ -44,8 +46,11 @@ double mises(const Eigen::Vector3d& s)  // plane stress
 Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surface), spec_(spec)
 {
     check(spec);
-    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t)
-        for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8);
+    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t) {
+        double area = 0;
+        for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8), area += points_.back().area;
+        points_.back().membrane_area = area;
+    }
 }
 
 /// @param share  of the point in the area of the (u, v) triangle, which is 1/2
@@ -90,7 +95,32 @@ void Shell::add_point(std::int32_t triangle, double u, double v, double share)
         const Matrix2 second = in_frame(s.n_uu[k] - guu.dot(n_uv), s.n_uv[k] - guv.dot(n_uv), s.n_vv[k] - gvv.dot(n_uv));
         weights_.push_back({s.vertex[k], s.n[k], n_s[0], n_s[1], second(0, 0), second(1, 1), second(0, 1)});
     }
+    mend(q);
     points_.push_back(q);
+}
+
+/// Least-squares fit of a quadratic to the patch's control vertices in tangent-plane coordinates; what Loop's second derivatives of it
+/// miss is added to the weights.
+void Shell::mend(const ShellPoint& q)
+{
+    Weight* w = weights_.data() + q.first_vertex;
+    const double scale = std::sqrt(8 * q.area);  // about an edge
+    Eigen::Matrix<double, Eigen::Dynamic, 6> monomials(q.vertex_count, 6);
+    Eigen::Matrix<double, 3, Eigen::Dynamic> loop(3, q.vertex_count);
+    for (int k = 0; k < q.vertex_count; ++k) {
+        const Vec3 r = (surface_.control().vertices[static_cast<std::size_t>(w[k].vertex)] - q.position) / scale;
+        const double a = r.dot(q.e1), b = r.dot(q.e2);
+        monomials.row(k) << 1, a, b, a * a / 2, b * b / 2, a * b;
+        loop.col(k) << w[k].n_11, w[k].n_22, w[k].n_12;
+    }
+    // six vertices beside a corner may lie on a conic: the fit is then the smallest one
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit(q.vertex_count, 6);
+    fit.setThreshold(1e-3);
+    fit.compute(monomials);
+    Eigen::Matrix<double, 3, 6> missed = -loop * monomials;
+    for (int i = 0; i < 3; ++i) missed(i, 3 + i) += 1 / (scale * scale);
+    const Eigen::Matrix<double, 3, Eigen::Dynamic> more = missed * fit.pseudoInverse();
+    for (int k = 0; k < q.vertex_count; ++k) w[k].n_11 += more(0, k), w[k].n_22 += more(1, k), w[k].n_12 += more(2, k);
 }
 
 Eigen::Matrix3d Shell::law() const
@@ -137,11 +167,25 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     Energy e;
     for (const ShellPoint& q : points_) {
         const Strain s = strain(q, displacement);
-        e.membrane += 0.5 * q.area * c * s.head<3>().dot(h * s.head<3>());
+        e.membrane += 0.5 * q.membrane_area * c * s.head<3>().dot(h * s.head<3>());
         e.bending += 0.5 * q.area * d * s.tail<3>().dot(h * s.tail<3>());
     }
     return e;
 }
+
+namespace {
+
+/// A tangential tensor (11, 22, 12) of one point in the frame of another one beside it.
+Eigen::Vector3d turned(const Eigen::Vector3d& t, const ShellPoint& from, const ShellPoint& to)
+{
+    Matrix2 m, r;
+    m << t[0], t[2], t[2], t[1];
+    r << to.e1.dot(from.e1), to.e1.dot(from.e2), to.e2.dot(from.e1), to.e2.dot(from.e2);
+    const Matrix2 n = r * m * r.transpose();
+    return {n(0, 0), n(1, 1), n(0, 1)};
+}
+
+}  // namespace
 
 ShellStress Shell::stress(std::span<const double> displacement) const
 {
@@ -152,10 +196,10 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     out.membrane.reserve(points_.size()), out.bending.reserve(points_.size());
     out.mises_inner.assign(vertices, 0), out.mises_outer.assign(vertices, 0);
     std::vector<double> area(vertices, 0);
-    for (const ShellPoint& q : points_) {
-        const Strain s = strain(q, displacement);
-        out.membrane.push_back(h * s.head<3>());
-        out.bending.push_back(spec_.thickness / 2 * (h * s.tail<3>()));
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        const ShellPoint &q = points_[k], &middle = points_[k / per_triangle * per_triangle + per_triangle - 1];
+        out.membrane.push_back(turned(h * strain(middle, displacement).head<3>(), middle, q));
+        out.bending.push_back(spec_.thickness / 2 * (h * strain(q, displacement).tail<3>()));
         const double inner = mises(out.membrane.back() - out.bending.back()), outer = mises(out.membrane.back() + out.bending.back());
         const double share[3] = {1 - q.u - q.v, q.u, q.v};
         for (std::size_t c = 0; c < 3; ++c) {
@@ -195,7 +239,6 @@ Matrix2 prestress_in_frame(const ShellPoint& q, const Prestress& prestress, doub
 ShellMatrices Shell::assemble(const PrestressAt& prestress) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
-    const std::size_t per_triangle = std::size(quadrature);
     std::vector<std::vector<std::int32_t>> stencils;
     for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
         stencils.emplace_back();
@@ -218,7 +261,7 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
             for (int axis = 0; axis < 3; ++axis)
                 strains[k].col(axis) = join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
                                             q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
-            stresses[k].topRows<3>() = q.area * c * h * strains[k].topRows<3>();
+            stresses[k].topRows<3>() = q.membrane_area * c * h * strains[k].topRows<3>();
             stresses[k].bottomRows<3>() = q.area * d * h * strains[k].bottomRows<3>();
         }
         const Matrix2 n = loaded ? prestress_in_frame(q, prestress(q.position), spec_.pressure) : Matrix2::Zero();
