@@ -8,33 +8,49 @@
 
 namespace seldinger {
 
-/// P A P^T = L L^T. Order: nested dissection of the graph of blocks. The bits of a solution depend on the matrix alone.
+/// P A P^T = L L^T. Order: whichever fills least of nested dissection of the graph of blocks, minimum degree, and the caller's.
+/// The bits of a solution depend on the matrix and that order alone, and are the same one right-hand side at a time or several.
 class BlockCholesky {
 public:
-    /// @param matrix  [3B][3B], both triangles stored
+    /// @param matrix  [3B][3B], both triangles stored, rows of a column in increasing order
     /// @param skip    [B] 1: rows and columns of this block are left out, solutions are 0 there; may be empty
-    /// @return false when the matrix is not positive definite
-    [[nodiscard]] bool factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip = {});
+    /// @param along   [B] blocks with greater values are eliminated first: on a tube or a tree of them, distance from an end
+    /// makes
+    ///                fronts of a few rings, which nested dissection fills twice; may be empty
+    /// @return false when the matrix is not positive definite, as far as rounding can tell (a pivot below 1e-11 of its diagonal)
+    [[nodiscard]] bool factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip = {},
+                              std::span<const double> along = {});
 
-    /// x = A^-1 x in place for `count` right-hand sides. @param x  [count] pointers to [3B]  @param work  scratch
-    void solve(std::span<double* const> x, std::vector<double>& work) const;
+    /// x = A^-1 x in place. @param x  [3B] each  @param work  scratch
+    void solve(std::span<double> x, std::vector<double>& work) const;
+    /// Two at once: L is read once for both.
+    void solve(std::span<double> x, std::span<double> y, std::vector<double>& work) const;
 
-    /// Numbers in L, and multiply-adds of a factorization.
-    [[nodiscard]] std::size_t entries() const { return values_.size(); }
-    [[nodiscard]] double factor_work() const { return work_; }
+    /// Numbers that a solve reads, once down and once up.
+    [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
 
 private:
+    /// Columns of L with the same rows below. Three columns (a block) after each other, in each groups of 8 rows by 3 columns,
+    /// from the group of the diagonal on; what is above, in, or past the diagonal blocks' rows is 0.
     struct Panel {
-        std::int32_t first_column, columns;  // in the new order, unknowns
-        std::int32_t first_row, rows;        // in rows_: of unknowns below the panel's own square
-        std::int64_t first_value;            // [columns + rows][columns] in values_, column by column
+        std::int32_t first, columns;   // blocks in the new order
+        std::int32_t first_row, rows;  // in rows_: blocks below the panel's own square
+        std::int32_t stride;           // unknowns of both, rounded up to eights
+        std::int64_t first_value;      // in values_
     };
+    struct Symbolic;
+    [[nodiscard]] bool factor_panels(const Eigen::SparseMatrix<double>& matrix, const Symbolic& symbolic);
+    template <int sides>
+    void solve_sides(double* const* x, std::vector<double>& work) const;
+
     std::int32_t blocks_ = 0;
+    std::int32_t widest_ = 0;          // greatest stride
     std::vector<std::int32_t> order_;  // [free blocks] old block of each new one
-    std::vector<Panel> panels_;
-    std::vector<std::int32_t> rows_;  // [..] new unknowns
+    std::vector<std::int32_t> skipped_;
+    std::vector<Panel> panels_;       // children before parents
+    std::vector<std::int32_t> rows_;  // new blocks
     std::vector<double> values_;
-    double work_ = 0;
+    std::vector<double> inverse_;  // [free blocks][9] inverses of the diagonal 3 x 3 blocks of L, column by column
 };
 
 }  // namespace seldinger

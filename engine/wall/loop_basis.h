@@ -3,10 +3,11 @@
 
 namespace seldinger {
 
-/// Control vertices of a patch, by place: 0, 1, 2 corners; 3, 4, 5 across edges 01, 12, 20; then the outer ones, counter-clockwise:
-/// 6, 7 about corner 0 (6 beside 5, 7 beside 3), 8, 9 about corner 1 (8 beside 3, 9 beside 4), 10, 11 about corner 2 (10 beside 4).
+/// Control vertices of a patch, by place: 0, 1, 2 corners; 3, 4, 5 across edges 01, 12, 20; then the outer ones,
+/// counter-clockwise: 6, 7 about corner 0 (6 beside 5, 7 beside 3), 8, 9 about corner 1 (8 beside 3, 9 beside 4), 10, 11 about
+/// corner 2 (10 beside 4).
 struct LoopBasis {
-    double n[12], n_u[12], n_v[12];      // values, derivatives by (u, v): weights of corners 1, 2
+    double n[12], n_u[12], n_v[12];       // values, derivatives by (u, v): weights of corners 1, 2
     double n_uu[12], n_uv[12], n_vv[12];  // second derivatives, where asked for
 };
 

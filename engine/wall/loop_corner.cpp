@@ -36,7 +36,8 @@ LoopTopology rings_about(LoopVertex kind, int sectors)
 void put_row(const LoopRefinement& fine, std::int32_t vertex, const std::vector<std::int32_t>& points, double scale,
              Eigen::Ref<Eigen::RowVectorXd> row)
 {
-    for (std::int32_t k = fine.first[static_cast<std::size_t>(vertex)]; k < fine.first[static_cast<std::size_t>(vertex) + 1]; ++k) {
+    for (std::int32_t k = fine.first[static_cast<std::size_t>(vertex)]; k < fine.first[static_cast<std::size_t>(vertex) + 1];
+         ++k) {
         const auto found = std::find(points.begin(), points.end(), fine.vertex[static_cast<std::size_t>(k)]);
         SEL_ASSERT(found != points.end());
         row[found - points.begin()] += scale * fine.weight[static_cast<std::size_t>(k)];

@@ -116,9 +116,8 @@ void LoopSurface::weigh(std::int32_t triangle, double u, double v, Weights<curve
     const Child& child = children_[static_cast<std::size_t>(patch.first_child + c)];
     double points[LoopTopology::max_valence + 8][channels];
     int count = 12;
-    const auto functions = [&](const Local& place, double (*out)[channels]) { weights.functions(place, out); };
-    if (child.corner < 0)
-        functions(at, points);
+    const auto functions = [&](const Local& place, double(*out)[channels]) { weights.functions(place, out); };
+    if (child.corner < 0) functions(at, points);
     else {
         const LoopCorner& corner = corners_[static_cast<std::size_t>(child.corner)];
         count = corner.points;
@@ -265,7 +264,8 @@ void LoopSurface::build_patch(std::int32_t triangle, const LoopRefinement& fine)
             int place;
             const std::int32_t v = mesh.triangles[static_cast<std::size_t>(t)][0];
             for (const std::int32_t p : mesh.corner_patch(t, place)) add_point(patch, {p}, &fine);
-            child.corner = corner_index(mesh.kind[static_cast<std::size_t>(v)], mesh.triangles_about[static_cast<std::size_t>(v)], place);
+            child.corner =
+                corner_index(mesh.kind[static_cast<std::size_t>(v)], mesh.triangles_about[static_cast<std::size_t>(v)], place);
         }
         rows_.push_back(static_cast<std::int32_t>(slots_.size()));
         children_.push_back(child);
@@ -293,7 +293,8 @@ double LoopSurface::interpolate(std::span<const Vec3> points, int sweeps)
             if (topology_.kind[static_cast<std::size_t>(v)] == LoopVertex::Inner) {
                 const double w = loop_limit_weight(n);
                 own = 1 - n * w;
-                for (int k = 0; k < n; ++k) rest += w * control_.vertices[static_cast<std::size_t>(around[static_cast<std::size_t>(k)])];
+                for (int k = 0; k < n; ++k)
+                    rest += w * control_.vertices[static_cast<std::size_t>(around[static_cast<std::size_t>(k)])];
             }
             const Vec3 off = points[static_cast<std::size_t>(v)] - (own * x + rest);
             left = std::max(left, off.norm());

@@ -76,7 +76,7 @@ private:
     };
     /// A regular patch of twelve points, or a corner's. Each point is a row of weights on the patch's vertices.
     struct Child {
-        std::int32_t corner;      // in corners_, -1: regular
+        std::int32_t corner;       // in corners_, -1: regular
         std::int32_t first_point;  // in rows_
     };
     template <bool curved>
@@ -93,7 +93,7 @@ private:
 
     WallMesh control_;
     LoopTopology topology_;
-    double edge_ = 0;  // mean length [m]
+    double edge_ = 0;             // mean length [m]
     std::vector<Patch> patches_;  // [T]
     std::vector<std::int32_t> patch_vertices_;
     std::vector<Child> children_;

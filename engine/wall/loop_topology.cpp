@@ -100,17 +100,16 @@ void LoopTopology::connect(std::int32_t vertices)
     for (std::int32_t h = 0; h < 3 * triangle_count(); ++h) {
         const auto v = static_cast<std::size_t>(from(h));
         ++count[v];
-        if (opposite[static_cast<std::size_t>(h)] < 0)
-            first[v] = h, kind[v] = LoopVertex::Rim;
-        else if (first[v] < 0)
-            first[v] = h;
+        if (opposite[static_cast<std::size_t>(h)] < 0) first[v] = h, kind[v] = LoopVertex::Rim;
+        else if (first[v] < 0) first[v] = h;
     }
     triangles_about.assign(static_cast<std::size_t>(vertices), 0);
     for (std::int32_t v = 0; v < vertices; ++v) {
         const auto i = static_cast<std::size_t>(v);
         if (count[i] == 0) refuse(name("vertex", v) + " belongs to no triangle");
         if (count[i] > max_valence)
-            refuse(name("vertex", v) + " has " + std::to_string(count[i]) + " triangles, " + std::to_string(max_valence) + " at most");
+            refuse(name("vertex", v) + " has " + std::to_string(count[i]) + " triangles, " + std::to_string(max_valence) +
+                   " at most");
         int walked = 0;
         std::int32_t h = first[i];
         do ++walked, h = turn(h);
@@ -145,7 +144,8 @@ std::array<LoopPoint, 6> LoopTopology::ring(std::int32_t v, std::int32_t towards
         return about;
     }
     // four are real; reflections across the two rim edges close the ring
-    const std::array<LoopPoint, 6> closed = {{{real[0]}, {real[1]}, {real[2]}, {real[3]}, {v, real[3], real[2]}, {v, real[0], real[1]}}};
+    const std::array<LoopPoint, 6> closed = {
+        {{real[0]}, {real[1]}, {real[2]}, {real[3]}, {v, real[3], real[2]}, {v, real[0], real[1]}}};
     std::size_t shift = 0;
     while (shift < 3 && real[shift] != to(towards)) ++shift;
     for (std::size_t k = 0; k < 6; ++k) about[k] = closed[(k + shift) % 6];
@@ -188,7 +188,9 @@ void vertex_row(const LoopTopology& coarse, std::int32_t v, Rows& rows)
     std::array<std::int32_t, LoopTopology::max_valence + 1> around;
     const int n = coarse.fan(v, -1, around);
     switch (coarse.kind[static_cast<std::size_t>(v)]) {
-        case LoopVertex::Corner: rows.add(v, 1); break;
+        case LoopVertex::Corner:
+            rows.add(v, 1);
+            break;
         case LoopVertex::Rim:
             rows.add(v, 0.75), rows.add(around[0], 0.125), rows.add(around[static_cast<std::size_t>(n - 1)], 0.125);
             break;

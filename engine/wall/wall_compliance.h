@@ -5,7 +5,6 @@
 #include "math/block_cholesky.h"
 #include "wall/shell.h"
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -37,8 +36,9 @@ private:
     friend class WallCompliance;
     double h_ = 0, seconds_ = 0;
     BlockCholesky cholesky_;
-    const std::vector<unsigned char>* held_ = nullptr;
-    mutable std::mutex guard_;
+    int vertex_count_ = 0;
+    mutable std::mutex guard_;                                // of what follows
+    mutable std::vector<double> work_;                        // scratch of the columns' solves
     mutable std::vector<std::unique_ptr<double[]>> columns_;  // [V]
 };
 
@@ -59,6 +59,7 @@ public:
 private:
     ShellMatrices matrices_;
     SparseMatrix stiffness_, damping_;
+    std::vector<double> along_;  // [V] distance from an end of the wall [m]
     mutable std::mutex guard_;
     mutable std::vector<std::shared_ptr<const WallFactor>> kept_;  // newest last
 };
