@@ -7,14 +7,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstring>
-#include <cstdio>
-#include <cstdlib>
 
 namespace seldinger {
 
 /// Order, and rows of L by panels, before any number is known.
 struct BlockCholesky::Symbolic {
-    std::vector<std::int32_t> order, place;  // old of new, new of old (-1: left out)
+    std::vector<std::int32_t> order, place;       // old of new, new of old (-1: left out)
     std::vector<std::vector<std::int32_t>> rows;  // [panel] below its own square, increasing
     std::vector<std::int32_t> first;              // [panels + 1]
     std::vector<std::int32_t> parent;             // [panel], -1: a root
@@ -22,7 +20,6 @@ struct BlockCholesky::Symbolic {
 };
 
 namespace {
-
 
 Graph block_graph(const Eigen::SparseMatrix<double>& matrix, const std::vector<std::int32_t>& free_index, std::int32_t free_count)
 {
@@ -81,8 +78,7 @@ std::vector<std::int32_t> postorder(const std::vector<std::vector<std::int32_t>>
     for (std::int32_t k = n; k-- > 0;) {  // last child first, so that the stack gives them in order
         if (!rows[static_cast<std::size_t>(k)].empty())
             children[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)].front())].push_back(k);
-        else
-            stack.push_back(k);
+        else stack.push_back(k);
     }
     std::vector<unsigned char> open(rows.size(), 0);
     while (!stack.empty()) {
@@ -98,12 +94,12 @@ std::vector<std::int32_t> postorder(const std::vector<std::vector<std::int32_t>>
     return result;
 }
 
-/// Whether a panel of so many columns and rows below is worth having for `needed` blocks of L: few zeros are read for it, and wide
-/// panels are read faster.
+/// Whether a panel of so many columns and rows below is worth having for `needed` blocks of L: few zeros are read for it, and
+/// wide panels are read faster.
 bool worth_having(std::int64_t columns, std::int64_t rows, std::int64_t needed)
 {
     const std::int64_t read = columns * (columns + 1) / 2 + columns * rows;
-    return read * 100 <= needed * 135 || (columns <= 4 && read * 100 <= needed * 170);
+    return read * 100 <= needed * 106 || (columns <= 4 && read * 100 <= needed * 120);
 }
 
 }  // namespace
@@ -132,7 +128,8 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
         orders.emplace_back(free_block.size());
         for (std::size_t k = 0; k < free_block.size(); ++k) orders.back()[k] = static_cast<std::int32_t>(k);
         const auto at = [&](std::int32_t k) { return along[static_cast<std::size_t>(free_block[static_cast<std::size_t>(k)])]; };
-        std::stable_sort(orders.back().begin(), orders.back().end(), [&](std::int32_t a, std::int32_t b) { return at(a) > at(b); });
+        std::stable_sort(orders.back().begin(), orders.back().end(),
+                         [&](std::int32_t a, std::int32_t b) { return at(a) > at(b); });
     }
     for (const std::vector<std::int32_t>& order : orders) {
         std::vector<std::int32_t> post = postorder(column_rows(graph, order));
@@ -140,7 +137,6 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
         const auto rows = column_rows(graph, post);
         double entries = 0;
         for (const auto& list : rows) entries += static_cast<double>(list.size());
-        if (std::getenv("DBG")) printf("order %d: %.3fM\n",int(&order-&orders[0]),9*entries/1e6);
         if (!best.order.empty() && entries >= best.entries) continue;
         best = {};
         best.entries = entries;
@@ -148,7 +144,8 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
         // columns with the same rows below make a panel
         std::vector<std::int32_t> first;
         for (std::size_t k = 0; k < rows.size(); ++k)
-            if (k == 0 || rows[k - 1].empty() || rows[k - 1].front() != static_cast<std::int32_t>(k) || rows[k - 1].size() != rows[k].size() + 1)
+            if (k == 0 || rows[k - 1].empty() || rows[k - 1].front() != static_cast<std::int32_t>(k) ||
+                rows[k - 1].size() != rows[k].size() + 1)
                 first.push_back(static_cast<std::int32_t>(k));
         first.push_back(static_cast<std::int32_t>(rows.size()));
         // and join the parent right behind where that costs little
@@ -157,7 +154,8 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
             const std::int32_t end = first[p + 1];
             const auto& theirs = rows[static_cast<std::size_t>(end) - 1];
             std::int64_t own = 0;
-            for (std::int32_t k = first[p]; k < end; ++k) own += 1 + static_cast<std::int64_t>(rows[static_cast<std::size_t>(k)].size());
+            for (std::int32_t k = first[p]; k < end; ++k)
+                own += 1 + static_cast<std::int64_t>(rows[static_cast<std::size_t>(k)].size());
             if (!best.first.empty()) {
                 const auto& mine = rows[static_cast<std::size_t>(first[p]) - 1];
                 const bool child = !mine.empty() && mine.front() < end;
@@ -181,8 +179,10 @@ bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<
     }
     std::vector<std::int32_t> panel_of(order_.size());
     for (std::size_t p = 0; p + 1 < best.first.size(); ++p)
-        for (std::int32_t k = best.first[p]; k < best.first[p + 1]; ++k) panel_of[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(p);
-    for (const auto& list : best.rows) best.parent.push_back(list.empty() ? -1 : panel_of[static_cast<std::size_t>(list.front())]);
+        for (std::int32_t k = best.first[p]; k < best.first[p + 1]; ++k)
+            panel_of[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(p);
+    for (const auto& list : best.rows)
+        best.parent.push_back(list.empty() ? -1 : panel_of[static_cast<std::size_t>(list.front())]);
     return factor_panels(matrix, best);
 }
 
@@ -196,7 +196,8 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
     std::vector<Dense> update(count);
     std::vector<std::vector<std::int32_t>> children(count);
     for (std::size_t p = 0; p < count; ++p)
-        if (symbolic.parent[p] >= 0) children[static_cast<std::size_t>(symbolic.parent[p])].push_back(static_cast<std::int32_t>(p));
+        if (symbolic.parent[p] >= 0)
+            children[static_cast<std::size_t>(symbolic.parent[p])].push_back(static_cast<std::int32_t>(p));
     std::vector<std::int32_t> local(order_.size(), -1);
     for (std::size_t p = 0; p < count; ++p) {
         const std::int32_t first = symbolic.first[p], columns = symbolic.first[p + 1] - first;
@@ -207,7 +208,8 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
         Dense front = Dense::Zero(3 * (columns + rows), 3 * (columns + rows));  // its lower half counts
         for (std::int32_t k = 0; k < columns; ++k)
             for (int j = 0; j < 3; ++j)
-                for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, 3 * order_[static_cast<std::size_t>(first + k)] + j); it; ++it) {
+                for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, 3 * order_[static_cast<std::size_t>(first + k)] + j);
+                     it; ++it) {
                     const std::int32_t row = symbolic.place[static_cast<std::size_t>(it.row() / 3)];
                     if (row >= first + k) front(3 * local[static_cast<std::size_t>(row)] + it.row() % 3, 3 * k + j) = it.value();
                 }
@@ -217,7 +219,8 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
             const Dense& add = update[static_cast<std::size_t>(child)];
             for (std::size_t j = 0; j < from.size(); ++j)
                 for (std::size_t i = j; i < from.size(); ++i)
-                    front.block<3, 3>(3 * local[static_cast<std::size_t>(from[i])], 3 * local[static_cast<std::size_t>(from[j])]) +=
+                    front.block<3, 3>(3 * local[static_cast<std::size_t>(from[i])],
+                                      3 * local[static_cast<std::size_t>(from[j])]) +=
                         add.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
             update[static_cast<std::size_t>(child)].resize(0, 0);
         }
@@ -232,20 +235,20 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
             update[p] = front.bottomRightCorner(3 * rows, 3 * rows);
             update[p].selfadjointView<Eigen::Lower>().rankUpdate(strip, -1);
         }
-        // keep it as solves read it
+        // keep it as solves read it: three columns at a time, eight rows of each beside each other, one stream from end to end
         const std::int32_t stride = (3 * (columns + rows) + 7) / 8 * 8;
-        panels_.push_back({first, columns, static_cast<std::int32_t>(rows_.size()), rows, stride, static_cast<std::int64_t>(values_.size())});
+        panels_.push_back(
+            {first, columns, static_cast<std::int32_t>(rows_.size()), rows, stride, static_cast<std::int64_t>(values_.size())});
         widest_ = std::max(widest_, stride);
         rows_.insert(rows_.end(), below.begin(), below.end());
-        values_.resize(values_.size() + static_cast<std::size_t>(stride) * static_cast<std::size_t>(3 * columns), 0);
-        Eigen::Map<Dense> kept(values_.data() + panels_.back().first_value, stride, 3 * columns);
         for (Eigen::Index k = 0; k < columns; ++k) {
             const Eigen::Matrix3d own = square.block(3 * k, 3 * k, 3, 3);
             Eigen::Map<Eigen::Matrix3d> inverse(inverse_.data() + 9 * (first + k));
             inverse = own.triangularView<Eigen::Lower>().solve(Eigen::Matrix3d::Identity());
-            const Eigen::Index tail = 3 * (columns - k - 1);
-            kept.block(3 * k + 3, 3 * k, tail, 3) = square.block(3 * k + 3, 3 * k, tail, 3);
-            kept.block(3 * columns, 3 * k, 3 * rows, 3) = strip.middleCols<3>(3 * k);
+            for (Eigen::Index i = 3 * k / 8 * 8; i < stride; i += 8)
+                for (Eigen::Index j = 3 * k; j < 3 * k + 3; ++j)
+                    for (Eigen::Index r = i; r < i + 8; ++r)
+                        values_.push_back(r < 3 * k + 3 || r >= 3 * (columns + rows) ? 0.0 : front(r, j));
         }
     }
     return true;
@@ -253,13 +256,25 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
 
 namespace {
 
-/// Eight numbers, whatever the processor's own width: sums run in the same order everywhere.
-typedef double Eight __attribute__((vector_size(64), may_alias, aligned(8)));
+/// Eight numbers in two fours (wider vectors are taken apart badly where the processor has none): whatever its own width, sums
+/// run in the same order.
+typedef double Four __attribute__((vector_size(32)));
+struct Eight {
+    Four low, high;
+};
 
-inline Eight& eight(double* p) { return *reinterpret_cast<Eight*>(p); }
-inline const Eight& eight(const double* p) { return *reinterpret_cast<const Eight*>(p); }
-
-inline double sum(const Eight& v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
+inline Eight load(const double* p)
+{
+    Eight v;
+    std::memcpy(&v.low, p, sizeof v.low), std::memcpy(&v.high, p + 4, sizeof v.high);
+    return v;
+}
+inline void store(double* p, const Eight& v) { std::memcpy(p, &v.low, sizeof v.low), std::memcpy(p + 4, &v.high, sizeof v.high); }
+inline double sum(const Eight& v)
+{
+    const Four s = v.low + v.high;
+    return (s[0] + s[2]) + (s[1] + s[3]);
+}
 
 }  // namespace
 
@@ -282,18 +297,23 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
             std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
             std::memset(t[s] + own, 0, static_cast<std::size_t>(stride - own) * sizeof(double));
         }
-        const double* column = values_.data() + panel.first_value;
+        const double* value = values_.data() + panel.first_value;
         const double* d = inverse_.data() + 9 * panel.first;
-        for (int k = 0; k < own; k += 3, column += 3 * stride, d += 9) {
+        for (int k = 0; k < own; k += 3, d += 9) {
             double a[sides], b[sides], c[sides];
             for (int s = 0; s < sides; ++s) {
                 double* z = t[s] + k;
                 a[s] = d[0] * z[0], b[s] = d[1] * z[0] + d[4] * z[1], c[s] = d[2] * z[0] + d[5] * z[1] + d[8] * z[2];
                 z[0] = a[s], z[1] = b[s], z[2] = c[s];
             }
-            for (int i = k / 8 * 8; i < stride; i += 8) {
-                const Eight p = eight(column + i), q = eight(column + stride + i), r = eight(column + 2 * stride + i);
-                for (int s = 0; s < sides; ++s) eight(t[s] + i) -= p * a[s] + q * b[s] + r * c[s];
+            for (int i = k / 8 * 8; i < stride; i += 8, value += 24) {
+                const Eight p = load(value), q = load(value + 8), r = load(value + 16);
+                for (int s = 0; s < sides; ++s) {
+                    Eight z = load(t[s] + i);
+                    z.low -= p.low * a[s] + q.low * b[s] + r.low * c[s];
+                    z.high -= p.high * a[s] + q.high * b[s] + r.high * c[s];
+                    store(t[s] + i, z);
+                }
             }
         }
         for (int s = 0; s < sides; ++s) {
@@ -305,8 +325,8 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
             }
         }
     }
-    for (std::size_t p = panels_.size(); p-- > 0;) {
-        const Panel& panel = panels_[p];
+    for (std::size_t at = panels_.size(); at-- > 0;) {
+        const Panel& panel = panels_[at];
         const int stride = panel.stride, own = 3 * panel.columns;
         const std::int32_t* row = rows_.data() + panel.first_row;
         for (int s = 0; s < sides; ++s) {
@@ -315,15 +335,19 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
             for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) std::memcpy(z, y[s] + 3 * row[k], 3 * sizeof(double));
             std::memset(z, 0, static_cast<std::size_t>(stride - own - 3 * panel.rows) * sizeof(double));
         }
-        const double* column = values_.data() + panel.first_value + static_cast<std::int64_t>(own - 3) * stride;
+        const double* value =
+            at + 1 < panels_.size() ? values_.data() + panels_[at + 1].first_value : values_.data() + values_.size();
         const double* d = inverse_.data() + 9 * (panel.first + panel.columns - 1);
-        for (int k = own - 3; k >= 0; k -= 3, column -= 3 * stride, d -= 9) {
+        for (int k = own - 3; k >= 0; k -= 3, d -= 9) {
             Eight u[sides][3] = {};
-            for (int i = k / 8 * 8; i < stride; i += 8) {
-                const Eight p0 = eight(column + i), p1 = eight(column + stride + i), p2 = eight(column + 2 * stride + i);
+            value -= 3 * (stride - k / 8 * 8);
+            const double* group = value;
+            for (int i = k / 8 * 8; i < stride; i += 8, group += 24) {
+                const Eight p = load(group), q = load(group + 8), r = load(group + 16);
                 for (int s = 0; s < sides; ++s) {
-                    const Eight z = eight(t[s] + i);
-                    u[s][0] += p0 * z, u[s][1] += p1 * z, u[s][2] += p2 * z;
+                    const Eight z = load(t[s] + i);
+                    u[s][0].low += p.low * z.low, u[s][1].low += q.low * z.low, u[s][2].low += r.low * z.low;
+                    u[s][0].high += p.high * z.high, u[s][1].high += q.high * z.high, u[s][2].high += r.high * z.high;
                 }
             }
             for (int s = 0; s < sides; ++s) {

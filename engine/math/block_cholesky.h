@@ -8,13 +8,14 @@
 
 namespace seldinger {
 
-/// P A P^T = L L^T. Order: whichever fills least of nested dissection of the graph of blocks, minimum degree, and the caller's. The
-/// bits of a solution depend on the matrix and that order alone, and are the same one right-hand side at a time or several.
+/// P A P^T = L L^T. Order: whichever fills least of nested dissection of the graph of blocks, minimum degree, and the caller's.
+/// The bits of a solution depend on the matrix and that order alone, and are the same one right-hand side at a time or several.
 class BlockCholesky {
 public:
     /// @param matrix  [3B][3B], both triangles stored, rows of a column in increasing order
     /// @param skip    [B] 1: rows and columns of this block are left out, solutions are 0 there; may be empty
-    /// @param along   [B] blocks with greater values are eliminated first: on a tube or a tree of them, distance from an end makes
+    /// @param along   [B] blocks with greater values are eliminated first: on a tube or a tree of them, distance from an end
+    /// makes
     ///                fronts of a few rings, which nested dissection fills twice; may be empty
     /// @return false when the matrix is not positive definite, as far as rounding can tell (a pivot below 1e-11 of its diagonal)
     [[nodiscard]] bool factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip = {},
@@ -29,12 +30,13 @@ public:
     [[nodiscard]] std::size_t entries() const { return values_.size() + inverse_.size(); }
 
 private:
-    /// Columns of L with the same rows below: a dense piece whose leading dimension is a multiple of 8.
+    /// Columns of L with the same rows below. Three columns (a block) after each other, in each groups of 8 rows by 3 columns,
+    /// from the group of the diagonal on; what is above, in, or past the diagonal blocks' rows is 0.
     struct Panel {
-        std::int32_t first, columns;    // blocks in the new order
-        std::int32_t first_row, rows;   // in rows_: blocks below the panel's own square
-        std::int32_t stride;            // doubles from column to column
-        std::int64_t first_value;       // in values_; the square's upper half and its diagonal blocks are 0
+        std::int32_t first, columns;   // blocks in the new order
+        std::int32_t first_row, rows;  // in rows_: blocks below the panel's own square
+        std::int32_t stride;           // unknowns of both, rounded up to eights
+        std::int64_t first_value;      // in values_
     };
     struct Symbolic;
     [[nodiscard]] bool factor_panels(const Eigen::SparseMatrix<double>& matrix, const Symbolic& symbolic);
@@ -45,8 +47,8 @@ private:
     std::int32_t widest_ = 0;          // greatest stride
     std::vector<std::int32_t> order_;  // [free blocks] old block of each new one
     std::vector<std::int32_t> skipped_;
-    std::vector<Panel> panels_;        // children before parents
-    std::vector<std::int32_t> rows_;   // new blocks
+    std::vector<Panel> panels_;       // children before parents
+    std::vector<std::int32_t> rows_;  // new blocks
     std::vector<double> values_;
     std::vector<double> inverse_;  // [free blocks][9] inverses of the diagonal 3 x 3 blocks of L, column by column
 };

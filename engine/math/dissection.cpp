@@ -95,7 +95,8 @@ private:
         std::int32_t best = -1, before = 0;
         double cost = 0;
         for (std::int32_t l = 0; l <= last; ++l) {
-            const std::int32_t here = count[static_cast<std::size_t>(l)], after = static_cast<std::int32_t>(seen.size()) - before - here;
+            const std::int32_t here = count[static_cast<std::size_t>(l)],
+                               after = static_cast<std::int32_t>(seen.size()) - before - here;
             const double uneven = std::abs(before - after) / static_cast<double>(seen.size());
             const double c = here * (1 + uneven);
             if (before > 0 && after > 0 && uneven < 0.5 && (best < 0 || c < cost)) best = l, cost = c;

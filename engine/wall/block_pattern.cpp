@@ -42,14 +42,19 @@ Eigen::SparseMatrix<double> BlockPattern::matrix(std::span<const double> values,
              k < static_cast<std::size_t>(first_[static_cast<std::size_t>(c) + 1]); ++k)
             above[static_cast<std::size_t>(row_[k])].push_back({c, k});
     Eigen::SparseMatrix<double> m(vertices * size, vertices * size);
-    m.reserve(static_cast<Eigen::Index>((2 * row_.size() - static_cast<std::size_t>(vertices)) * static_cast<std::size_t>(size * size)));
-    const auto at = [&](std::size_t block, int i, int j) { return values[(block * static_cast<std::size_t>(size) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i)]; };
+    m.reserve(static_cast<Eigen::Index>((2 * row_.size() - static_cast<std::size_t>(vertices)) *
+                                        static_cast<std::size_t>(size * size)));
+    const auto at = [&](std::size_t block, int i, int j) {
+        return values[(block * static_cast<std::size_t>(size) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(size) +
+                      static_cast<std::size_t>(i)];
+    };
     for (std::int32_t c = 0; c < vertices; ++c)
         for (int j = 0; j < size; ++j) {
             m.startVec(c * size + j);
             for (const auto& [row, block] : above[static_cast<std::size_t>(c)])
                 for (int i = 0; i < size; ++i) m.insertBack(row * size + i, c * size + j) = at(block, j, i);
-            for (auto k = static_cast<std::size_t>(first_[static_cast<std::size_t>(c)]); k < static_cast<std::size_t>(first_[static_cast<std::size_t>(c) + 1]); ++k)
+            for (auto k = static_cast<std::size_t>(first_[static_cast<std::size_t>(c)]);
+                 k < static_cast<std::size_t>(first_[static_cast<std::size_t>(c) + 1]); ++k)
                 for (int i = 0; i < size; ++i)  // the diagonal block by its lower half
                     m.insertBack(row_[k] * size + i, c * size + j) = row_[k] == c && i < j ? at(k, j, i) : at(k, i, j);
         }

@@ -10,10 +10,10 @@ namespace seldinger {
 
 namespace {
 
-constexpr int start_pieces = 3;        // flat pieces along each edge of a control triangle
-constexpr int most_steps = 60;         // about four do from a start nearby
-constexpr double small_move = 1e-11;   // of an edge: a Newton step that ends the search
-constexpr double small_fold = 1e-12;   // weights below it are on an edge
+constexpr int start_pieces = 3;       // flat pieces along each edge of a control triangle
+constexpr int most_steps = 60;        // about four do from a start nearby
+constexpr double small_move = 1e-11;  // of an edge: a Newton step that ends the search
+constexpr double small_fold = 1e-12;  // weights below it are on an edge
 
 using Vec2 = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
@@ -30,7 +30,8 @@ struct Place {
     double squared = 0;  // distance from p
 };
 
-/// Direction in (u, v) along edge e of a triangle, and out of the triangle across it as a weight that falls: that of corner e + 2.
+/// Direction in (u, v) along edge e of a triangle, and out of the triangle across it as a weight that falls: that of corner e
+/// + 2.
 constexpr double corner_u[3] = {0, 1, 0}, corner_v[3] = {0, 0, 1};
 Vec2 along_edge(int e)
 {
@@ -60,7 +61,8 @@ void walk(const LoopTopology& mesh, std::int32_t& triangle, Vec2& uv, Vec2 d)
         const auto e = static_cast<std::size_t>(across % 3);
         Weights3 nl{}, nd{};
         nl[e] = l[b], nl[(e + 1) % 3] = l[a];
-        nd[e] = (1 - reach) * (dl[b] + dl[o]), nd[(e + 1) % 3] = (1 - reach) * (dl[a] + dl[o]), nd[(e + 2) % 3] = -(1 - reach) * dl[o];
+        nd[e] = (1 - reach) * (dl[b] + dl[o]), nd[(e + 1) % 3] = (1 - reach) * (dl[a] + dl[o]),
+        nd[(e + 2) % 3] = -(1 - reach) * dl[o];
         l = nl, dl = nd;
         triangle = across / 3;
     }
@@ -112,7 +114,8 @@ void LoopSurface::build_start()
     for (std::int32_t t = 0; t < topology_.triangle_count(); ++t) {
         const auto base = static_cast<std::int32_t>(flat.vertices.size());
         for (int j = 0; j <= n; ++j)
-            for (int i = 0; i + j <= n; ++i) flat.vertices.push_back(at(t, static_cast<double>(i) / n, static_cast<double>(j) / n).position);
+            for (int i = 0; i + j <= n; ++i)
+                flat.vertices.push_back(at(t, static_cast<double>(i) / n, static_cast<double>(j) / n).position);
         const auto index = [&](int i, int j) { return base + j * (n + 1) - j * (j - 1) / 2 + i; };
         for (int j = 0; j < n; ++j)
             for (int i = 0; i + j < n; ++i) {

@@ -78,7 +78,9 @@ void Shell::add_point(std::int32_t triangle, double u, double v, double share)
     tangents << xu.dot(q.e1), xv.dot(q.e1), xu.dot(q.e2), xv.dot(q.e2);
     const Matrix2 inverse = tangents.inverse();
     // Gamma^c_ab: (u, v) components of the tangential part of x_,ab
-    const auto components = [&](const Vec3& second) { return Eigen::Vector2d(inverse * Eigen::Vector2d(second.dot(q.e1), second.dot(q.e2))); };
+    const auto components = [&](const Vec3& second) {
+        return Eigen::Vector2d(inverse * Eigen::Vector2d(second.dot(q.e1), second.dot(q.e2)));
+    };
     const Eigen::Vector2d guu = components(xuu), guv = components(xuv), gvv = components(xvv);
     const auto in_frame = [&](double uu, double uv, double vv) {
         Matrix2 m;
@@ -99,8 +101,8 @@ void Shell::add_point(std::int32_t triangle, double u, double v, double share)
     points_.push_back(q);
 }
 
-/// Least-squares fit of a quadratic to the patch's control vertices in tangent-plane coordinates; what Loop's second derivatives of it
-/// miss is added to the weights.
+/// Least-squares fit of a quadratic to the patch's control vertices in tangent-plane coordinates; what Loop's second derivatives
+/// of it miss is added to the weights.
 void Shell::mend(const ShellPoint& q)
 {
     Weight* w = weights_.data() + q.first_vertex;
@@ -200,7 +202,8 @@ ShellStress Shell::stress(std::span<const double> displacement) const
         const ShellPoint &q = points_[k], &middle = points_[k / per_triangle * per_triangle + per_triangle - 1];
         out.membrane.push_back(turned(h * strain(middle, displacement).head<3>(), middle, q));
         out.bending.push_back(spec_.thickness / 2 * (h * strain(q, displacement).tail<3>()));
-        const double inner = mises(out.membrane.back() - out.bending.back()), outer = mises(out.membrane.back() + out.bending.back());
+        const double inner = mises(out.membrane.back() - out.bending.back()),
+                     outer = mises(out.membrane.back() + out.bending.back());
         const double share[3] = {1 - q.u - q.v, q.u, q.v};
         for (std::size_t c = 0; c < 3; ++c) {
             const auto v = static_cast<std::size_t>(surface_.control().triangles[static_cast<std::size_t>(q.triangle)][c]);
@@ -248,7 +251,8 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
     const bool loaded = spec_.pressure != 0;
     if (loaded && !prestress)
         throw Error(ExitCode::BadScene, "elastic wall: a mean pressure needs the vessel's axis and radius (centreline)");
-    std::vector<double> elastic(9 * pattern.block_count(), 0), pressure(loaded ? elastic.size() : 0, 0), area(pattern.block_count(), 0);
+    std::vector<double> elastic(9 * pattern.block_count(), 0), pressure(loaded ? elastic.size() : 0, 0),
+        area(pattern.block_count(), 0);
 
     const Eigen::Matrix3d h = law();
     const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
@@ -259,8 +263,9 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
         strains.resize(w.size()), stresses.resize(w.size());
         for (std::size_t k = 0; k < w.size(); ++k) {
             for (int axis = 0; axis < 3; ++axis)
-                strains[k].col(axis) = join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
-                                            q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
+                strains[k].col(axis) =
+                    join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
+                         q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
             stresses[k].topRows<3>() = q.membrane_area * c * h * strains[k].topRows<3>();
             stresses[k].bottomRows<3>() = q.area * d * h * strains[k].bottomRows<3>();
         }

@@ -47,7 +47,8 @@ std::vector<double> distance_from_end(const LoopSurface& surface)
             const int count = mesh.fan(v, -1, around);
             for (int k = 0; k < count; ++k) {
                 const auto w = static_cast<std::size_t>(around[static_cast<std::size_t>(k)]);
-                const double to = d + (surface.control().vertices[w] - surface.control().vertices[static_cast<std::size_t>(v)]).norm();
+                const double to =
+                    d + (surface.control().vertices[w] - surface.control().vertices[static_cast<std::size_t>(v)]).norm();
                 if (to < distance[w]) distance[w] = to, open.push({to, static_cast<std::int32_t>(w)});
             }
         }
@@ -96,7 +97,8 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
     const std::lock_guard lock(guard_);
     for (std::size_t k = 0; k < kept_.size(); ++k)
         if (kept_[k]->step() == h) {
-            std::rotate(kept_.begin() + static_cast<std::ptrdiff_t>(k), kept_.begin() + static_cast<std::ptrdiff_t>(k) + 1, kept_.end());
+            std::rotate(kept_.begin() + static_cast<std::ptrdiff_t>(k), kept_.begin() + static_cast<std::ptrdiff_t>(k) + 1,
+                        kept_.end());
             return kept_.back();
         }
     const auto start = std::chrono::steady_clock::now();
@@ -105,8 +107,9 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
     const bool sound = h > 0 ? made->cholesky_.factor(stiffness_ + damping_ / h, matrices_.held, along_)
                              : made->cholesky_.factor(stiffness_, matrices_.held, along_);
     if (!sound)
-        throw Error(ExitCode::BadScene,
-                    "elastic wall: it could fly away, or its pressure buckles it; hold its rims or raise the support (support_pa_m)");
+        throw Error(
+            ExitCode::BadScene,
+            "elastic wall: it could fly away, or its pressure buckles it; hold its rims or raise the support (support_pa_m)");
     made->vertex_count_ = vertex_count();
     made->columns_.resize(static_cast<std::size_t>(vertex_count()));
     made->seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -37,8 +37,8 @@ private:
     double h_ = 0, seconds_ = 0;
     BlockCholesky cholesky_;
     int vertex_count_ = 0;
-    mutable std::mutex guard_;          // of what follows
-    mutable std::vector<double> work_;  // scratch of the columns' solves
+    mutable std::mutex guard_;                                // of what follows
+    mutable std::vector<double> work_;                        // scratch of the columns' solves
     mutable std::vector<std::unique_ptr<double[]>> columns_;  // [V]
 };
 

@@ -32,7 +32,8 @@ WallMesh bumpy_tube(int around = 9)
 
 std::vector<std::pair<double, double>> places()
 {
-    std::vector<std::pair<double, double>> p = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0.5}, {0.5, 0}, {0, 0.5}, {1e-4, 2e-4}, {0.25, 0.25}};
+    std::vector<std::pair<double, double>> p = {{0, 0},   {1, 0},   {0, 1},       {0.5, 0.5},
+                                                {0.5, 0}, {0, 0.5}, {1e-4, 2e-4}, {0.25, 0.25}};
     std::mt19937 random(1);
     for (int k = 0; k < 20; ++k) {
         double u = random() % 1000 / 1e3, v = random() % 1000 / 1e3;
@@ -78,14 +79,17 @@ TEST_SUITE("wall/loop_surface")
         WallMesh mesh = grid(8, 8, [](double u, double v) { return Vec3(u, v, u * u - 2 * u * v + 3 * v * v); });
         const LoopSurface s(mesh);
         for (int t = 0; t < int(mesh.triangles.size()); ++t) {
-            const Vec3 centre = (mesh.vertices[mesh.triangles[t][0]] + mesh.vertices[mesh.triangles[t][1]] + mesh.vertices[mesh.triangles[t][2]]) / 3;
+            const Vec3 centre = (mesh.vertices[mesh.triangles[t][0]] + mesh.vertices[mesh.triangles[t][1]] +
+                                 mesh.vertices[mesh.triangles[t][2]]) /
+                                3;
             if ((centre - Vec3(0.5, 0.5, centre.z())).cwiseAbs().maxCoeff() > 0.3) continue;
             LoopCurvedStencil c;
             s.basis(t, 0.3, 0.2, c);
             Vec3 x = Vec3::Zero(), uu = x, uv = x, vv = x, xu = x, xv = x;
             for (int k = 0; k < c.size; ++k) {
                 const Vec3& p = mesh.vertices[c.vertex[k]];
-                x += c.n[k] * p, xu += c.n_u[k] * p, xv += c.n_v[k] * p, uu += c.n_uu[k] * p, uv += c.n_uv[k] * p, vv += c.n_vv[k] * p;
+                x += c.n[k] * p, xu += c.n_u[k] * p, xv += c.n_v[k] * p, uu += c.n_uu[k] * p, uv += c.n_uv[k] * p,
+                    vv += c.n_vv[k] * p;
             }
             const auto height = [](const Vec3& a, const Vec3& b) {  // bilinear form of the quadratic
                 return a.x() * b.x() - a.x() * b.y() - a.y() * b.x() + 3 * a.y() * b.y();
@@ -141,12 +145,9 @@ TEST_SUITE("wall/loop_surface")
                 double a = u, b = v;
                 for (int k = 0; k < rounds; ++k) {
                     f *= 4;
-                    if (a >= 0.5)
-                        f += 1, a = 2 * a - 1, b = 2 * b;
-                    else if (b >= 0.5)
-                        f += 2, a = 2 * a, b = 2 * b - 1;
-                    else if (a + b < 0.5)
-                        a = 2 * a, b = 2 * b;
+                    if (a >= 0.5) f += 1, a = 2 * a - 1, b = 2 * b;
+                    else if (b >= 0.5) f += 2, a = 2 * a, b = 2 * b - 1;
+                    else if (a + b < 0.5) a = 2 * a, b = 2 * b;
                     else {
                         f += 3;
                         const double w = 1 - a - b, ua = a;
@@ -171,7 +172,8 @@ TEST_SUITE("wall/loop_surface")
                 const int o = top.opposite[h];
                 if (o < 0) continue;
                 for (double f : {0.0, 1e-3, 0.1, 0.37, 0.5, 0.83}) {
-                    const double *a = corner[h % 3], *b = corner[(h % 3 + 1) % 3], *c = corner[(o % 3 + 1) % 3], *d = corner[o % 3];
+                    const double *a = corner[h % 3], *b = corner[(h % 3 + 1) % 3], *c = corner[(o % 3 + 1) % 3],
+                                 *d = corner[o % 3];
                     const LoopFoot x = s.at(h / 3, a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]));
                     const LoopFoot y = s.at(o / 3, c[0] + f * (d[0] - c[0]), c[1] + f * (d[1] - c[1]));
                     worst = std::max(worst, (x.position - y.position).norm());

@@ -37,8 +37,8 @@ inline WallMesh grid(int nu, int nv, const std::function<Vec3(double, double)>& 
     return mesh;
 }
 
-/// Tube of radius R about z from -length/2 to length/2, normals inwards, `around` vertices in each of along + 1 rings, every second
-/// ring turned by half a facet so that triangles are nearly equilateral.
+/// Tube of radius R about z from -length/2 to length/2, normals inwards, `around` vertices in each of along + 1 rings, every
+/// second ring turned by half a facet so that triangles are nearly equilateral.
 inline WallMesh tube(double radius, double length, int around, int along)
 {
     WallMesh mesh;
@@ -87,7 +87,8 @@ inline void flip_edges(WallMesh& mesh, double share, unsigned seed)
         double best = 4;
         const int v[3] = {a, b, c};
         for (int k = 0; k < 3; ++k) {
-            const Vec3 p = mesh.vertices[v[(k + 1) % 3]] - mesh.vertices[v[k]], q = mesh.vertices[v[(k + 2) % 3]] - mesh.vertices[v[k]];
+            const Vec3 p = mesh.vertices[v[(k + 1) % 3]] - mesh.vertices[v[k]],
+                       q = mesh.vertices[v[(k + 2) % 3]] - mesh.vertices[v[k]];
             best = std::min(best, std::atan2(p.cross(q).norm(), p.dot(q)));
         }
         return best;
@@ -99,7 +100,8 @@ inline void flip_edges(WallMesh& mesh, double share, unsigned seed)
         const auto other = owner.find({b, a});
         if (other == owner.end()) continue;
         const int s = other->second, c = third(t, a, b), d = third(s, a, b);
-        if (owner.count({c, d}) || owner.count({d, c}) || about[a] <= 5 || about[b] <= 5 || about[c] >= 7 || about[d] >= 7) continue;
+        if (owner.count({c, d}) || owner.count({d, c}) || about[a] <= 5 || about[b] <= 5 || about[c] >= 7 || about[d] >= 7)
+            continue;
         if (smallest_angle(a, d, c) < 0.45 || smallest_angle(d, b, c) < 0.45) continue;
         drop(t), drop(s);
         mesh.triangles[t] = {a, d, c}, mesh.triangles[s] = {d, b, c};
