@@ -42,22 +42,23 @@ void WallStations::place(int node, const Vec3& x, std::span<const double> w, dou
     WallStation& station = stations_[node];
     if (station.near && station.at == x) return;
     station.near = false;
+    const WallFoot last = feet_[node];
+    feet_[node] = {};
     Clear& clear = clear_[node];
     if (clear.distance - length_from(x, clear.at) > none) return;
     LoopFoot foot;
-    WallFoot& last = feet_[node];
     if (last.triangle >= 0 && length_from(x, Vec3(last.node)) < 0.5 * wall_.edge()) {
         foot.triangle = static_cast<std::int32_t>(last.triangle);
         foot.u = last.u;
         foot.v = last.v;
     }
     wall_.surface().closest(x, foot);
-    last = {{x.x(), x.y(), x.z()}, foot.u, foot.v, foot.triangle};
     clear = {x, foot.distance};
     station.at = x;
     station.distance = foot.distance;
     const double share = fade(foot.distance, full, none);
     if (share == 0) return;
+    feet_[node] = {{x.x(), x.y(), x.z()}, foot.u, foot.v, foot.triangle};
     station.near = true;
     station.row = -1;
     wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);

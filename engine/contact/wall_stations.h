@@ -30,7 +30,8 @@ struct WallStation {
     int row = -1;               // among those that touch, or may
 };
 
-/// Where a node's foot was found last: the next search starts there. Part of the state, for its last bits depend on it.
+/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, for the last bits of
+/// what is found depend on it.
 struct WallFoot {
     double node[3] = {1e30, 1e30, 1e30};  // where the node was [m]
     double u = 0, v = 0;
