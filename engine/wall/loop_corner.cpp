@@ -48,7 +48,6 @@ void put_row(const LoopRefinement& fine, std::int32_t vertex, const std::vector<
 Matrix limits(const LoopTopology& mesh, std::int32_t triangle, const std::vector<std::int32_t>& points)
 {
     Matrix rows = Matrix::Zero(3, static_cast<Eigen::Index>(points.size()));
-    std::array<std::int32_t, LoopTopology::max_valence + 1> around;
     for (std::size_t c = 0; c < 3; ++c) {
         const std::int32_t v = mesh.triangles[static_cast<std::size_t>(triangle)][c];
         const auto add = [&](std::int32_t vertex, double weight) {
@@ -56,16 +55,9 @@ Matrix limits(const LoopTopology& mesh, std::int32_t triangle, const std::vector
             SEL_ASSERT(found != points.end());
             rows(static_cast<Eigen::Index>(c), found - points.begin()) += weight;
         };
-        const int n = mesh.fan(v, -1, around);
-        const LoopVertex kind = mesh.kind[static_cast<std::size_t>(v)];
-        if (kind == LoopVertex::Corner) add(v, 1);
-        if (kind == LoopVertex::Rim) {
-            add(v, 2.0 / 3), add(around[0], 1.0 / 6), add(around[static_cast<std::size_t>(n - 1)], 1.0 / 6);
-        }
-        if (kind == LoopVertex::Inner) {
-            add(v, 1 - n * loop_limit_weight(n));
-            for (int k = 0; k < n; ++k) add(around[static_cast<std::size_t>(k)], loop_limit_weight(n));
-        }
+        const LoopTopology::LimitMask mask = mesh.limit_mask(v);
+        add(v, mask.own);
+        for (int k = 0; k < mask.count; ++k) add(mask.neighbours[static_cast<std::size_t>(k)], mask.each);
     }
     return rows;
 }

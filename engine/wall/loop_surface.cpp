@@ -276,29 +276,17 @@ void LoopSurface::build_patch(std::int32_t triangle, const LoopRefinement& fine)
 double LoopSurface::interpolate(std::span<const Vec3> points, int sweeps)
 {
     SEL_ASSERT(points.size() == control_.vertices.size());
-    std::array<std::int32_t, LoopTopology::max_valence + 1> around;
     double left = 0;
     for (int sweep = 0; sweep <= sweeps; ++sweep) {  // Gauss-Seidel; the last only measures
         left = 0;
         for (std::int32_t v = 0; v < topology_.vertex_count(); ++v) {
-            const int n = topology_.fan(v, -1, around);
+            const LoopTopology::LimitMask mask = topology_.limit_mask(v);
             Vec3& x = control_.vertices[static_cast<std::size_t>(v)];
-            Vec3 rest = Vec3::Zero();
-            double own = 1;
-            if (topology_.kind[static_cast<std::size_t>(v)] == LoopVertex::Rim) {
-                own = 2.0 / 3;
-                for (const std::int32_t w : {around[0], around[static_cast<std::size_t>(n - 1)]})
-                    rest += control_.vertices[static_cast<std::size_t>(w)] / 6;
-            }
-            if (topology_.kind[static_cast<std::size_t>(v)] == LoopVertex::Inner) {
-                const double w = loop_limit_weight(n);
-                own = 1 - n * w;
-                for (int k = 0; k < n; ++k)
-                    rest += w * control_.vertices[static_cast<std::size_t>(around[static_cast<std::size_t>(k)])];
-            }
-            const Vec3 off = points[static_cast<std::size_t>(v)] - (own * x + rest);
+            Vec3 off = points[static_cast<std::size_t>(v)] - mask.own * x;
+            for (int k = 0; k < mask.count; ++k)
+                off -= mask.each * control_.vertices[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
             left = std::max(left, off.norm());
-            if (sweep < sweeps) x += off / own;
+            if (sweep < sweeps) x += off / mask.own;
         }
     }
     build_start();

@@ -134,6 +134,21 @@ int LoopTopology::fan(std::int32_t v, std::int32_t start, std::span<std::int32_t
     return inner ? n : n + 1;
 }
 
+LoopTopology::LimitMask LoopTopology::limit_mask(std::int32_t v) const
+{
+    LimitMask mask;
+    const int n = fan(v, -1, mask.neighbours);
+    switch (kind[static_cast<std::size_t>(v)]) {
+        case LoopVertex::Corner: break;
+        case LoopVertex::Rim:
+            mask.neighbours[1] = mask.neighbours[static_cast<std::size_t>(n - 1)];
+            mask.own = 2.0 / 3, mask.each = 1.0 / 6, mask.count = 2;
+            break;
+        case LoopVertex::Inner: mask.each = loop_limit_weight(n), mask.own = 1 - n * mask.each, mask.count = n;
+    }
+    return mask;
+}
+
 std::array<LoopPoint, 6> LoopTopology::ring(std::int32_t v, std::int32_t towards) const
 {
     std::array<std::int32_t, 7> real;

@@ -52,6 +52,13 @@ public:
     /// Neighbours of v, counter-clockwise from the end of half-edge `start` (inside) or from the rim (start unused).
     /// @return how many
     int fan(std::int32_t v, std::int32_t start, std::span<std::int32_t> neighbours) const;
+    /// Where v ends up: own * x[v] + each * sum of x over the neighbours that count (on a rim the two along it, at a corner none).
+    struct LimitMask {
+        double own = 1, each = 0;
+        int count = 0;
+        std::array<std::int32_t, max_valence + 1> neighbours;
+    };
+    [[nodiscard]] LimitMask limit_mask(std::int32_t v) const;
     /// Six neighbours of a regular vertex, counter-clockwise from `towards`, phantoms beyond the rim.
     [[nodiscard]] std::array<LoopPoint, 6> ring(std::int32_t v, std::int32_t towards_half_edge) const;
     /// The twelve of a triangle of three regular corners, in the order of loop_basis.h.

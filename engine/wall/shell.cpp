@@ -46,6 +46,8 @@ double mises(const Eigen::Vector3d& s)  // plane stress
 Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surface), spec_(spec)
 {
     check(spec);
+    spreads_.assign(surface.control().vertices.size(), Eigen::Matrix3d::Zero());
+    find_spreads();
     for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t) {
         double area = 0;
         for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8), area += points_.back().area;
@@ -101,6 +103,33 @@ void Shell::add_point(std::int32_t triangle, double u, double v, double share)
     points_.push_back(q);
 }
 
+/// Limits L of the products X X^T exceed those of x x^T by the spread of each mask; L S is that spread. Gauss-Seidel.
+void Shell::find_spreads()
+{
+    const LoopTopology& mesh = surface_.topology();
+    const auto& x = surface_.control().vertices;
+    std::vector<Eigen::Matrix3d> spread(x.size());
+    for (int sweep = -1; sweep < 60; ++sweep)
+        for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+            const LoopTopology::LimitMask mask = mesh.limit_mask(v);
+            const auto i = static_cast<std::size_t>(v);
+            if (sweep < 0) {  // about the limit
+                Vec3 centre = mask.own * x[i];
+                for (int k = 0; k < mask.count; ++k) centre += mask.each * x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
+                spread[i] = mask.own * (x[i] - centre) * (x[i] - centre).transpose();
+                for (int k = 0; k < mask.count; ++k) {
+                    const Vec3 r = x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])] - centre;
+                    spread[i] += mask.each * r * r.transpose();
+                }
+                continue;
+            }
+            Eigen::Matrix3d rest = spread[i];
+            for (int k = 0; k < mask.count; ++k)
+                rest -= mask.each * spreads_[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
+            spreads_[i] = rest / mask.own;
+        }
+}
+
 /// Least-squares fit of a quadratic to the patch's control vertices in tangent-plane coordinates; what Loop's second derivatives
 /// of it miss is added to the weights.
 void Shell::mend(const ShellPoint& q)
@@ -112,7 +141,9 @@ void Shell::mend(const ShellPoint& q)
     for (int k = 0; k < q.vertex_count; ++k) {
         const Vec3 r = (surface_.control().vertices[static_cast<std::size_t>(w[k].vertex)] - q.position) / scale;
         const double a = r.dot(q.e1), b = r.dot(q.e2);
-        monomials.row(k) << 1, a, b, a * a / 2, b * b / 2, a * b;
+        const Eigen::Matrix3d spread = spreads_[static_cast<std::size_t>(w[k].vertex)] / (scale * scale);
+        monomials.row(k) << 1, a, b, (a * a - q.e1.dot(spread * q.e1)) / 2, (b * b - q.e2.dot(spread * q.e2)) / 2,
+            a * b - q.e1.dot(spread * q.e2);
         loop.col(k) << w[k].n_11, w[k].n_22, w[k].n_12;
     }
     // six vertices beside a corner may lie on a conic: the fit is then the smallest one

@@ -105,7 +105,9 @@ private:
         double n, n_1, n_2, n_11, n_22, n_12;
     };
     void add_point(std::int32_t triangle, double u, double v, double share);
+    void find_spreads();
     void mend(const ShellPoint& q);
+
     [[nodiscard]] std::span<const Weight> weights(const ShellPoint& q) const
     {
         return {weights_.data() + q.first_vertex, static_cast<std::size_t>(q.vertex_count)};
@@ -119,6 +121,8 @@ private:
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
     std::vector<Weight> weights_;
+    /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are made
+    std::vector<Eigen::Matrix3d> spreads_;
 };
 
 }  // namespace seldinger
