@@ -182,7 +182,7 @@ void read_shape(const ConstRodView& rod, std::span<const Vec3> contact_force, Wi
 WallReadings World::wall_readings(int system) const
 {
     if (!impl_->yielding) return {};
-    return read_wall(*impl_->elastic_wall, impl_->yielding->state(system));
+    return read_wall(*impl_->elastic_wall, impl_->yielding->displacement(system), impl_->yielding->work(system));
 }
 
 WallMechanics World::wall_mechanics() const
@@ -199,11 +199,11 @@ void read_walls(const World::Impl& s, unsigned parts, std::vector<WallOutput>& i
         WallOutput& wall = into[static_cast<std::size_t>(system)];
         wall = {};
         if (!s.yielding) continue;
-        const ElasticWallState& state = s.yielding->state(system);
+        const std::vector<double> w = s.yielding->displacement(system);
         std::vector<double> stress;
-        wall.readings = read_wall(*s.elastic_wall, state, &stress);
+        wall.readings = read_wall(*s.elastic_wall, w, s.yielding->work(system), &stress);
         if (!(parts & Output::WallShape)) continue;
-        wall.displacement = s.wall_shape->displacement(state.w);
+        wall.displacement = s.wall_shape->displacement(w);
         wall.stress = s.wall_shape->spread(stress);
     }
 }

@@ -11,13 +11,6 @@ namespace {
 
 double length_from(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
 
-Vec3 weighted(const LoopStencil& at, std::span<const double> weights, std::span<const double> w)
-{
-    Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < at.size; ++k) sum += weights[k] * Eigen::Map<const Vec3>(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
-    return sum;
-}
-
 /// 1 up to `full`, 0 from `none` on, smooth between.
 double fade(double distance, double full, double none)
 {
@@ -36,9 +29,10 @@ void WallStations::provide(int nodes)
     clear_.resize(nodes);
 }
 
-void WallStations::place(int node, const Vec3& x, std::span<const double> w, double radius)
+void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, double radius)
 {
-    const double full = 2 * radius + 0.5 * wall_.edge(), none = 2 * full;
+    // the mesh that contact sees is up to off() from the smooth surface
+    const double full = 2 * radius + wall_.off(), none = full + 4 * radius;
     WallStation& station = stations_[node];
     if (station.near && station.at == x) return;
     station.near = false;
@@ -64,9 +58,15 @@ void WallStations::place(int node, const Vec3& x, std::span<const double> w, dou
     wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);
     LoopStencil& s = station.weights;
     for (int k = 0; k < s.size; ++k) s.n[k] *= share;
-    station.start = weighted(s, s.n, w);
+    Vec3 along_u = Vec3::Zero(), along_v = Vec3::Zero();
+    station.start = Vec3::Zero();
+    for (int k = 0; k < s.size && !wall.still(); ++k) {
+        const Vec3 w = wall.now(s.vertex[k]);
+        station.start += s.n[k] * w;
+        along_u += share * s.n_u[k] * w;
+        along_v += share * s.n_v[k] * w;
+    }
     // u_,u and u_,v against the dual base of the two tangents
-    const Vec3 along_u = share * weighted(s, s.n_u, w), along_v = share * weighted(s, s.n_v, w);
     const double uu = foot.tangent_u.squaredNorm(), uv = foot.tangent_u.dot(foot.tangent_v), vv = foot.tangent_v.squaredNorm();
     const double det = uu * vv - uv * uv;
     const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det, dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
@@ -78,45 +78,56 @@ void WallStations::forget(int first, int last)
     for (int i = first; i < last; ++i) stations_[i].near = false;
 }
 
-Vec3 WallStations::displacement(const WallStation& station, std::span<const double> w) const
-{
-    return weighted(station.weights, station.weights.n, w);
-}
-
-void wall_compliance(const WallStations& stations, std::span<const int> rows, const WallFactor& factor, std::vector<double>& w)
+void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w)
 {
     const std::size_t m = 3 * rows.size();
-    w.assign(m * m, 0.0);
-    // control vertices that any of them has a share of, in order
-    std::vector<std::int32_t> touched;
+    w.resize(m * m);
+    // slots of control vertices in the order in which stations share in them, and places of each station's among these
+    thread_local std::vector<int> touched, place, order, first;
+    touched.clear();
+    order.clear();
+    first.assign(1, 0);
     for (const int node : rows) {
         const LoopStencil& s = stations[node].weights;
-        touched.insert(touched.end(), s.vertex.begin(), s.vertex.begin() + s.size);
+        for (int k = 0; k < s.size; ++k) {
+            const int slot = patch.slot(s.vertex[k]);
+            patch.provide(slot);
+            if (static_cast<int>(place.size()) <= slot) place.resize(static_cast<std::size_t>(slot) + 64, -1);
+            if (place[slot] < 0) {
+                place[slot] = static_cast<int>(touched.size());
+                touched.push_back(slot);
+            }
+            order.push_back(place[slot]);
+        }
+        first.push_back(static_cast<int>(order.size()));
     }
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    std::vector<Eigen::Matrix3d> answer(touched.size());  // of each touched vertex to a force on station j
+    for (const int slot : touched) place[slot] = -1;
+    thread_local std::vector<double> answer;  // [touched][9] to a force on station j
+    answer.resize(9 * touched.size());
+    int known = 0;
     for (std::size_t j = 0; j < rows.size(); ++j) {
         const LoopStencil& sj = stations[rows[j]].weights;
-        std::fill(answer.begin(), answer.end(), Eigen::Matrix3d::Zero());
-        for (int k = 0; k < sj.size; ++k) {
-            const std::span<const double> columns = factor.columns(sj.vertex[k]);
-            const std::size_t size = columns.size() / 3;
-            for (std::size_t t = 0; t < touched.size(); ++t)
-                for (int c = 0; c < 3; ++c) {
-                    const double* moved = &columns[static_cast<std::size_t>(c) * size + 3 * static_cast<std::size_t>(touched[t])];
-                    for (int r = 0; r < 3; ++r) answer[t](r, c) += sj.n[k] * moved[r];
-                }
-        }
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const LoopStencil& si = stations[rows[i]].weights;
-            Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-            for (int k = 0; k < si.size; ++k) {
-                const auto t = std::lower_bound(touched.begin(), touched.end(), si.vertex[k]) - touched.begin();
-                block += si.n[k] * answer[static_cast<std::size_t>(t)];
+        for (int k = first[j]; k < first[j + 1]; ++k) known = std::max(known, order[k] + 1);
+        std::fill_n(answer.begin(), 9 * known, 0.0);
+        for (int t = 0; t < known; ++t)
+            for (int k = 0; k < sj.size; ++k) {
+                const double* g = patch.block(touched[t], touched[order[first[j] + k]]);
+                double* to = &answer[9 * static_cast<std::size_t>(t)];
+                const double share = sj.n[k];
+                for (int c = 0; c < 9; ++c) to[c] += share * g[c];
             }
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) w[(3 * i + r) * m + 3 * j + c] = block(r, c);
+        for (std::size_t i = 0; i <= j; ++i) {
+            const LoopStencil& si = stations[rows[i]].weights;
+            double block[9] = {};
+            for (int k = 0; k < si.size; ++k) {
+                const double* from = &answer[9 * static_cast<std::size_t>(order[first[i] + k])];
+                for (int c = 0; c < 9; ++c) block[c] += si.n[k] * from[c];
+            }
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    w[(3 * i + r) * m + 3 * j + c] = block[3 * r + c];
+                    w[(3 * j + c) * m + 3 * i + r] = block[3 * r + c];
+                }
         }
     }
 }

@@ -13,6 +13,7 @@
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
 #include "wall/elastic_wall.h"
+#include "wall/wall_dynamics.h"
 
 #include <span>
 #include <vector>
@@ -44,16 +45,14 @@ public:
     WallStations(const ElasticWall& wall, int nodes);
 
     void provide(int nodes);
-    /// Finds the foot of a node at x anew, unless it is there already. @param w  displacement of the wall [3V]
-    void place(int node, const Vec3& x, std::span<const double> w, double radius);
+    /// Finds the foot of a node at x anew, unless it is there already.
+    void place(int node, const Vec3& x, const WallDynamics& wall, double radius);
     /// Nodes from `first` to `last` are no longer there.
     void forget(int first, int last);
     [[nodiscard]] WallFoot& foot(int node) { return feet_[node]; }
     [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }
     [[nodiscard]] WallStation& operator[](int node) { return stations_[node]; }
     [[nodiscard]] int count() const { return static_cast<int>(stations_.size()); }
-    [[nodiscard]] Vec3 displacement(const WallStation& station, std::span<const double> w) const;
-
 private:
     struct Clear {
         Vec3 at = Vec3::Constant(1e30);
@@ -67,6 +66,6 @@ private:
 
 /// W: how stations give way to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
 /// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
-void wall_compliance(const WallStations& stations, std::span<const int> rows, const WallFactor& factor, std::vector<double>& w);
+void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w);
 
 }  // namespace seldinger

@@ -18,10 +18,7 @@ struct WallTrial {
 };
 
 struct YieldingWall::System {
-    System(const ElasticWall& wall, int first) : stations(wall, 0), first_node(first)
-    {
-        state.w.assign(static_cast<std::size_t>(wall.unknowns()), 0.0);
-    }
+    System(const ElasticWall& wall, int first) : stations(wall, 0), first_node(first), dynamics(wall) {}
 
     // ---- trials ----
     [[nodiscard]] WallTrial& trial() { return trials_[now_]; }
@@ -60,14 +57,12 @@ struct YieldingWall::System {
     WallStations stations;
     int first_node;  // of the system in the concatenated arrays
     double least_radius = std::numeric_limits<double>::infinity();
-    ElasticWallState state;
+    WallDynamics dynamics;
 
     // of the step
     bool begun = false;
     double h = 0;
     int refinements = 0;
-    std::shared_ptr<const WallFactor> factor;
-    std::vector<double> free;        // [3V] where the wall would be at the end of the step, untouched
     std::vector<int> rows;           // nodes that touch or may, in order
     std::vector<int> wire_of_row;    // [rows]
     std::vector<double> compliance;  // W [3 rows][3 rows]
@@ -75,7 +70,7 @@ struct YieldingWall::System {
     std::vector<double> y_start;     // [3 nodes] of the start of the step [m]
     std::vector<double> scratch_q, scratch_m;
     mutable std::vector<double> missed;
-    WallSolveWork work;
+    std::vector<WallDynamics::Push> pushed;
 
 private:
     WallTrial trials_[2];

@@ -10,7 +10,7 @@
 // is (1 - G)^T [T - T (W^-1 + T)^-1 T] (1 - G): unknowns U beside the band (math/condensed.h). Where a trial has gone far from what
 // was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
 //
-// When a step is accepted the wall takes -f, all of it: (K + C/h) w1 = C/h w0 - sum N^T f.
+// When a step is accepted the wall takes -f, all of it: (K + C/h) w1 = C/h w0 - sum N^T f (wall/wall_dynamics.h).
 
 #include "contact/contact_system.h"
 #include "contact/wall_stations.h"
@@ -60,7 +60,9 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
     [[nodiscard]] const ElasticWall& wall() const { return wall_; }
-    [[nodiscard]] const ElasticWallState& state(int system) const;
+    /// Of the control vertices [3V] [m], and what contact has done on them since the beginning [J].
+    [[nodiscard]] std::vector<double> displacement(int system) const;
+    [[nodiscard]] double work(int system) const;
     /// Contact forces on the nodes of a wire, [n], as the wire feels them.
     void add_nodal_forces(int wire, std::span<Vec3> forces) const;
     /// Contacts of the accepted state where the wall is now.
@@ -78,7 +80,6 @@ public:
 private:
     struct System;
     [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
-    void put_wall(std::vector<std::uint8_t>& bytes, const System& system) const;
     void put_feet(std::vector<std::uint8_t>& bytes, int wire) const;
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;

@@ -65,7 +65,7 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     const RodView rod = rods.view(wire), carried = unmoved_.view(wire);
     system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));
     for (int i = 0; i < n; ++i) {
-        system.stations.place(first + i, rod.pos(i), system.state.w, rod.radius[std::min(i, n - 2)]);
+        system.stations.place(first + i, rod.pos(i), system.dynamics, rod.radius[std::min(i, n - 2)]);
         const WallStation& station = system.stations[first + i];
         if (station.near) carried.set_pos(i, rod.pos(i) - station.start);
         Eigen::Map<Vec3>(&system.y_start[3 * static_cast<std::size_t>(first + i)]) = carried.pos(i);
@@ -100,17 +100,7 @@ void YieldingWall::start_step(System& system, double h) const
     system.h = h;
     system.refinements = 0;
     system.forget_base();
-    system.factor = wall_.compliance().factor(h);
-    system.free.assign(system.state.w.size(), 0.0);
-    const bool moved = std::any_of(system.state.w.begin(), system.state.w.end(), [](double w) { return w != 0; });
-    const std::span<const double> load = wall_.load();
-    if (moved && h > 0) {
-        const auto size = static_cast<Eigen::Index>(system.free.size());
-        const Eigen::Map<const Eigen::VectorXd> w(system.state.w.data(), size);
-        Eigen::Map<Eigen::VectorXd>(system.free.data(), size).noalias() = (1 / h) * (wall_.compliance().damping() * w);
-    }
-    for (std::size_t i = 0; i < load.size(); ++i) system.free[i] += load[i];
-    if ((moved && h > 0) || !load.empty()) system.factor->solve(system.free, system.work);
+    system.dynamics.begin_step(h);
     system.rows.clear();
     for (int i = 0; i < system.stations.count(); ++i) system.stations[i].row = -1;
     for (const int w : system.wires) {
@@ -141,11 +131,12 @@ void YieldingWall::list_rows(System& system) const
             station.row = static_cast<int>(system.rows.size());
             system.rows.push_back(i);
             system.wire_of_row.push_back(w);
-            const Vec3 u = system.stations.displacement(station, system.free);
+            Vec3 u = Vec3::Zero();
+            for (int a = 0; a < station.weights.size; ++a) u += station.weights.n[a] * system.dynamics.free(station.weights.vertex[a]);
             system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
         }
     }
-    wall_compliance(system.stations, system.rows, *system.factor, system.compliance);
+    wall_compliance(system.stations, system.rows, system.dynamics.patch(), system.compliance);
 }
 
 /// Nodes on which contact has just been found to act join those that move the wall; it stays where it is under them for now.
@@ -196,32 +187,27 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         if (!system.begun || std::none_of(system.wires.begin(), system.wires.end(), [&](int w) { return active[w] != 0; })) return;
         system.begun = false;
         const WallTrial& now = system.trial();
-        std::vector<double>& pushed = system.scratch_q;
-        pushed.assign(system.state.w.size(), 0.0);
-        bool any = false;
+        std::vector<double>& given = system.scratch_m;
+        given.resize(now.force.size());
+        now.linear.times_w(now.force, given);
+        system.pushed.clear();
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Eigen::Map<const Vec3>(&now.force[3 * k]);
             if (f.isZero(0)) continue;
-            any = true;
-            const LoopStencil& at = system.stations[system.rows[k]].weights;
-            for (int a = 0; a < at.size; ++a)
-                Eigen::Map<Vec3>(&pushed[3 * static_cast<std::size_t>(at.vertex[a])]) += at.n[a] * f;
-        }
-        if (any) system.factor->solve(pushed, system.work);
-        for (std::size_t i = 0; i < pushed.size(); ++i) pushed[i] += system.free[i];
-        for (std::size_t k = 0; k < system.rows.size() && any; ++k) {
             const WallStation& station = system.stations[system.rows[k]];
-            const Vec3 move = system.stations.displacement(station, pushed) - station.start;
-            system.state.work -= Eigen::Map<const Vec3>(&now.force[3 * k]).dot(move);
+            for (int a = 0; a < station.weights.size; ++a)
+                system.pushed.push_back({station.weights.vertex[a], station.weights.n[a] * f});
+            const Vec3 end = Eigen::Map<const Vec3>(&system.u_free[3 * k]) - Eigen::Map<const Vec3>(&given[3 * k]);
+            system.dynamics.work += f.dot(end - station.start);
         }
-        const std::span<const double> load = wall_.load();
-        for (std::size_t i = 0; i < load.size(); ++i) system.state.work += load[i] * (pushed[i] - system.state.w[i]);
-        std::swap(system.state.w, pushed);
+        system.dynamics.end_step(system.pushed);
     });
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-const ElasticWallState& YieldingWall::state(int system) const { return systems_[system]->state; }
+std::vector<double> YieldingWall::displacement(int system) const { return systems_[system]->dynamics.displacement(); }
+
+double YieldingWall::work(int system) const { return systems_[system]->dynamics.work; }
 
 double YieldingWall::move_under(int system) const
 {
@@ -277,13 +263,6 @@ void YieldingWall::clear_times()
     seconds_ = 0;
 }
 
-/// A system's wall, and the feet of a wire's nodes.
-void YieldingWall::put_wall(std::vector<std::uint8_t>& bytes, const System& system) const
-{
-    put_bytes(bytes, system.state.w.data(), system.state.w.size());
-    put_bytes(bytes, &system.state.work, 1);
-}
-
 void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const
 {
     System& system = of(wire);
@@ -294,14 +273,14 @@ void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const
 void YieldingWall::save(std::vector<std::uint8_t>& bytes)
 {
     contact_.save(bytes);
-    for (const auto& system : systems_) put_wall(bytes, *system);
+    for (const auto& system : systems_) system->dynamics.save(bytes);
     for (int w = 0; w < rods_.wire_count(); ++w) put_feet(bytes, w);
 }
 
 void YieldingWall::save_wire(std::vector<std::uint8_t>& bytes, int wire)
 {
     contact_.save_wire(bytes, wire);
-    if (of(wire).wires.front() == wire) put_wall(bytes, of(wire));
+    if (of(wire).wires.front() == wire) of(wire).dynamics.save(bytes);
     put_feet(bytes, wire);
 }
 
@@ -309,8 +288,7 @@ void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     contact_.restore(bytes, end);
     for (const auto& system : systems_) {
-        take_bytes(bytes, end, system->state.w.data(), system->state.w.size());
-        take_bytes(bytes, end, &system->state.work, 1);
+        system->dynamics.restore(bytes, end);
         system->begun = false;
     }
     for (int w = 0; w < rods_.wire_count(); ++w) {

@@ -4,6 +4,8 @@
 
 #include "core/check.h"
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,19 +14,20 @@ namespace seldinger {
 namespace {
 
 // Of a Newton direction: its own error is a thousand times larger until the last steps.
-constexpr double direction_accuracy = 1e-9;
-constexpr double own_accuracy = 1e-13;
+constexpr double direction_accuracy = 1e-7;
+constexpr double own_accuracy = 1e-11;
 
-double dot(const double* a, const double* b, std::size_t n)
-{
-    double sum = 0;
-    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
-    return sum;
-}
+using Vector = Eigen::Map<Eigen::VectorXd>;
+using ConstVector = Eigen::Map<const Eigen::VectorXd>;
+using Columns = Eigen::Map<Eigen::MatrixXd>;
+
+ConstVector view(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
+Vector view(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 
 /// Memory of a solve; one per thread.
 struct Krylov {
     std::vector<double> basis, hessenberg, rotation, rhs, y;
+    Eigen::VectorXd along;
 };
 
 }  // namespace
@@ -34,7 +37,7 @@ int solve_gmres(std::span<double> u, double accuracy,
 {
     thread_local Krylov work;
     const std::size_t m = u.size();
-    const double size = std::sqrt(dot(u.data(), u.data(), m));
+    const double size = view(u).norm();
     if (!(size > 0)) return 0;
     work.basis.resize((m + 1) * m);
     work.hessenberg.assign((m + 1) * m, 0.0);  // column k: h[0..k+1] at k (m + 1)
@@ -49,13 +52,13 @@ int solve_gmres(std::span<double> u, double accuracy,
         const std::span<double> next = vector(k + 1);
         product(vector(k), next);
         double* const h = &work.hessenberg[k * (m + 1)];
-        for (int pass = 0; pass < 2; ++pass)  // twice is enough: orthogonal to rounding
-            for (std::size_t l = 0; l <= k; ++l) {
-                const double along = dot(vector(l).data(), next.data(), m);
-                h[l] += along;
-                for (std::size_t i = 0; i < m; ++i) next[i] -= along * vector(l)[i];
-            }
-        h[k + 1] = std::sqrt(dot(next.data(), next.data(), m));
+        const Columns before(work.basis.data(), static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(k + 1));
+        for (int pass = 0; pass < 2; ++pass) {  // twice is enough: orthogonal to rounding
+            work.along.noalias() = before.transpose() * view(next);
+            view(next).noalias() -= before * work.along;
+            for (std::size_t l = 0; l <= k; ++l) h[l] += work.along[static_cast<Eigen::Index>(l)];
+        }
+        h[k + 1] = view(next).norm();
         const bool last = !(h[k + 1] > 1e-14 * size) || k + 1 == m;
         if (!last)
             for (double& x : next) x /= h[k + 1];
@@ -99,8 +102,9 @@ void Condensed::reset(int size, std::span<const double> compliance)
 
 void Condensed::times_w(std::span<const double> v, std::span<double> wv) const
 {
-    const std::size_t m = static_cast<std::size_t>(size_);
-    for (std::size_t k = 0; k < m; ++k) wv[k] = dot(&w_[k * m], v.data(), m);
+    // W is symmetric: its rows are its columns
+    const Eigen::Map<const Eigen::MatrixXd> w(w_.data(), size_, size_);
+    view(wv).noalias() = w * view(v);
 }
 
 void Condensed::onto(const std::vector<Column>& rows, std::span<const double> x, std::span<double> out)

@@ -3,7 +3,7 @@
 // everything which touches it shares.
 //
 //     B x - E u = r                            x: the unknowns of the band [n]
-//     (W^-1 + D) u - F x = 0                   u: the others [m]; W: a dense compliance, D: a sparse stiffness
+//     (W^-1 + D) u - F x = 0                   u: the others [m]; W: a dense symmetric compliance, D: a sparse stiffness
 //
 // so that the whole is A = B - E (W^-1 + D)^-1 F. W may be singular: only (I + W D) is ever solved with, by GMRES [Saad86], whose
 // matrix is the identity and a compact rest, which takes few iterations; m of them at most. E = F^T where B and D are symmetric.

@@ -46,7 +46,7 @@ PrestressAt along(const Centreline& centreline)
     };
 }
 
-WallMesh control_mesh(const WallModel& wall, std::string& reason)
+WallMesh control_mesh(const WallModel& wall, std::string& reason, double& off)
 {
     ControlMeshSpec spec;
     spec.centreline = &wall.centreline;
@@ -59,7 +59,10 @@ WallMesh control_mesh(const WallModel& wall, std::string& reason)
         spec.share = chosen.share;
         reason = chosen.why;
     }
-    return make_control_mesh(wall.mesh, spec);
+    ControlMeshReport report;
+    WallMesh made = make_control_mesh(wall.mesh, spec, &report);
+    off = report.distance;
+    return made;
 }
 
 double mean_edge(const WallMesh& mesh)
@@ -100,7 +103,7 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
 ElasticWall::ElasticWall(const WallModel& wall)
 {
     const auto start = std::chrono::steady_clock::now();
-    WallMesh control = control_mesh(wall, edge_reason_);
+    WallMesh control = control_mesh(wall, edge_reason_, off_);
     edge_ = mean_edge(control);
     const std::vector<Vec3> through = control.vertices;
     surface_ = std::make_unique<LoopSurface>(std::move(control));
@@ -119,7 +122,27 @@ WallMechanics ElasticWall::mechanics() const
     return {compliance_->vertex_count(), edge_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
 }
 
-WallReadings read_wall(const ElasticWall& wall, const ElasticWallState& state, std::vector<double>* stress)
+void ElasticWall::add_memory_force(double h, std::span<const double> w, std::span<double> y) const
+{
+    const ShellSpec& spec = shell_->spec();
+    const double s = spec.relaxation / (h + spec.relaxation), b = (spec.support_damping - spec.relaxation * spec.support) / (h + spec.relaxation);
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    const auto vertices = static_cast<Eigen::Index>(w.size() / 3);
+    const Eigen::Map<const Rows> from(w.data(), vertices, 3);
+    Eigen::Map<Rows>(y.data(), vertices, 3) += b * (compliance_->matrices().area * from);
+    const SparseMatrix& pressure = compliance_->matrices().pressure;
+    if (pressure.rows() == 0) return;
+    const auto size = static_cast<Eigen::Index>(w.size());
+    Eigen::Map<Eigen::VectorXd>(y.data(), size) -= s * (pressure * Eigen::Map<const Eigen::VectorXd>(w.data(), size));
+}
+
+double ElasticWall::memory_share(double h) const
+{
+    const ShellSpec& spec = shell_->spec();
+    return (spec.support_damping - spec.relaxation * spec.support) / ((h + spec.relaxation) * (spec.support + spec.support_damping / h));
+}
+
+WallReadings read_wall(const ElasticWall& wall, std::span<const double> displaced, double work, std::vector<double>* stress)
 {
     WallReadings now;
     const LoopSurface& surface = wall.surface();
@@ -128,13 +151,14 @@ WallReadings read_wall(const ElasticWall& wall, const ElasticWallState& state, s
         surface.limit_of_vertex(v, stencil);
         Vec3 move = Vec3::Zero();
         for (int k = 0; k < stencil.size; ++k)
-            move += stencil.n[k] * Eigen::Map<const Vec3>(&state.w[3 * static_cast<std::size_t>(stencil.vertex[k])]);
+            move += stencil.n[k] * Eigen::Map<const Vec3>(&displaced[3 * static_cast<std::size_t>(stencil.vertex[k])]);
         now.move_max = std::max(now.move_max, move.norm());
     }
-    const Eigen::Map<const Eigen::VectorXd> w(state.w.data(), static_cast<Eigen::Index>(state.w.size()));
+    const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
-    now.loss = state.work - now.energy;
-    const ShellStress at = wall.shell().stress(state.w);
+    for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];
+    now.loss = work - now.energy;
+    const ShellStress at = wall.shell().stress(displaced);
     if (stress) stress->resize(at.mises_inner.size());
     for (std::size_t v = 0; v < at.mises_inner.size(); ++v) {
         const double larger = std::max(at.mises_inner[v], at.mises_outer[v]);

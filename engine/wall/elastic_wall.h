@@ -4,7 +4,7 @@
 //
 //     C w' + K w = f          w: displacement of the control vertices [3V] [m], f: force on them [N]
 //
-// by backward Euler: (K + C/h) w1 = C/h w0 + f. Inertia of the wall is small beside the tissue's damping, and left out.
+// by backward Euler (wall/wall_dynamics.h). Inertia of the wall is small beside the tissue's damping, and left out.
 
 #include "wall/control_mesh.h"
 #include "wall/wall_compliance.h"
@@ -32,28 +32,30 @@ public:
     [[nodiscard]] std::span<const double> load() const { return load_; }
     /// Mean edge of the control mesh [m].
     [[nodiscard]] double edge() const { return edge_; }
+    /// Farthest that the vessel's mesh is from the wall's smooth surface [m].
+    [[nodiscard]] double off() const { return off_; }
     /// Why it is that long, in words.
     [[nodiscard]] const std::string& edge_reason() const { return edge_reason_; }
     /// Linear theory is good up to here: a fifth of the lumen's radius [m].
     [[nodiscard]] double largest_move() const { return largest_move_; }
     [[nodiscard]] WallMechanics mechanics() const;
+    /// y += B w of a step of h (wall/wall_dynamics.h).
+    void add_memory_force(double h, std::span<const double> w, std::span<double> y) const;
+    /// How much B takes of a displacement that no strain holds back, at most.
+    [[nodiscard]] double memory_share(double h) const;
 
 private:
     std::unique_ptr<LoopSurface> surface_;
     std::unique_ptr<Shell> shell_;
     std::unique_ptr<WallCompliance> compliance_;
     std::vector<double> load_;
-    double edge_ = 0, largest_move_ = 0, made_in_ = 0;
+    double edge_ = 0, off_ = 0, largest_move_ = 0, made_in_ = 0;
     std::string edge_reason_;
 };
 
-/// What changes, one per system.
-struct ElasticWallState {
-    std::vector<double> w;  // displacement of control vertices at the end of the last step [3V] [m]
-    double work = 0;        // done on it by contact and loads since the beginning [J]: what is not stored has been lost to damping
-};
-
+/// @param w  displacement of the control vertices [3V] [m]  @param work  done by contact since the beginning [J]
 /// @param stress  at control vertices [V], the larger von Mises stress of both surfaces [Pa]; may be null
-[[nodiscard]] WallReadings read_wall(const ElasticWall& wall, const ElasticWallState& state, std::vector<double>* stress = nullptr);
+[[nodiscard]] WallReadings read_wall(const ElasticWall& wall, std::span<const double> w, double work,
+                                     std::vector<double>* stress = nullptr);
 
 }  // namespace seldinger

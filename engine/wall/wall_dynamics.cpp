@@ -1,0 +1,204 @@
+// Steps of the wall in blocks.
+
+#include "wall/wall_dynamics.h"
+
+#include "core/bytes.h"
+#include "core/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+using Map = Eigen::Map<Eigen::VectorXd>;
+using ConstMap = Eigen::Map<const Eigen::VectorXd>;
+
+constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block
+
+double largest(const std::vector<double>& list)
+{
+    double most = 0;
+    for (const double x : list) most = std::max(most, std::abs(x));
+    return most;
+}
+
+}  // namespace
+
+WallDynamics::WallDynamics(const ElasticWall& wall)
+    : wall_(wall),
+      start_(static_cast<std::size_t>(wall.unknowns())),
+      memory_(start_.size()),
+      change_(start_.size()),
+      pushed_(start_.size()),
+      patch_(static_cast<int>(start_.size() / 3)),
+      known_(start_.size()),
+      known_at_(start_.size() / 3)
+{
+}
+
+void WallDynamics::forget() const { ++stamp_; }
+
+std::vector<double> WallDynamics::displacement() const
+{
+    std::vector<double> w(start_);
+    if (step_ == 0) return w;
+    std::vector<double> solved;
+    if (!touched_.empty()) {
+        solved = pushed_;
+        WallSolveWork scratch;
+        factor_->solve(solved, scratch);
+    }
+    for (std::size_t i = 0; i < w.size(); ++i) {
+        w[i] = keep_ * start_[i] + ahead_ * (memory_[i] + (load_.empty() ? 0.0 : load_[i])) + slope_ * change_[i];
+        if (!solved.empty()) w[i] += solved[i];
+    }
+    return w;
+}
+
+void WallDynamics::begin_step(double h)
+{
+    forget();
+    if (h != h_ || !factor_) start_block(h);
+    else if (step_ == steps_) next_block();
+}
+
+/// A step of another length than the last one.
+void WallDynamics::start_block(double h)
+{
+    start_ = displacement();
+    std::fill(change_.begin(), change_.end(), 0.0);
+    h_ = h;
+    factor_ = wall_.compliance().factor(h);
+    patch_.use(factor_);
+    const double tau = wall_.shell().spec().relaxation;
+    s_ = h > 0 ? tau / (h + tau) : 0;
+    load_.assign(wall_.load().begin(), wall_.load().end());
+    WallSolveWork scratch;
+    if (!load_.empty()) factor_->solve(load_, scratch);
+    step_ = 0;
+    next_block();
+    std::fill(change_.begin(), change_.end(), 0.0);
+}
+
+void WallDynamics::next_block()
+{
+    const std::int32_t done = step_;
+    if (done > 0) start_ = displacement();
+    std::vector<double>& y = work_;
+    y.assign(start_.size(), 0.0);
+    const bool moved = h_ > 0 && largest(start_) > 0;
+    if (moved) {
+        wall_.add_memory_force(h_, start_, y);
+        WallSolveWork scratch;
+        factor_->solve(y, scratch);
+    }
+    // at a constant step the memory's change over the block that is done is taken on; the first one knows none
+    for (std::size_t i = 0; i < y.size(); ++i) {
+        change_[i] = done == block_steps ? (y[i] - memory_[i]) / block_steps : 0.0;
+        memory_[i] = y[i];
+    }
+    steps_ = h_ > 0 && largest(memory_) <= small_memory * largest(start_) ? block_steps : 1;
+    if (h_ > 0 && !moved) steps_ = std::abs(wall_.memory_share(h_)) <= small_memory ? block_steps : 1;
+    step_ = 0;
+    keep_ = 1;
+    ahead_ = slope_ = 0;
+    for (const std::int32_t v : touched_) std::fill_n(&pushed_[3 * static_cast<std::size_t>(v)], 3, 0.0);
+    touched_.clear();
+    forget();
+}
+
+Vec3 WallDynamics::now(std::int32_t vertex) const
+{
+    if (still_) return Vec3::Zero();
+    if (step_ == 0) return at(start_, vertex);
+    const std::size_t first = 3 * static_cast<std::size_t>(vertex);
+    Eigen::Map<Vec3> known(&known_[first]);
+    if (known_at_[static_cast<std::size_t>(vertex)] == stamp_) return known;
+    Vec3 w = keep_ * at(start_, vertex) + ahead_ * (at(memory_, vertex) + at(load_, vertex)) + slope_ * at(change_, vertex);
+    const int slot = patch_.slot(vertex);
+    for (const std::int32_t u : touched_) {  // in order of vertices: the sum does not depend on when they were touched first
+        const int from = patch_.slot(u);
+        patch_.provide(from);
+        const double *g = patch_.block(slot, from), *f = &pushed_[3 * static_cast<std::size_t>(u)];
+        for (int r = 0; r < 3; ++r) w[r] += g[3 * r] * f[0] + g[3 * r + 1] * f[1] + g[3 * r + 2] * f[2];
+    }
+    known = w;
+    known_at_[static_cast<std::size_t>(vertex)] = stamp_;
+    return w;
+}
+
+Vec3 WallDynamics::free(std::int32_t vertex) const
+{
+    const Vec3 loaded = at(load_, vertex);
+    if (still_) return loaded;
+    return s_ * now(vertex) + at(memory_, vertex) + double(step_) * at(change_, vertex) + loaded;
+}
+
+void WallDynamics::end_step(std::span<const Push> pushed)
+{
+    for (const std::int32_t v : touched_)
+        for (int c = 0; c < 3; ++c) pushed_[3 * static_cast<std::size_t>(v) + c] *= s_;
+    for (const Push& push : pushed) {
+        const auto place = std::lower_bound(touched_.begin(), touched_.end(), push.vertex);
+        if (place == touched_.end() || *place != push.vertex) touched_.insert(place, push.vertex);
+        Eigen::Map<Vec3>(&pushed_[3 * static_cast<std::size_t>(push.vertex)]) += push.force;
+    }
+    slope_ = s_ * slope_ + step_;
+    keep_ *= s_;
+    ahead_ = s_ * ahead_ + 1;
+    ++step_;
+    still_ = still_ && touched_.empty() && load_.empty();
+    if (still_) step_ = 0, keep_ = 1, ahead_ = slope_ = 0;
+    forget();
+}
+
+void WallDynamics::save(std::vector<std::uint8_t>& bytes) const
+{
+    const std::uint8_t still = still_;
+    put_bytes(bytes, &still, 1);
+    put_bytes(bytes, &work, 1);
+    if (still_) return;
+    const double numbers[] = {h_, keep_, ahead_, slope_};
+    const std::int32_t counts[] = {step_, steps_, static_cast<std::int32_t>(touched_.size())};
+    put_bytes(bytes, numbers, 4);
+    put_bytes(bytes, counts, 3);
+    put_bytes(bytes, touched_.data(), touched_.size());
+    for (const auto* list : {&start_, &memory_, &change_, &pushed_}) put_bytes(bytes, list->data(), list->size());
+}
+
+void WallDynamics::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    std::uint8_t still = 1;
+    take_bytes(bytes, end, &still, 1);
+    take_bytes(bytes, end, &work, 1);
+    still_ = still != 0;
+    for (auto* list : {&start_, &memory_, &change_, &pushed_}) std::fill(list->begin(), list->end(), 0.0);
+    touched_.clear();
+    h_ = -1;
+    factor_.reset();
+    step_ = 0, steps_ = 1, keep_ = 1, ahead_ = slope_ = 0;
+    forget();
+    if (still_) return;
+    double numbers[4] = {};
+    std::int32_t counts[3] = {};
+    take_bytes(bytes, end, numbers, 4);
+    take_bytes(bytes, end, counts, 3);
+    const auto vertices = static_cast<std::int32_t>(known_at_.size());
+    const bool sound = std::isfinite(numbers[0]) && numbers[0] >= 0 && counts[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 &&
+                       counts[1] <= block_steps && counts[2] >= 0 && counts[2] <= vertices;
+    if (!sound) throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
+    start_block(numbers[0]);
+    touched_.resize(static_cast<std::size_t>(counts[2]));
+    take_bytes(bytes, end, touched_.data(), touched_.size());
+    for (std::size_t k = 0; k < touched_.size(); ++k)
+        if (touched_[k] < (k > 0 ? touched_[k - 1] + 1 : 0) || touched_[k] >= vertices)
+            throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
+    for (auto* list : {&start_, &memory_, &change_, &pushed_}) take_bytes(bytes, end, list->data(), list->size());
+    keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
+    step_ = counts[0], steps_ = counts[1];
+    forget();
+}
+
+}  // namespace seldinger

@@ -1,0 +1,87 @@
+#pragma once
+// The wall's motion from step to step, of one system, at the cost of what is touched.
+//
+// Backward Euler of C w' + K w = f with K = K_e + K_p + k_s A and C = tau K_e + c_s A is, with M = K + C/h,
+//
+//     M w1 = C/h w0 + f,    C/h = s M + B,    s = tau/(h + tau),    B = (c_s - tau k_s)/(h + tau) A - s K_p
+//     w1 = s w0 + M^-1 B w0 + M^-1 f
+//
+// What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that change
+// slowly. It is solved for once in a block of `block_steps` steps, and taken on linearly in between from the last two blocks' (an error of
+// the order of the scheme's own); wherever it is more than a tenth of w0, in every step. Forces of a block are summed up, F = sum s^k f, and
+// in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had solved for anyway. So a full solve is
+// needed twice in a block, not twice in a step, and whoever asks only for a few vertices pays for these.
+
+#include "wall/elastic_wall.h"
+#include "wall/wall_patch.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+class WallDynamics {
+public:
+    static constexpr int block_steps = 8;
+
+    explicit WallDynamics(const ElasticWall& wall);
+
+    /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before.
+    void begin_step(double h);
+    /// How it gives way where it is touched, in this step.
+    [[nodiscard]] WallPatch& patch() const { return patch_; }
+    /// Displacement of a control vertex at the start of the step [m].
+    [[nodiscard]] Vec3 now(std::int32_t vertex) const;
+    /// Where it would be at the end of the step with no force on it [m].
+    [[nodiscard]] Vec3 free(std::int32_t vertex) const;
+    /// The step is over. @param pushed  control vertices and the forces on them [N]
+    struct Push {
+        std::int32_t vertex;
+        Vec3 force;
+    };
+    void end_step(std::span<const Push> pushed);
+
+    /// All control vertices [3V] [m]; one solve.
+    [[nodiscard]] std::vector<double> displacement() const;
+    /// Whether it has never been moved.
+    [[nodiscard]] bool still() const { return still_; }
+
+    void save(std::vector<std::uint8_t>& bytes) const;
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
+
+    /// Largest displacement is looked at where it is asked for: this may be set by who knows.
+    double work = 0;  // done on the wall by contact since the beginning [J]
+
+private:
+    void start_block(double h);
+    void next_block();
+    [[nodiscard]] Vec3 at(const std::vector<double>& list, std::int32_t vertex) const
+    {
+        return list.empty() ? Vec3(Vec3::Zero()) : Vec3(Eigen::Map<const Vec3>(&list[3 * static_cast<std::size_t>(vertex)]));
+    }
+    void forget() const;
+
+    const ElasticWall& wall_;
+    bool still_ = true;
+    // the block
+    double h_ = -1;
+    double s_ = 0;
+    std::int32_t step_ = 0, steps_ = 1;              // done, in all
+    double keep_ = 1, ahead_ = 0, slope_ = 0;        // w = keep w_0 + ahead (y + load) + slope dy + M^-1 F
+    std::vector<double> start_;                      // w_0 [3V]
+    std::vector<double> memory_, change_;            // y = M^-1 B w_0 and its change per step [3V]
+    std::vector<double> pushed_;                     // F [3V]
+    std::vector<std::int32_t> touched_;              // vertices of F, in order
+    // made from these
+    std::shared_ptr<const WallFactor> factor_;
+    std::vector<double> load_;                       // M^-1 times the scene's loads [3V]; empty: none
+    mutable WallPatch patch_;
+    mutable std::vector<double> known_;              // now() of vertices that were asked for [3V]
+    mutable std::vector<std::uint32_t> known_at_;    // [V] stamp
+    mutable std::uint32_t stamp_ = 1;
+    mutable std::vector<double> work_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,53 @@
+// Blocks of the wall's compliance, gathered as places are touched.
+
+#include "wall/wall_patch.h"
+
+#include <algorithm>
+
+namespace seldinger {
+
+void WallPatch::use(std::shared_ptr<const WallFactor> factor)
+{
+    if (factor == factor_) return;
+    factor_ = std::move(factor);
+    for (const std::int32_t v : vertices_) slots_[static_cast<std::size_t>(v)] = -1;
+    vertices_.clear();
+    solved_.clear();
+}
+
+void WallPatch::copy_block(int at, int from)
+{
+    const std::span<const double> columns = factor_->columns(vertices_[static_cast<std::size_t>(from)]);
+    const std::size_t size = columns.size() / 3, row = 3 * static_cast<std::size_t>(vertices_[static_cast<std::size_t>(at)]);
+    double* to = const_cast<double*>(block(at, from));
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c) to[3 * r + c] = columns[c * size + row + r];
+}
+
+int WallPatch::add(std::int32_t vertex)
+{
+    const int slot = static_cast<int>(vertices_.size());
+    if (slot == room_) {
+        const int room = std::max(64, 2 * room_);
+        std::vector<double> larger(static_cast<std::size_t>(room) * static_cast<std::size_t>(room) * 9);
+        for (int at = 0; at < room_; ++at)
+            std::copy_n(block(at, 0), 9 * static_cast<std::size_t>(room_),
+                        &larger[static_cast<std::size_t>(at) * static_cast<std::size_t>(room) * 9]);
+        blocks_ = std::move(larger);
+        room_ = room;
+    }
+    slots_[static_cast<std::size_t>(vertex)] = slot;
+    vertices_.push_back(vertex);
+    solved_.push_back(0);
+    for (int from = 0; from < slot; ++from)
+        if (solved_[static_cast<std::size_t>(from)]) copy_block(slot, from);
+    return slot;
+}
+
+void WallPatch::fill(int slot)
+{
+    solved_[static_cast<std::size_t>(slot)] = 1;
+    for (int at = 0; at < static_cast<int>(vertices_.size()); ++at) copy_block(at, slot);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,50 @@
+#pragma once
+// Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse say
+// of them, gathered so that it fits the cache.
+
+#include "wall/wall_compliance.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace seldinger {
+
+class WallPatch {
+public:
+    explicit WallPatch(int vertices) : slots_(static_cast<std::size_t>(vertices), -1) {}
+
+    /// Of this factor from now on; what is known of another one is forgotten.
+    void use(std::shared_ptr<const WallFactor> factor);
+    [[nodiscard]] const WallFactor& factor() const { return *factor_; }
+    /// Place of a vertex among those that have been asked for.
+    [[nodiscard]] int slot(std::int32_t vertex)
+    {
+        const int known = slots_[static_cast<std::size_t>(vertex)];
+        return known >= 0 ? known : add(vertex);
+    }
+    /// Its column is solved for, if it has not been.
+    void provide(int slot)
+    {
+        if (!solved_[static_cast<std::size_t>(slot)]) fill(slot);
+    }
+    /// Displacement of vertex `at` [3] per force on vertex `from` [3], row by row; provide(from) must have run.
+    [[nodiscard]] const double* block(int at, int from) const
+    {
+        return &blocks_[(static_cast<std::size_t>(at) * static_cast<std::size_t>(room_) + static_cast<std::size_t>(from)) * 9];
+    }
+
+private:
+    int add(std::int32_t vertex);
+    void fill(int slot);
+    void copy_block(int at, int from);
+
+    std::shared_ptr<const WallFactor> factor_;
+    std::vector<int> slots_;              // [V] -1: not asked for
+    std::vector<std::int32_t> vertices_;  // [slots]
+    std::vector<std::uint8_t> solved_;    // [slots]
+    int room_ = 0;
+    std::vector<double> blocks_;          // [room][room][9]
+};
+
+}  // namespace seldinger
