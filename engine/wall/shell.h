@@ -54,8 +54,7 @@ using PrestressAt = std::function<Prestress(const Vec3& position)>;
 struct ShellPoint {
     std::int32_t triangle = 0;
     double u = 0, v = 0;
-    double area = 0;           // weight of the point [m^2]
-    double membrane_area = 0;  // its weight for the membrane: all of the triangle in the middle, 0 elsewhere [m^2]
+    double area = 0;  // weight of the point [m^2]
     Vec3 position = Vec3::Zero(), normal = Vec3::UnitZ(), e1 = Vec3::UnitX(), e2 = Vec3::UnitY();
     double b11 = 0, b22 = 0, b12 = 0;                 // curvature b_ab in the frame [1/m]
     std::int32_t first_vertex = 0, vertex_count = 0;  // in Shell's arrays
@@ -114,6 +113,12 @@ private:
     }
     /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
     [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    /// Mean membrane strain of a triangle, in the frame of its last point.
+    [[nodiscard]] Eigen::Vector3d membrane_strain(std::int32_t triangle, std::span<const double> displacement) const;
+    template <class Add>
+    void add_elastic(std::span<const ShellPoint> points, const Add& add) const;
+    template <class Add>
+    void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
     [[nodiscard]] Eigen::Matrix3d law() const;
 
@@ -121,7 +126,8 @@ private:
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
     std::vector<Weight> weights_;
-    /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are made
+    /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are
+    /// made
     std::vector<Eigen::Matrix3d> spreads_;
 };
 
