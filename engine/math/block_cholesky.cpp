@@ -3,21 +3,14 @@
 
 #include "core/check.h"
 #include "math/dissection.h"
+#include "math/elimination.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 namespace seldinger {
-
-/// Order, and rows of L by panels, before any number is known.
-struct BlockCholesky::Symbolic {
-    std::vector<std::int32_t> order, place;       // old of new, new of old (-1: left out)
-    std::vector<std::vector<std::int32_t>> rows;  // [panel] below its own square, increasing
-    std::vector<std::int32_t> first;              // [panels + 1]
-    std::vector<std::int32_t> parent;             // [panel], -1: a root
-    double entries = 0;
-};
 
 namespace {
 
@@ -43,150 +36,78 @@ Graph block_graph(const Eigen::SparseMatrix<double>& matrix, const std::vector<s
     return graph;
 }
 
-/// Rows of each column of L below the diagonal, in the new order.
-std::vector<std::vector<std::int32_t>> column_rows(const Graph& graph, const std::vector<std::int32_t>& order)
-{
-    const auto n = static_cast<std::int32_t>(order.size());
-    std::vector<std::int32_t> place(order.size());
-    for (std::int32_t k = 0; k < n; ++k) place[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])] = k;
-    std::vector<std::vector<std::int32_t>> rows(order.size()), children(order.size());
-    std::vector<std::int32_t> mark(order.size(), -1);
-    for (std::int32_t k = 0; k < n; ++k) {
-        auto& mine = rows[static_cast<std::size_t>(k)];
-        const auto take = [&](std::int32_t row) {
-            if (row <= k || mark[static_cast<std::size_t>(row)] == k) return;
-            mark[static_cast<std::size_t>(row)] = k;
-            mine.push_back(row);
-        };
-        const auto v = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
-        for (auto e = graph.first[v]; e < graph.first[v + 1]; ++e)
-            take(place[static_cast<std::size_t>(graph.adjacent[static_cast<std::size_t>(e)])]);
-        for (const std::int32_t child : children[static_cast<std::size_t>(k)])
-            for (const std::int32_t row : rows[static_cast<std::size_t>(child)]) take(row);
-        std::sort(mine.begin(), mine.end());
-        if (!mine.empty()) children[static_cast<std::size_t>(mine.front())].push_back(k);
-    }
-    return rows;
-}
-
-/// The same elimination with children right before their parents.
-std::vector<std::int32_t> postorder(const std::vector<std::vector<std::int32_t>>& rows)
-{
-    const auto n = static_cast<std::int32_t>(rows.size());
-    std::vector<std::vector<std::int32_t>> children(rows.size());
-    std::vector<std::int32_t> result, stack;
-    for (std::int32_t k = n; k-- > 0;) {  // last child first, so that the stack gives them in order
-        if (!rows[static_cast<std::size_t>(k)].empty())
-            children[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)].front())].push_back(k);
-        else stack.push_back(k);
-    }
-    std::vector<unsigned char> open(rows.size(), 0);
-    while (!stack.empty()) {
-        const std::int32_t k = stack.back();
-        if (open[static_cast<std::size_t>(k)]) {
-            result.push_back(k);
-            stack.pop_back();
-            continue;
-        }
-        open[static_cast<std::size_t>(k)] = 1;
-        for (const std::int32_t child : children[static_cast<std::size_t>(k)]) stack.push_back(child);
-    }
-    return result;
-}
-
-/// Whether a panel of so many columns and rows below is worth having for `needed` blocks of L: few zeros are read for it, and
-/// wide panels are read faster.
-bool worth_having(std::int64_t columns, std::int64_t rows, std::int64_t needed)
-{
-    const std::int64_t read = columns * (columns + 1) / 2 + columns * rows;
-    return read * 100 <= needed * 106 || (columns <= 4 && read * 100 <= needed * 120);
-}
-
 }  // namespace
 
-bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip,
-                           std::span<const double> along)
+std::vector<std::int32_t> BlockCholesky::take(Eigen::Index unknowns, std::span<const unsigned char> skip)
 {
-    SEL_ASSERT(matrix.rows() == matrix.cols() && matrix.rows() % 3 == 0);
-    blocks_ = static_cast<std::int32_t>(matrix.rows() / 3);
+    SEL_ASSERT(unknowns % 3 == 0);
+    blocks_ = static_cast<std::int32_t>(unknowns / 3);
     SEL_ASSERT(skip.empty() || skip.size() == static_cast<std::size_t>(blocks_));
-    std::vector<std::int32_t> free_index(static_cast<std::size_t>(blocks_), -1), free_block;
-    skipped_.clear();
+    std::vector<std::int32_t> free_index(static_cast<std::size_t>(blocks_), -1);
+    order_.clear(), skipped_.clear();
     for (std::int32_t b = 0; b < blocks_; ++b) {
         if (!skip.empty() && skip[static_cast<std::size_t>(b)]) {
             skipped_.push_back(b);
             continue;
         }
-        free_index[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(free_block.size());
-        free_block.push_back(b);
+        free_index[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(order_.size());
+        order_.push_back(b);
     }
+    return free_index;
+}
+
+bool BlockCholesky::factor(const Eigen::SparseMatrix<double>& matrix, std::span<const unsigned char> skip,
+                           std::span<const double> along)
+{
+    SEL_ASSERT(matrix.rows() == matrix.cols());
+    const std::vector<std::int32_t> free_index = take(matrix.rows(), skip);
+    const std::vector<std::int32_t> free_block = order_;
     const Graph graph = block_graph(matrix, free_index, static_cast<std::int32_t>(free_block.size()));
 
-    Symbolic best;
     std::vector<std::vector<std::int32_t>> orders = {nested_dissection(graph), minimum_degree(graph)};
     if (!along.empty()) {
         orders.emplace_back(free_block.size());
-        for (std::size_t k = 0; k < free_block.size(); ++k) orders.back()[k] = static_cast<std::int32_t>(k);
+        std::iota(orders.back().begin(), orders.back().end(), 0);
         const auto at = [&](std::int32_t k) { return along[static_cast<std::size_t>(free_block[static_cast<std::size_t>(k)])]; };
         std::stable_sort(orders.back().begin(), orders.back().end(),
                          [&](std::int32_t a, std::int32_t b) { return at(a) > at(b); });
     }
+    Elimination best;
     for (const std::vector<std::int32_t>& order : orders) {
-        std::vector<std::int32_t> post = postorder(column_rows(graph, order));
-        for (std::int32_t& k : post) k = order[static_cast<std::size_t>(k)];
-        const auto rows = column_rows(graph, post);
-        double entries = 0;
-        for (const auto& list : rows) entries += static_cast<double>(list.size());
-        if (!best.order.empty() && entries >= best.entries) continue;
-        best = {};
-        best.entries = entries;
-        best.order = post;
-        // columns with the same rows below make a panel
-        std::vector<std::int32_t> first;
-        for (std::size_t k = 0; k < rows.size(); ++k)
-            if (k == 0 || rows[k - 1].empty() || rows[k - 1].front() != static_cast<std::int32_t>(k) ||
-                rows[k - 1].size() != rows[k].size() + 1)
-                first.push_back(static_cast<std::int32_t>(k));
-        first.push_back(static_cast<std::int32_t>(rows.size()));
-        // and join the parent right behind where that costs little
-        std::int64_t needed = 0;  // blocks of L in the last panel
-        for (std::size_t p = 0; p + 1 < first.size(); ++p) {
-            const std::int32_t end = first[p + 1];
-            const auto& theirs = rows[static_cast<std::size_t>(end) - 1];
-            std::int64_t own = 0;
-            for (std::int32_t k = first[p]; k < end; ++k)
-                own += 1 + static_cast<std::int64_t>(rows[static_cast<std::size_t>(k)].size());
-            if (!best.first.empty()) {
-                const auto& mine = rows[static_cast<std::size_t>(first[p]) - 1];
-                const bool child = !mine.empty() && mine.front() < end;
-                if (child && worth_having(end - best.first.back(), static_cast<std::int64_t>(theirs.size()), needed + own)) {
-                    best.rows.back() = theirs;
-                    needed += own;
-                    continue;
-                }
-            }
-            best.first.push_back(first[p]);
-            best.rows.push_back(theirs);
-            needed = own;
-        }
-        best.first.push_back(static_cast<std::int32_t>(rows.size()));
+        Elimination tried = eliminate(graph, order);
+        if (best.order.empty() || tried.entries < best.entries) best = std::move(tried);
     }
-    order_.clear();
-    best.place.assign(static_cast<std::size_t>(blocks_), -1);
-    for (const std::int32_t v : best.order) {
-        best.place[static_cast<std::size_t>(free_block[static_cast<std::size_t>(v)])] = static_cast<std::int32_t>(order_.size());
-        order_.push_back(free_block[static_cast<std::size_t>(v)]);
+    std::vector<std::int32_t> place(static_cast<std::size_t>(blocks_), -1);
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+        order_[k] = free_block[static_cast<std::size_t>(best.order[k])];
+        place[static_cast<std::size_t>(order_[k])] = static_cast<std::int32_t>(k);
     }
-    std::vector<std::int32_t> panel_of(order_.size());
-    for (std::size_t p = 0; p + 1 < best.first.size(); ++p)
-        for (std::int32_t k = best.first[p]; k < best.first[p + 1]; ++k)
-            panel_of[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(p);
-    for (const auto& list : best.rows)
-        best.parent.push_back(list.empty() ? -1 : panel_of[static_cast<std::size_t>(list.front())]);
-    return factor_panels(matrix, best);
+    return factor_panels(matrix, best, place);
 }
 
-bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, const Symbolic& symbolic)
+/// As solves read it: three columns at a time, eight rows of each beside each other, one stream from end to end.
+void BlockCholesky::keep(const Eigen::MatrixXd& front, std::int32_t first, std::int32_t columns,
+                         std::span<const std::int32_t> below)
+{
+    const auto rows = static_cast<std::int32_t>(below.size());
+    const std::int32_t stride = (3 * (columns + rows) + 7) / 8 * 8;
+    panels_.push_back(
+        {first, columns, static_cast<std::int32_t>(rows_.size()), rows, stride, static_cast<std::int64_t>(values_.size())});
+    widest_ = std::max(widest_, stride);
+    rows_.insert(rows_.end(), below.begin(), below.end());
+    for (Eigen::Index k = 0; k < columns; ++k) {
+        const Eigen::Matrix3d own = front.block(3 * k, 3 * k, 3, 3);
+        Eigen::Map<Eigen::Matrix3d> inverse(inverse_.data() + 9 * (first + k));
+        inverse = own.triangularView<Eigen::Lower>().solve(Eigen::Matrix3d::Identity());
+        for (Eigen::Index i = 3 * k / 8 * 8; i < stride; i += 8)
+            for (Eigen::Index j = 3 * k; j < 3 * k + 3; ++j)
+                for (Eigen::Index r = i; r < i + 8; ++r)
+                    values_.push_back(r < 3 * k + 3 || r >= 3 * (columns + rows) ? 0.0 : front(r, j));
+    }
+}
+
+bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, const Elimination& symbolic,
+                                  std::span<const std::int32_t> place)
 {
     using Dense = Eigen::MatrixXd;
     const std::size_t count = symbolic.rows.size();
@@ -210,7 +131,7 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
             for (int j = 0; j < 3; ++j)
                 for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, 3 * order_[static_cast<std::size_t>(first + k)] + j);
                      it; ++it) {
-                    const std::int32_t row = symbolic.place[static_cast<std::size_t>(it.row() / 3)];
+                    const std::int32_t row = place[static_cast<std::size_t>(it.row() / 3)];
                     if (row >= first + k) front(3 * local[static_cast<std::size_t>(row)] + it.row() % 3, 3 * k + j) = it.value();
                 }
         const Eigen::VectorXd diagonal = front.diagonal().head(3 * columns);
@@ -235,21 +156,7 @@ bool BlockCholesky::factor_panels(const Eigen::SparseMatrix<double>& matrix, con
             update[p] = front.bottomRightCorner(3 * rows, 3 * rows);
             update[p].selfadjointView<Eigen::Lower>().rankUpdate(strip, -1);
         }
-        // keep it as solves read it: three columns at a time, eight rows of each beside each other, one stream from end to end
-        const std::int32_t stride = (3 * (columns + rows) + 7) / 8 * 8;
-        panels_.push_back(
-            {first, columns, static_cast<std::int32_t>(rows_.size()), rows, stride, static_cast<std::int64_t>(values_.size())});
-        widest_ = std::max(widest_, stride);
-        rows_.insert(rows_.end(), below.begin(), below.end());
-        for (Eigen::Index k = 0; k < columns; ++k) {
-            const Eigen::Matrix3d own = square.block(3 * k, 3 * k, 3, 3);
-            Eigen::Map<Eigen::Matrix3d> inverse(inverse_.data() + 9 * (first + k));
-            inverse = own.triangularView<Eigen::Lower>().solve(Eigen::Matrix3d::Identity());
-            for (Eigen::Index i = 3 * k / 8 * 8; i < stride; i += 8)
-                for (Eigen::Index j = 3 * k; j < 3 * k + 3; ++j)
-                    for (Eigen::Index r = i; r < i + 8; ++r)
-                        values_.push_back(r < 3 * k + 3 || r >= 3 * (columns + rows) ? 0.0 : front(r, j));
-        }
+        keep(front, first, columns, below);
     }
     return true;
 }
@@ -278,6 +185,80 @@ inline double sum(const Eight& v)
 
 }  // namespace
 
+/// y = L^-1 y for a panel's unknowns; what they take from the rows below is taken there.
+template <int sides>
+void BlockCholesky::down(const Panel& panel, double* const* y, double* const* t) const
+{
+    const int stride = panel.stride, own = 3 * panel.columns;
+    for (int s = 0; s < sides; ++s) {
+        std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
+        std::memset(t[s] + own, 0, static_cast<std::size_t>(stride - own) * sizeof(double));
+    }
+    const double* value = values_.data() + panel.first_value;
+    const double* d = inverse_.data() + 9 * panel.first;
+    for (int k = 0; k < own; k += 3, d += 9) {
+        double a[sides], b[sides], c[sides];
+        for (int s = 0; s < sides; ++s) {
+            double* z = t[s] + k;
+            a[s] = d[0] * z[0], b[s] = d[1] * z[0] + d[4] * z[1], c[s] = d[2] * z[0] + d[5] * z[1] + d[8] * z[2];
+            z[0] = a[s], z[1] = b[s], z[2] = c[s];
+        }
+        for (int i = k / 8 * 8; i < stride; i += 8, value += 24) {
+            const Eight p = load(value), q = load(value + 8), r = load(value + 16);
+            for (int s = 0; s < sides; ++s) {
+                Eight z = load(t[s] + i);
+                z.low -= p.low * a[s] + q.low * b[s] + r.low * c[s];
+                z.high -= p.high * a[s] + q.high * b[s] + r.high * c[s];
+                store(t[s] + i, z);
+            }
+        }
+    }
+    const std::int32_t* row = rows_.data() + panel.first_row;
+    for (int s = 0; s < sides; ++s) {
+        std::memcpy(y[s] + 3 * panel.first, t[s], static_cast<std::size_t>(own) * sizeof(double));
+        const double* z = t[s] + own;
+        for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) {
+            double* to = y[s] + 3 * row[k];
+            to[0] += z[0], to[1] += z[1], to[2] += z[2];
+        }
+    }
+}
+
+/// y = L^-T y for a panel's unknowns, those of the rows below being known. @param end  of the panel's values
+template <int sides>
+void BlockCholesky::up(const Panel& panel, const double* end, double* const* y, double* const* t) const
+{
+    const int stride = panel.stride, own = 3 * panel.columns;
+    const std::int32_t* row = rows_.data() + panel.first_row;
+    for (int s = 0; s < sides; ++s) {
+        std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
+        double* z = t[s] + own;
+        for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) std::memcpy(z, y[s] + 3 * row[k], 3 * sizeof(double));
+        std::memset(z, 0, static_cast<std::size_t>(stride - own - 3 * panel.rows) * sizeof(double));
+    }
+    const double* value = end;
+    const double* d = inverse_.data() + 9 * (panel.first + panel.columns - 1);
+    for (int k = own - 3; k >= 0; k -= 3, d -= 9) {
+        Eight u[sides][3] = {};
+        value -= 3 * (stride - k / 8 * 8);
+        const double* group = value;
+        for (int i = k / 8 * 8; i < stride; i += 8, group += 24) {
+            const Eight p = load(group), q = load(group + 8), r = load(group + 16);
+            for (int s = 0; s < sides; ++s) {
+                const Eight z = load(t[s] + i);
+                u[s][0].low += p.low * z.low, u[s][1].low += q.low * z.low, u[s][2].low += r.low * z.low;
+                u[s][0].high += p.high * z.high, u[s][1].high += q.high * z.high, u[s][2].high += r.high * z.high;
+            }
+        }
+        for (int s = 0; s < sides; ++s) {
+            double* z = t[s] + k;
+            const double a = z[0] - sum(u[s][0]), b = z[1] - sum(u[s][1]), c = z[2] - sum(u[s][2]);
+            z[0] = d[0] * a + d[1] * b + d[2] * c, z[1] = d[4] * b + d[5] * c, z[2] = d[8] * c;
+        }
+    }
+    for (int s = 0; s < sides; ++s) std::memcpy(y[s] + 3 * panel.first, t[s], static_cast<std::size_t>(own) * sizeof(double));
+}
+
 template <int sides>
 void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) const
 {
@@ -290,73 +271,11 @@ void BlockCholesky::solve_sides(double* const* x, std::vector<double>& work) con
         t[s] = work.data() + sides * n + static_cast<std::size_t>(s) * wide;
         for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(y[s] + 3 * k, x[s] + 3 * order_[k], 3 * sizeof(double));
     }
-    for (const Panel& panel : panels_) {
-        const int stride = panel.stride, own = 3 * panel.columns;
-        const std::int32_t* row = rows_.data() + panel.first_row;
-        for (int s = 0; s < sides; ++s) {
-            std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
-            std::memset(t[s] + own, 0, static_cast<std::size_t>(stride - own) * sizeof(double));
-        }
-        const double* value = values_.data() + panel.first_value;
-        const double* d = inverse_.data() + 9 * panel.first;
-        for (int k = 0; k < own; k += 3, d += 9) {
-            double a[sides], b[sides], c[sides];
-            for (int s = 0; s < sides; ++s) {
-                double* z = t[s] + k;
-                a[s] = d[0] * z[0], b[s] = d[1] * z[0] + d[4] * z[1], c[s] = d[2] * z[0] + d[5] * z[1] + d[8] * z[2];
-                z[0] = a[s], z[1] = b[s], z[2] = c[s];
-            }
-            for (int i = k / 8 * 8; i < stride; i += 8, value += 24) {
-                const Eight p = load(value), q = load(value + 8), r = load(value + 16);
-                for (int s = 0; s < sides; ++s) {
-                    Eight z = load(t[s] + i);
-                    z.low -= p.low * a[s] + q.low * b[s] + r.low * c[s];
-                    z.high -= p.high * a[s] + q.high * b[s] + r.high * c[s];
-                    store(t[s] + i, z);
-                }
-            }
-        }
-        for (int s = 0; s < sides; ++s) {
-            std::memcpy(y[s] + 3 * panel.first, t[s], static_cast<std::size_t>(own) * sizeof(double));
-            const double* z = t[s] + own;
-            for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) {
-                double* to = y[s] + 3 * row[k];
-                to[0] += z[0], to[1] += z[1], to[2] += z[2];
-            }
-        }
-    }
-    for (std::size_t at = panels_.size(); at-- > 0;) {
-        const Panel& panel = panels_[at];
-        const int stride = panel.stride, own = 3 * panel.columns;
-        const std::int32_t* row = rows_.data() + panel.first_row;
-        for (int s = 0; s < sides; ++s) {
-            std::memcpy(t[s], y[s] + 3 * panel.first, static_cast<std::size_t>(own) * sizeof(double));
-            double* z = t[s] + own;
-            for (std::int32_t k = 0; k < panel.rows; ++k, z += 3) std::memcpy(z, y[s] + 3 * row[k], 3 * sizeof(double));
-            std::memset(z, 0, static_cast<std::size_t>(stride - own - 3 * panel.rows) * sizeof(double));
-        }
-        const double* value =
-            at + 1 < panels_.size() ? values_.data() + panels_[at + 1].first_value : values_.data() + values_.size();
-        const double* d = inverse_.data() + 9 * (panel.first + panel.columns - 1);
-        for (int k = own - 3; k >= 0; k -= 3, d -= 9) {
-            Eight u[sides][3] = {};
-            value -= 3 * (stride - k / 8 * 8);
-            const double* group = value;
-            for (int i = k / 8 * 8; i < stride; i += 8, group += 24) {
-                const Eight p = load(group), q = load(group + 8), r = load(group + 16);
-                for (int s = 0; s < sides; ++s) {
-                    const Eight z = load(t[s] + i);
-                    u[s][0].low += p.low * z.low, u[s][1].low += q.low * z.low, u[s][2].low += r.low * z.low;
-                    u[s][0].high += p.high * z.high, u[s][1].high += q.high * z.high, u[s][2].high += r.high * z.high;
-                }
-            }
-            for (int s = 0; s < sides; ++s) {
-                double* z = t[s] + k;
-                const double a = z[0] - sum(u[s][0]), b = z[1] - sum(u[s][1]), c = z[2] - sum(u[s][2]);
-                z[0] = d[0] * a + d[1] * b + d[2] * c, z[1] = d[4] * b + d[5] * c, z[2] = d[8] * c;
-            }
-        }
-        for (int s = 0; s < sides; ++s) std::memcpy(y[s] + 3 * panel.first, t[s], static_cast<std::size_t>(own) * sizeof(double));
+    for (const Panel& panel : panels_) down<sides>(panel, y, t);
+    const double* end = values_.data() + values_.size();
+    for (std::size_t k = panels_.size(); k-- > 0;) {
+        up<sides>(panels_[k], end, y, t);
+        end = values_.data() + panels_[k].first_value;
     }
     for (int s = 0; s < sides; ++s) {
         for (std::size_t k = 0; k < order_.size(); ++k) std::memcpy(x[s] + 3 * order_[k], y[s] + 3 * k, 3 * sizeof(double));

@@ -1,12 +1,15 @@
 #pragma once
 // Cholesky factor of a sparse symmetric positive definite matrix of 3 x 3 blocks, in dense panels (supernodes), for many solves.
 
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace seldinger {
+
+struct Elimination;
 
 /// P A P^T = L L^T. Order: whichever fills least of nested dissection of the graph of blocks, minimum degree, and the caller's.
 /// The bits of a solution depend on the matrix and that order alone, and are the same one right-hand side at a time or several.
@@ -38,8 +41,15 @@ private:
         std::int32_t stride;           // unknowns of both, rounded up to eights
         std::int64_t first_value;      // in values_
     };
-    struct Symbolic;
-    [[nodiscard]] bool factor_panels(const Eigen::SparseMatrix<double>& matrix, const Symbolic& symbolic);
+    /// Sorts blocks into free and skipped ones. @return place of each among the free, -1
+    std::vector<std::int32_t> take(Eigen::Index unknowns, std::span<const unsigned char> skip);
+    [[nodiscard]] bool factor_panels(const Eigen::SparseMatrix<double>& matrix, const Elimination& symbolic,
+                                     std::span<const std::int32_t> place);
+    void keep(const Eigen::MatrixXd& front, std::int32_t first, std::int32_t columns, std::span<const std::int32_t> below);
+    template <int sides>
+    void down(const Panel& panel, double* const* y, double* const* t) const;
+    template <int sides>
+    void up(const Panel& panel, const double* end, double* const* y, double* const* t) const;
     template <int sides>
     void solve_sides(double* const* x, std::vector<double>& work) const;
 

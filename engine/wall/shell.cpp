@@ -1,9 +1,9 @@
-// Quadrature points of the shell, its matrices, and stresses of a displacement.
+// Quadrature points of the shell, the weights of control vertices at them, and strains.
 #include "wall/shell.h"
 
 #include "core/check.h"
 #include "core/error.h"
-#include "wall/block_pattern.h"
+#include "wall/shell_strain.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -12,10 +12,11 @@
 
 namespace seldinger {
 
+using namespace shell_detail;
+
 namespace {
 
 using Matrix2 = Eigen::Matrix2d;
-using Strain = Eigen::Matrix<double, 6, 1>;
 
 void check(const ShellSpec& spec)
 {
@@ -32,15 +33,6 @@ void check(const ShellSpec& spec)
     demand(std::isfinite(spec.pressure), "pressure must be finite", spec.pressure);
 }
 
-/// Barycentres of the four triangles that a control triangle is cut into, as (u, v); the middle one last.
-constexpr std::size_t per_triangle = 4;
-constexpr double quadrature[per_triangle][2] = {{1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}, {1.0 / 3, 1.0 / 3}};
-
-double mises(const Eigen::Vector3d& s)  // plane stress
-{
-    return std::sqrt(s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + 3 * s[2] * s[2]);
-}
-
 }  // namespace
 
 Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surface), spec_(spec)
@@ -48,11 +40,8 @@ Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surfa
     check(spec);
     spreads_.assign(surface.control().vertices.size(), Eigen::Matrix3d::Zero());
     find_spreads();
-    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t) {
-        double area = 0;
-        for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8), area += points_.back().area;
-        points_.back().membrane_area = area;
-    }
+    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t)
+        for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8);
 }
 
 /// @param share  of the point in the area of the (u, v) triangle, which is 1/2
@@ -115,7 +104,8 @@ void Shell::find_spreads()
             const auto i = static_cast<std::size_t>(v);
             if (sweep < 0) {  // about the limit
                 Vec3 centre = mask.own * x[i];
-                for (int k = 0; k < mask.count; ++k) centre += mask.each * x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
+                for (int k = 0; k < mask.count; ++k)
+                    centre += mask.each * x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
                 spread[i] = mask.own * (x[i] - centre) * (x[i] - centre).transpose();
                 for (int k = 0; k < mask.count; ++k) {
                     const Vec3 r = x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])] - centre;
@@ -164,21 +154,6 @@ Eigen::Matrix3d Shell::law() const
     return spec_.youngs / (1 - nu * nu) * h;
 }
 
-namespace {
-
-/// rho = db - (b eps + eps b) / 2 with 2 eps_12, 2 rho_12 in third place.
-Strain join(const ShellPoint& q, const Eigen::Vector3d& eps, const Eigen::Vector3d& db)
-{
-    Strain s;
-    s.head<3>() = eps;
-    s[3] = db[0] - q.b11 * eps[0] - q.b12 * eps[2] / 2;
-    s[4] = db[1] - q.b22 * eps[1] - q.b12 * eps[2] / 2;
-    s[5] = db[2] - (q.b11 + q.b22) * eps[2] / 2 - q.b12 * (eps[0] + eps[1]);
-    return s;
-}
-
-}  // namespace
-
 Strain Shell::strain(const ShellPoint& q, std::span<const double> displacement) const
 {
     Vec3 u1 = Vec3::Zero(), u2 = u1;
@@ -192,140 +167,17 @@ Strain Shell::strain(const ShellPoint& q, std::span<const double> displacement) 
     return join(q, {q.e1.dot(u1), q.e2.dot(u2), q.e1.dot(u2) + q.e2.dot(u1)}, db);
 }
 
-Shell::Energy Shell::energy(std::span<const double> displacement) const
+Eigen::Vector3d Shell::membrane_strain(std::int32_t triangle, std::span<const double> displacement) const
 {
-    SEL_ASSERT(displacement.size() == 3 * surface_.control().vertices.size());
-    const Eigen::Matrix3d h = law();
-    const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
-    Energy e;
-    for (const ShellPoint& q : points_) {
-        const Strain s = strain(q, displacement);
-        e.membrane += 0.5 * q.membrane_area * c * s.head<3>().dot(h * s.head<3>());
-        e.bending += 0.5 * q.area * d * s.tail<3>().dot(h * s.tail<3>());
+    const ShellPoint* q = points_.data() + per_triangle * static_cast<std::size_t>(triangle);
+    const ShellPoint& last = q[per_triangle - 1];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double area = 0;
+    for (std::size_t k = 0; k < per_triangle; ++k) {
+        sum += q[k].area * turn_strain(q[k], last) * strain(q[k], displacement).head<3>();
+        area += q[k].area;
     }
-    return e;
-}
-
-namespace {
-
-/// A tangential tensor (11, 22, 12) of one point in the frame of another one beside it.
-Eigen::Vector3d turned(const Eigen::Vector3d& t, const ShellPoint& from, const ShellPoint& to)
-{
-    Matrix2 m, r;
-    m << t[0], t[2], t[2], t[1];
-    r << to.e1.dot(from.e1), to.e1.dot(from.e2), to.e2.dot(from.e1), to.e2.dot(from.e2);
-    const Matrix2 n = r * m * r.transpose();
-    return {n(0, 0), n(1, 1), n(0, 1)};
-}
-
-}  // namespace
-
-ShellStress Shell::stress(std::span<const double> displacement) const
-{
-    const std::size_t vertices = surface_.control().vertices.size();
-    SEL_ASSERT(displacement.size() == 3 * vertices);
-    const Eigen::Matrix3d h = law();
-    ShellStress out;
-    out.membrane.reserve(points_.size()), out.bending.reserve(points_.size());
-    out.mises_inner.assign(vertices, 0), out.mises_outer.assign(vertices, 0);
-    std::vector<double> area(vertices, 0);
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-        const ShellPoint &q = points_[k], &middle = points_[k / per_triangle * per_triangle + per_triangle - 1];
-        out.membrane.push_back(turned(h * strain(middle, displacement).head<3>(), middle, q));
-        out.bending.push_back(spec_.thickness / 2 * (h * strain(q, displacement).tail<3>()));
-        const double inner = mises(out.membrane.back() - out.bending.back()),
-                     outer = mises(out.membrane.back() + out.bending.back());
-        const double share[3] = {1 - q.u - q.v, q.u, q.v};
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto v = static_cast<std::size_t>(surface_.control().triangles[static_cast<std::size_t>(q.triangle)][c]);
-            const double weight = share[c] * q.area;
-            area[v] += weight, out.mises_inner[v] += weight * inner, out.mises_outer[v] += weight * outer;
-        }
-    }
-    for (std::size_t v = 0; v < vertices; ++v) out.mises_inner[v] /= area[v], out.mises_outer[v] /= area[v];
-    return out;
-}
-
-namespace {
-
-/// u x (.) as a matrix.
-Eigen::Matrix3d cross_matrix(const Vec3& u)
-{
-    Eigen::Matrix3d m;
-    m << 0, -u.z(), u.y(), u.z(), 0, -u.x(), -u.y(), u.x(), 0;
-    return m;
-}
-
-/// N^ab in the frame of a point [N/m].
-Matrix2 prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double pressure)
-{
-    const Eigen::Vector2d along(prestress.axis.dot(q.e1), prestress.axis.dot(q.e2));
-    const double hoop = pressure * prestress.radius, axial = prestress.axial_part * hoop;
-    const double length = along.norm();
-    // where the wall faces the axis (a cap) both directions are alike
-    if (!(length > 1e-9 * prestress.axis.norm())) return axial * Matrix2::Identity();
-    const Eigen::Vector2d z = along / length, t(-z.y(), z.x());
-    return hoop * t * t.transpose() + axial * z * z.transpose();
-}
-
-}  // namespace
-
-ShellMatrices Shell::assemble(const PrestressAt& prestress) const
-{
-    const std::size_t vertices = surface_.control().vertices.size();
-    std::vector<std::vector<std::int32_t>> stencils;
-    for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
-        stencils.emplace_back();
-        for (const Weight& w : weights(points_[q])) stencils.back().push_back(w.vertex);
-    }
-    const BlockPattern pattern(static_cast<std::int32_t>(vertices), stencils);
-    const bool loaded = spec_.pressure != 0;
-    if (loaded && !prestress)
-        throw Error(ExitCode::BadScene, "elastic wall: a mean pressure needs the vessel's axis and radius (centreline)");
-    std::vector<double> elastic(9 * pattern.block_count(), 0), pressure(loaded ? elastic.size() : 0, 0),
-        area(pattern.block_count(), 0);
-
-    const Eigen::Matrix3d h = law();
-    const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
-    using Strains = Eigen::Matrix<double, 6, 3>;
-    std::vector<Strains> strains, stresses;
-    for (const ShellPoint& q : points_) {
-        const auto w = weights(q);
-        strains.resize(w.size()), stresses.resize(w.size());
-        for (std::size_t k = 0; k < w.size(); ++k) {
-            for (int axis = 0; axis < 3; ++axis)
-                strains[k].col(axis) =
-                    join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
-                         q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
-            stresses[k].topRows<3>() = q.membrane_area * c * h * strains[k].topRows<3>();
-            stresses[k].bottomRows<3>() = q.area * d * h * strains[k].bottomRows<3>();
-        }
-        const Matrix2 n = loaded ? prestress_in_frame(q, prestress(q.position), spec_.pressure) : Matrix2::Zero();
-        const Eigen::Matrix3d by_1 = -cross_matrix(q.e2), by_2 = cross_matrix(q.e1);
-        for (std::size_t i = 0; i < w.size(); ++i)
-            for (std::size_t j = 0; j < w.size(); ++j) {
-                if (w[i].vertex < w[j].vertex) continue;
-                const std::size_t block = pattern.find(w[i].vertex, w[j].vertex);
-                Eigen::Map<Eigen::Matrix3d>(&elastic[9 * block]) += strains[i].transpose() * stresses[j];
-                area[block] += q.area * w[i].n * w[j].n;
-                if (!loaded) continue;
-                // the mesh faces the lumen: the volume's variation has the opposite sign of that with the outward normal
-                const double geometric = n(0, 0) * w[i].n_1 * w[j].n_1 + n(1, 1) * w[i].n_2 * w[j].n_2 +
-                                         n(0, 1) * (w[i].n_1 * w[j].n_2 + w[i].n_2 * w[j].n_1);
-                const Eigen::Matrix3d live = w[i].n * (w[j].n_1 * by_1 + w[j].n_2 * by_2) -
-                                             w[j].n * (w[i].n_1 * by_1 + w[i].n_2 * by_2);  // + transpose; both are skew
-                Eigen::Map<Eigen::Matrix3d>(&pressure[9 * block]) +=
-                    q.area * (geometric * Eigen::Matrix3d::Identity() + 0.5 * spec_.pressure * live);
-            }
-    }
-    ShellMatrices m;
-    m.elastic = pattern.matrix(elastic, 3);
-    m.pressure = loaded ? pattern.matrix(pressure, 3) : SparseMatrix(m.elastic.rows(), m.elastic.cols());
-    m.area = pattern.matrix(area, 1);
-    m.held.assign(vertices, 0);
-    if (spec_.rims_held)
-        for (std::size_t v = 0; v < vertices; ++v) m.held[v] = surface_.topology().kind[v] != LoopVertex::Inner;
-    return m;
+    return sum / area;
 }
 
 }  // namespace seldinger

@@ -12,15 +12,17 @@
 //   rho_ab = change of b_ab - (b_a^c eps_cb + b_b^c eps_ca) / 2 change of curvature [Koiter60, Sanders59]: 0 for a tube that
 //            widens evenly; Cirak leaves the second part out, which differs by h^2/(12 R^2) of the membrane's energy
 //
-// Both strains vanish for rigid motion. Loop's functions do not hold quadratic displacements about vertices of other than six
-// triangles, nor beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is
-// a quarter too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are
-// therefore mended: what Loop's weights miss of a quadratic fitted to the patch's control vertices is added (Shell::mend), which
-// changes nothing on a regular lattice and, on tangent-plane coordinates, nothing for rigid motion. Bending is summed over the
-// barycentres of a triangle's four parts, the membrane's part at its middle alone: more points there lock (a pinched hemisphere
-// of R/h = 250). The given shape is the loaded equilibrium: N_theta = p R, N_z = p R / 2 [N/m] carry the mean pressure p and
-// stiffen it (N^ab), and p stays normal to the wall as it moves (second variation of the enclosed volume); on a tube the two
-// leave 0, 0, 3 p/R for the inextensional modes n = 0, 1, 2 [p/R (n^2 - 1)]. [Cirak00; Moireau12 for the tissue]
+// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R, N_z = p R / 2 [N/m] carry the mean
+// pressure p and stiffen it (N^ab), and p stays normal to the wall as it moves (second variation of the enclosed volume; open rims
+// add terms of their own, which are left out, and held ones none). On a tube the two leave (n^2 - 1) p/R for the inextensional modes:
+// 0, 0, 3 p/R for n = 0, 1, 2. Inertia is left out: it is small beside the tissue's damping. [Cirak00; Moireau12 for the tissue]
+//
+// Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles, nor
+// beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter too stiff
+// however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore mended: what Loop's
+// weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes nothing on a flat lattice and
+// nothing for rigid motion, and makes bending about irregular vertices exact for constant moments. Bending is summed over the
+// barycentres of a triangle's four parts, the membrane's part uses their mean strain: four by themselves lock thin shells.
 
 #include "wall/loop_surface.h"
 
@@ -54,8 +56,7 @@ using PrestressAt = std::function<Prestress(const Vec3& position)>;
 struct ShellPoint {
     std::int32_t triangle = 0;
     double u = 0, v = 0;
-    double area = 0;           // weight of the point [m^2]
-    double membrane_area = 0;  // its weight for the membrane: all of the triangle in the middle, 0 elsewhere [m^2]
+    double area = 0;  // weight of the point [m^2]
     Vec3 position = Vec3::Zero(), normal = Vec3::UnitZ(), e1 = Vec3::UnitX(), e2 = Vec3::UnitY();
     double b11 = 0, b22 = 0, b12 = 0;                 // curvature b_ab in the frame [1/m]
     std::int32_t first_vertex = 0, vertex_count = 0;  // in Shell's arrays
@@ -114,6 +115,12 @@ private:
     }
     /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
     [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    /// Mean membrane strain of a triangle, in the frame of its last point.
+    [[nodiscard]] Eigen::Vector3d membrane_strain(std::int32_t triangle, std::span<const double> displacement) const;
+    template <class Add>
+    void add_elastic(std::span<const ShellPoint> points, const Add& add) const;
+    template <class Add>
+    void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
     [[nodiscard]] Eigen::Matrix3d law() const;
 
@@ -121,7 +128,8 @@ private:
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
     std::vector<Weight> weights_;
-    /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are made
+    /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are
+    /// made
     std::vector<Eigen::Matrix3d> spreads_;
 };
 

@@ -200,6 +200,90 @@ TEST_SUITE("wall/loop_surface")
         CHECK(worst < 1e-14);
     }
 
+    TEST_CASE("property: interpolation puts a tube's surface on its radius")
+    {
+        // through the vertices exactly; between them off by the fourth power of edge/R (1e-3 for 16 around), more beside rims,
+        // whose phantoms bind one curvature to the other, and in the long triangles that flips leave (a chord of 0.8 R sags by
+        // 0.08 R)
+        for (const bool rough : {false, true}) {
+            WallMesh mesh = tube(1, 4, 16, 12);
+            if (rough) flip_edges(mesh, 0.1, 3);
+            LoopSurface s(mesh);
+            const double before = std::abs(s.at(150, 0.3, 0.3).position.head<2>().norm() - 1);
+            CHECK(s.interpolate(mesh.vertices) < 1e-10);
+            LoopStencil st;
+            double worst = 0;
+            for (int v = 0; v < int(mesh.vertices.size()); ++v) {
+                s.limit_of_vertex(v, st);
+                Vec3 x = Vec3::Zero();
+                for (int k = 0; k < st.size; ++k) x += st.n[k] * s.control().vertices[st.vertex[k]];
+                worst = std::max(worst, (x - mesh.vertices[v]).norm());
+            }
+            CHECK(worst < 1e-10);
+            double off = 0;
+            for (int t = 0; t < int(mesh.triangles.size()); ++t)
+                for (const auto& [u, v] : places()) off = std::max(off, std::abs(s.at(t, u, v).position.head<2>().norm() - 1));
+            CHECK(off < (rough ? 0.04 : 2e-3));
+            CHECK(before > 0.01);
+        }
+    }
+
+    TEST_CASE("property: the closest point is that of a search of everything, from nowhere and from nearby")
+    {
+        for (const WallMesh& mesh : {bumpy_sheet(), bumpy_tube(), ball(1, 1)}) {
+            const LoopSurface s(mesh);
+            std::vector<LoopFoot> all;
+            for (int t = 0; t < int(mesh.triangles.size()); ++t)
+                for (int j = 0; j <= 8; ++j)
+                    for (int i = 0; i + j <= 8; ++i) all.push_back(s.at(t, i / 8.0, j / 8.0));
+            std::mt19937 random(4);
+            const auto unit = [&] { return random() % 2001 / 1000.0 - 1; };
+            int rims = 0;
+            for (int k = 0; k < 300; ++k) {
+                const LoopFoot& from = all[random() % all.size()];
+                const Vec3 p = from.position + 0.05 * Vec3(unit(), unit(), unit());  // nearer than the centres of curvature
+                LoopFoot foot;
+                s.closest(p, foot);
+                double best = 1e9;
+                for (const LoopFoot& f : all) best = std::min(best, (f.position - p).norm());
+                CHECK(foot.distance <= best + 1e-12);
+                CHECK(foot.distance == doctest::Approx((foot.position - p).norm()));
+                const Vec3 r = (p - foot.position) / std::max(foot.distance, 1e-9);
+                if (!foot.rim) {
+                    CHECK(std::abs(r.dot(foot.tangent_u)) < 1e-6 * foot.tangent_u.norm());
+                    CHECK(std::abs(r.dot(foot.tangent_v)) < 1e-6 * foot.tangent_v.norm());
+                }
+                rims += foot.rim;
+                LoopFoot warm = from;  // a walk of up to a triangle
+                s.closest(p, warm);
+                CHECK(warm.distance == doctest::Approx(foot.distance).epsilon(1e-6));
+            }
+            const bool closed = s.topology().kind[0] == LoopVertex::Inner && irregular(s) == 6;
+            CHECK((closed || rims > 0));
+        }
+    }
+
+    TEST_CASE("property: the foot moves smoothly with the point")
+    {
+        const LoopSurface s(bumpy_tube());
+        LoopFoot foot;
+        Vec3 last = Vec3::Zero();
+        for (int k = 0; k < 4000; ++k) {
+            const double a = k * 1e-3;
+            const Vec3 p(0.9 * std::cos(a), 0.9 * std::sin(a), 0.7 * std::sin(2 * a));
+            s.closest(p, foot);
+            // steps of 1.7e-3 of p; curved towards p the foot goes faster, by less than 3 here
+            if (k > 0) CHECK((foot.position - last).norm() < 5e-3);
+            last = foot.position;
+            // and its distance by the normal's share: d distance = -n . dp
+            const double h = 1e-6;
+            LoopFoot moved = foot;
+            s.closest(p + h * foot.normal, moved);
+            const double sign = (p - foot.position).dot(foot.normal) > 0 ? 1 : -1;
+            if (foot.distance > 0.01) CHECK((moved.distance - foot.distance) / h == doctest::Approx(sign).epsilon(1e-3));
+        }
+    }
+
     TEST_CASE("bad input: one clear line each")
     {
         WallMesh mesh = grid(3, 3, [](double u, double v) { return Vec3(u, v, 0); });

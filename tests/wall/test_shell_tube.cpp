@@ -24,8 +24,8 @@ PrestressAt along_z(double axial)
     return [axial](const Vec3&) { return Prestress{Vec3::UnitZ(), R, axial}; };
 }
 
-/// As a remesher leaves meshes: edges flipped until half of the vertices have five or seven neighbours, then vertices drawn to the
-/// middle of their neighbours, along the wall.
+/// As a remesher leaves meshes: edges flipped until half of the vertices have five or seven neighbours, then vertices drawn to
+/// the middle of their neighbours, along the wall.
 WallMesh irregular(WallMesh mesh, bool round)
 {
     flip_edges(mesh, 0.1, 2);
@@ -56,7 +56,7 @@ void uniform_pressure(const ShellSpec& spec, double length, int along, const dou
             const Vec3 u = wall.displacement(w, Vec3(R * out.x(), R * out.y(), z));
             CAPTURE(z);
             CHECK(u.dot(out) == doctest::Approx(radial).epsilon(0.01));
-            CHECK(std::abs(u.z() - axial) < 0.02 * std::max(std::abs(axial), 2e-6));  // u_x counted from the middle outwards
+            CHECK(std::abs(u.z() - axial) < 0.02 * std::max(std::abs(axial), 7e-7));
         }
 }
 
@@ -101,7 +101,7 @@ TEST_SUITE("wall/shell")
                          {{0, 4.1848798998782606e-05, 0},
                           {0.015, 4.231770970903309e-05, -1.927871487363934e-05},
                           {0.03, 4.376718062344249e-05, -4.1433187763250106e-05}});
-        uniform_pressure(aorta(), 0.15, 40,
+        uniform_pressure(aorta(), 0.15, 100,
                          {{0, 3.5643683513776676e-05, 0},
                           {0.0375, 3.568628715649538e-05, -7.460770946869512e-07},
                           {0.06, 3.585060908343e-05, -1.4637717297149484e-06}});
@@ -119,13 +119,16 @@ TEST_SUITE("wall/shell")
             for (int k = 0; k < n; ++k) line.add_force({side * ((k + 0.5) / n - 0.5), 0, 0}, {0, 0, -side / n});
             auto w = line.solve();
             CHECK(-line.displacement(w, {0, 0, 0}).z() == doctest::Approx(8.1585794408332e-05).epsilon(0.02));
-            CHECK(-line.displacement(w, {0, 0.0030642589413147703, 0}).z() == doctest::Approx(6.71505765497752e-05).epsilon(0.02));
-            CHECK(-line.displacement(w, {0, 0.006128517882629541, 0}).z() == doctest::Approx(4.147217938616991e-05).epsilon(0.02));
+            CHECK(-line.displacement(w, {0, 0.0030642589413147703, 0}).z() ==
+                  doctest::Approx(6.71505765497752e-05).epsilon(0.02));
+            CHECK(-line.displacement(w, {0, 0.006128517882629541, 0}).z() ==
+                  doctest::Approx(4.147217938616991e-05).epsilon(0.02));
 
             point.add_force({0, 0, 0}, {0, 0, -0.05});
             w = point.solve();
             CHECK(-point.displacement(w, {0, 0, 0}).z() == doctest::Approx(0.00033283262141642627).epsilon(0.02));
-            CHECK(-point.displacement(w, {0.00433351655343037, 0, 0}).z() == doctest::Approx(0.00020975373818624767).epsilon(0.02));
+            CHECK(-point.displacement(w, {0.00433351655343037, 0, 0}).z() ==
+                  doctest::Approx(0.00020975373818624767).epsilon(0.02));
 
             const Vec3 elsewhere(0.0007, -0.0011, 0);  // somewhere in a triangle
             off.add_force(elsewhere, {0, 0, -0.05});
@@ -145,8 +148,8 @@ TEST_SUITE("wall/shell")
                                {p_mean, 0.5, 1.929016423223892e-05, 1.053603522945838e-05}})
             for (const bool rough : {false, true}) {
                 CAPTURE(row.pressure);
-            CAPTURE(row.axial);
-            CAPTURE(rough);
+                CAPTURE(row.axial);
+                CAPTURE(rough);
                 ShellSpec spec = aorta();
                 spec.pressure = row.pressure;
                 WallMesh mesh = graded_tube(R, 0.2, 24, 0.0011, 0.014, 0.006);
@@ -166,7 +169,7 @@ TEST_SUITE("wall/shell")
         for (const bool pressed : {false, true})
             for (const bool rough : {false, true}) {
                 CAPTURE(pressed);
-            CAPTURE(rough);
+                CAPTURE(rough);
                 ShellSpec spec = aorta();
                 spec.pressure = pressed ? p_mean : 0;
                 const double length = pressed ? 0.2 : 0.1;
@@ -177,10 +180,8 @@ TEST_SUITE("wall/shell")
                 const auto w = wall.solve();
                 REQUIRE(!w.empty());
                 const double w0 = wall.displacement(w, {R, 0, 0}).x();
-                if (pressed)
-                    CHECK(w0 == doctest::Approx(5.243637553237224e-05).epsilon(0.03));
-                else
-                    CHECK(w0 == doctest::Approx(0.00011318657380255451).epsilon(0.02));
+                if (pressed) CHECK(w0 == doctest::Approx(5.243637553237224e-05).epsilon(0.03));
+                else CHECK(w0 == doctest::Approx(0.00011318657380255451).epsilon(0.02));
             }
     }
 
@@ -189,7 +190,7 @@ TEST_SUITE("wall/shell")
         for (const bool pressed : {false, true})
             for (const bool rough : {false, true}) {
                 CAPTURE(pressed);
-            CAPTURE(rough);
+                CAPTURE(rough);
                 ShellSpec spec = aorta();
                 spec.pressure = pressed ? p_mean : 0;
                 WallMesh mesh = graded_tube(R, 0.2, 38, 0.0018, 0.015, 0.006);

@@ -1,0 +1,147 @@
+// The shell's matrices, triangle by triangle.
+#include "core/error.h"
+#include "wall/block_pattern.h"
+#include "wall/shell.h"
+#include "wall/shell_strain.h"
+
+#include <cmath>
+
+namespace seldinger {
+
+using namespace shell_detail;
+
+namespace {
+
+/// u x (.) as a matrix.
+Eigen::Matrix3d cross_matrix(const Vec3& u)
+{
+    Eigen::Matrix3d m;
+    m << 0, -u.z(), u.y(), u.z(), 0, -u.x(), -u.y(), u.x(), 0;
+    return m;
+}
+
+/// N^ab in the frame of a point [N/m].
+Eigen::Matrix2d prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double pressure)
+{
+    const Eigen::Vector2d along(prestress.axis.dot(q.e1), prestress.axis.dot(q.e2));
+    const double hoop = pressure * prestress.radius, axial = prestress.axial_part * hoop;
+    const double length = along.norm();
+    // where the wall faces the axis (a cap) both directions are alike
+    if (!(length > 1e-9 * prestress.axis.norm())) return axial * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d z = along / length, t(-z.y(), z.x());
+    return hoop * t * t.transpose() + axial * z * z.transpose();
+}
+
+/// Strains under unit displacements of one control vertex.
+using Strains = Eigen::Matrix<double, 6, 3>;
+
+/// Sums of one triangle's blocks, in the order of its stencil; those with the greater vertex first count.
+struct TriangleBlocks {
+    std::vector<std::size_t> place;  // [M][M] in the pattern
+    std::vector<unsigned char> counts;
+
+    template <class Weights>
+    TriangleBlocks(const BlockPattern& pattern, const Weights& w) : place(w.size() * w.size(), 0), counts(w.size() * w.size(), 0)
+    {
+        for (std::size_t i = 0; i < w.size(); ++i)
+            for (std::size_t j = 0; j < w.size(); ++j)
+                if (w[i].vertex >= w[j].vertex) {
+                    place[i * w.size() + j] = pattern.find(w[i].vertex, w[j].vertex);
+                    counts[i * w.size() + j] = 1;
+                }
+    }
+    /// values[place] += block(i, j)
+    template <int size, class Block>
+    void add(std::vector<double>& values, std::size_t count, const Block& block) const
+    {
+        for (std::size_t i = 0, k = 0; i < count; ++i)
+            for (std::size_t j = 0; j < count; ++j, ++k)
+                if (counts[k])
+                    Eigen::Map<Eigen::Matrix<double, size, size>>(values.data() + size * size * place[k]) += block(i, j);
+    }
+};
+
+}  // namespace
+
+/// int C H eps eps + D H rho rho over a triangle: bending point by point, the membrane of the mean strain.
+template <class Add>
+void Shell::add_elastic(std::span<const ShellPoint> points, const Add& add) const
+{
+    const Eigen::Matrix3d h = law();
+    const double d = std::pow(spec_.thickness, 3) / 12;
+    const std::size_t count = weights(points[0]).size();
+    std::vector<Strains> strains(count);
+    std::vector<Eigen::Matrix3d> stress(count), mean(count, Eigen::Matrix3d::Zero());
+    double area = 0;
+    for (const ShellPoint& q : points) {
+        const auto w = weights(q);
+        const Eigen::Matrix3d turn = q.area * turn_strain(q, points.back());
+        for (std::size_t k = 0; k < count; ++k) {
+            for (int axis = 0; axis < 3; ++axis)
+                strains[k].col(axis) =
+                    join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
+                         q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
+            mean[k] += turn * strains[k].topRows<3>();
+            stress[k] = q.area * d * h * strains[k].bottomRows<3>();
+        }
+        area += q.area;
+        add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(strains[i].bottomRows<3>().transpose() * stress[j]); });
+    }
+    for (std::size_t k = 0; k < count; ++k) stress[k] = spec_.thickness / area * h * mean[k];
+    add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(mean[i].transpose() * stress[j]); });
+}
+
+/// Geometric stiffness of the pre-stress, and the load that follows the wall, at one point.
+template <class Add>
+void Shell::add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const
+{
+    const auto w = weights(q);
+    const Eigen::Matrix2d n = prestress_in_frame(q, prestress, spec_.pressure);
+    const Eigen::Matrix3d by_1 = -cross_matrix(q.e2), by_2 = cross_matrix(q.e1);
+    add([&](std::size_t i, std::size_t j) {
+        // the mesh faces the lumen: the volume's variation has the opposite sign of that with the outward normal
+        const double geometric =
+            n(0, 0) * w[i].n_1 * w[j].n_1 + n(1, 1) * w[i].n_2 * w[j].n_2 + n(0, 1) * (w[i].n_1 * w[j].n_2 + w[i].n_2 * w[j].n_1);
+        const Eigen::Matrix3d live = w[i].n * (w[j].n_1 * by_1 + w[j].n_2 * by_2) -
+                                     w[j].n * (w[i].n_1 * by_1 + w[i].n_2 * by_2);  // + transpose; both are skew
+        return Eigen::Matrix3d(q.area * (geometric * Eigen::Matrix3d::Identity() + 0.5 * spec_.pressure * live));
+    });
+}
+
+ShellMatrices Shell::assemble(const PrestressAt& prestress) const
+{
+    const std::size_t vertices = surface_.control().vertices.size();
+    if (spec_.pressure != 0 && !prestress)
+        throw Error(ExitCode::BadScene, "elastic wall: a mean pressure needs the vessel's axis and radius (centreline)");
+    std::vector<std::vector<std::int32_t>> stencils;
+    for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
+        stencils.emplace_back();
+        for (const Weight& w : weights(points_[q])) stencils.back().push_back(w.vertex);
+    }
+    const BlockPattern pattern(static_cast<std::int32_t>(vertices), stencils);
+    std::vector<double> elastic(9 * pattern.block_count(), 0), pressure(spec_.pressure != 0 ? elastic.size() : 0, 0),
+        area(pattern.block_count(), 0);
+    for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
+        const std::span<const ShellPoint> points(points_.data() + first, per_triangle);
+        const auto w = weights(points[0]);
+        const TriangleBlocks blocks(pattern, w);
+        add_elastic(points, [&](const auto& block) { blocks.add<3>(elastic, w.size(), block); });
+        for (const ShellPoint& q : points) {
+            const auto n = weights(q);
+            blocks.add<1>(area, n.size(),
+                          [&](std::size_t i, std::size_t j) { return Eigen::Matrix<double, 1, 1>(q.area * n[i].n * n[j].n); });
+            if (spec_.pressure != 0)
+                add_pressure(q, prestress(q.position), [&](const auto& block) { blocks.add<3>(pressure, n.size(), block); });
+        }
+    }
+    ShellMatrices m;
+    m.elastic = pattern.matrix(elastic, 3);
+    m.pressure = spec_.pressure != 0 ? pattern.matrix(pressure, 3) : SparseMatrix(m.elastic.rows(), m.elastic.cols());
+    m.area = pattern.matrix(area, 1);
+    m.held.assign(vertices, 0);
+    if (spec_.rims_held)
+        for (std::size_t v = 0; v < vertices; ++v) m.held[v] = surface_.topology().kind[v] != LoopVertex::Inner;
+    return m;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,38 @@
+#pragma once
+// Strains of the shell at a point, in its frame; private to the shell's source files.
+
+#include "wall/shell.h"
+
+namespace seldinger::shell_detail {
+
+/// Barycentres of the four triangles that a control triangle is cut into, as (u, v); the middle one last.
+inline constexpr std::size_t per_triangle = 4;
+inline constexpr double quadrature[per_triangle][2] = {
+    {1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}, {1.0 / 3, 1.0 / 3}};
+
+using Strain = Eigen::Matrix<double, 6, 1>;  // membrane (11, 22, 2 12), change of curvature (11, 22, 2 12) [1/m]
+
+/// rho = db - (b eps + eps b) / 2 with 2 eps_12, 2 rho_12 in third place.
+inline Strain join(const ShellPoint& q, const Eigen::Vector3d& eps, const Eigen::Vector3d& db)
+{
+    Strain s;
+    s.head<3>() = eps;
+    s[3] = db[0] - q.b11 * eps[0] - q.b12 * eps[2] / 2;
+    s[4] = db[1] - q.b22 * eps[1] - q.b12 * eps[2] / 2;
+    s[5] = db[2] - (q.b11 + q.b22) * eps[2] / 2 - q.b12 * (eps[0] + eps[1]);
+    return s;
+}
+
+/// What turns tangential strain (11, 22, 2 12) of one point into the frame of another one beside it: by the angle between the
+/// frames once one tangent plane is laid on the other (projecting alone would shrink it).
+inline Eigen::Matrix3d turn_strain(const ShellPoint& from, const ShellPoint& to)
+{
+    const Eigen::Vector2d turn =
+        Eigen::Vector2d(to.e1.dot(from.e1) + to.e2.dot(from.e2), to.e1.dot(from.e2) - to.e2.dot(from.e1)).normalized();
+    const double c = turn[0], s = turn[1];
+    Eigen::Matrix3d m;
+    m << c * c, s * s, c * s, s * s, c * c, -c * s, -2 * c * s, 2 * c * s, c * c - s * s;
+    return m;
+}
+
+}  // namespace seldinger::shell_detail

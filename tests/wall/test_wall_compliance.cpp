@@ -1,0 +1,120 @@
+// Factors of K + C/h: against Eigen's, two at once, columns, symmetry, what is held, and a wall that could fly away.
+#include "core/error.h"
+#include "wall_problem.h"
+
+#include <doctest/doctest.h>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+std::vector<double> noise(std::size_t n)
+{
+    std::mt19937 random(9);
+    std::vector<double> x(n);
+    for (double& v : x) v = random() % 2001 / 1000.0 - 1;
+    return x;
+}
+
+}  // namespace
+
+TEST_SUITE("wall/wall_compliance")
+{
+    TEST_CASE("twin: solves of Eigen's Cholesky, at rest and in a step")
+    {
+        WallMesh mesh = tube(0.012, 0.06, 14, 14);
+        flip_edges(mesh, 0.1, 5);
+        const LoopSurface s(mesh);
+        for (const bool held : {true, false})
+            for (const double h : {0.0, 1e-3}) {
+                CAPTURE(held);
+                CAPTURE(h);
+                ShellSpec spec;
+                spec.rims_held = held;
+                const WallCompliance wall(Shell(s, spec));
+                const auto factor = wall.factor(h);
+                std::vector<double> b = noise(3 * mesh.vertices.size()), x = b;
+                WallSolveWork work;
+                factor->solve(x, work);
+                SparseMatrix m = wall.stiffness();
+                if (h > 0) m += wall.damping() / h;
+                for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+                    for (int a = 0; a < 3; ++a)
+                        if (wall.matrices().held[v]) {
+                            m.coeffRef(Eigen::Index(3 * v) + a, Eigen::Index(3 * v) + a) = 1;
+                            b[3 * v + a] = 0;
+                        }
+                const Eigen::SimplicialLLT<SparseMatrix> llt(m);
+                const Eigen::VectorXd y = llt.solve(Eigen::Map<Eigen::VectorXd>(b.data(), Eigen::Index(b.size())));
+                double worst = 0, size = 0;
+                for (std::size_t i = 0; i < x.size(); ++i)
+                    worst = std::max(worst, std::abs(x[i] - y[i])), size = std::max(size, std::abs(y[i]));
+                CHECK(worst < 1e-10 * size);  // condition about 1e4
+            }
+    }
+
+    TEST_CASE("property: two at once, columns and repeated factors give the same bits")
+    {
+        const LoopSurface s(tube(0.012, 0.06, 12, 12));
+        const Shell shell(s, ShellSpec{});
+        const WallCompliance wall(shell), again(shell);
+        const auto factor = wall.factor(1e-3);
+        CHECK(wall.factor(1e-3) == factor);
+        const std::size_t n = static_cast<std::size_t>(3 * wall.vertex_count());
+        std::vector<double> a = noise(n), b(a.rbegin(), a.rend()), c = a, d = b;
+        WallSolveWork work;
+        factor->solve(a, work);
+        factor->solve(b, work);
+        factor->solve(c, d, work);
+        CHECK(a == c);
+        CHECK(b == d);
+        std::vector<double> e = noise(n);
+        again.factor(1e-3)->solve(e, work);
+        CHECK(a == e);
+
+        const int v = 70, w = 95;
+        std::vector<double> unit(n, 0);
+        unit[3 * v + 1] = 1;
+        factor->solve(unit, work);
+        const auto columns = factor->columns(v);
+        REQUIRE(columns.size() == 3 * n);
+        CHECK(std::equal(unit.begin(), unit.end(), columns.begin() + std::ptrdiff_t(n)));
+        CHECK(columns.data() == factor->columns(v).data());
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                CHECK(columns[i * n + 3 * w + j] == doctest::Approx(factor->columns(w)[j * n + 3 * v + i]).epsilon(1e-9));
+        // held: nothing moves it and it moves nothing
+        for (const double x : factor->columns(0)) REQUIRE(x == 0);
+        CHECK(columns[0] == 0);
+    }
+
+    TEST_CASE("property: small steps give way less, and all of it in time")
+    {
+        const LoopSurface s(tube(0.012, 0.06, 12, 12));
+        const WallCompliance wall(Shell(s, ShellSpec{}));
+        const int v = 78;
+        double before = wall.factor(0)->columns(v)[3 * v];
+        CHECK(wall.factor(1e3)->columns(v)[3 * v] == doctest::Approx(before).epsilon(1e-4));
+        for (const double h : {1e-1, 1e-2, 1e-3}) {
+            const double now = wall.factor(h)->columns(v)[3 * v];
+            CHECK(now > 0);
+            CHECK(now < before);
+            before = now;
+        }
+    }
+
+    TEST_CASE("bad input: neither support nor rims that hold")
+    {
+        const LoopSurface s(tube(0.012, 0.06, 12, 12));
+        ShellSpec spec;
+        spec.support = 0, spec.rims_held = false;
+        const WallCompliance free{Shell(s, spec)};
+        CHECK_THROWS_AS((void)free.factor(0), Error);
+        CHECK_NOTHROW((void)free.factor(1e-3));  // the tissue's damping holds it for a step
+        spec.rims_held = true;
+        CHECK_NOTHROW((void)WallCompliance(Shell(s, spec)).factor(0));
+        const LoopSurface closed(ball(0.012, 2));
+        CHECK_THROWS_AS((void)WallCompliance(Shell(closed, spec)).factor(0), Error);
+    }
+}
