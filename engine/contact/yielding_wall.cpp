@@ -254,39 +254,38 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     }
 }
 
-void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
+void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool /*symmetric*/) const
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();
     const std::size_t m = 3 * system.rows.size();
     if (m == 0) return;
     // from nodes of the system to unknowns of those that are solved
-    const auto place = [&](Condensed::Column& column, int wire) {
-        const int shift = unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
-        for (auto& entry : column) entry.unknown += shift;
+    const auto shift = [&](int wire) {
+        return unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
     };
-    std::vector<double> z(now.rho);
+    std::vector<double>& z = system.scratch_m;
+    z.assign(now.rho.begin(), now.rho.end());
     now.linear.solve_own(z);
     for (std::size_t k = 0; k < m; ++k) {
         const int wire = system.wire_of_row[k / 3];
         if (unknowns.rod_of(wire) < 0) continue;
-        Condensed::Column column = now.linear.e[k];
-        place(column, wire);
-        for (const auto& [unknown, value] : column) residual[unknown] += value * z[k];
+        const int by = shift(wire);
+        for (const auto& [unknown, value] : now.linear.e[k]) residual[unknown + by] += value * z[k];
     }
     if (!tangent) return;
     Condensed& to = tangent->condensed;
     linearise(system, to);  // from the tangents of add(), symmetric or not
-    (void)symmetric;
     for (std::size_t k = 0; k < m; ++k) {
         const int wire = system.wire_of_row[k / 3];
-        if (unknowns.rod_of(wire) >= 0) {
-            place(to.e[k], wire);
-            place(to.f[k], wire);
-        } else {
+        if (unknowns.rod_of(wire) < 0) {
             to.e[k].clear();
             to.f[k].clear();
+            continue;
         }
+        const int by = shift(wire);
+        for (auto* column : {&to.e[k], &to.f[k]})
+            for (auto& entry : *column) entry.unknown += by;
     }
 }
 

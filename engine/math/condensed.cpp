@@ -14,7 +14,7 @@ namespace seldinger {
 namespace {
 
 // Of a Newton direction: its own error is a thousand times larger until the last steps.
-constexpr double direction_accuracy = 1e-7;
+constexpr double direction_accuracy = 1e-5;
 constexpr double own_accuracy = 1e-11;
 
 using Vector = Eigen::Map<Eigen::VectorXd>;
