@@ -139,12 +139,14 @@ LoopTopology::LimitMask LoopTopology::limit_mask(std::int32_t v) const
     LimitMask mask;
     const int n = fan(v, -1, mask.neighbours);
     switch (kind[static_cast<std::size_t>(v)]) {
-        case LoopVertex::Corner: break;
+        case LoopVertex::Corner:
+            break;
         case LoopVertex::Rim:
             mask.neighbours[1] = mask.neighbours[static_cast<std::size_t>(n - 1)];
             mask.own = 2.0 / 3, mask.each = 1.0 / 6, mask.count = 2;
             break;
-        case LoopVertex::Inner: mask.each = loop_limit_weight(n), mask.own = 1 - n * mask.each, mask.count = n;
+        case LoopVertex::Inner:
+            mask.each = loop_limit_weight(n), mask.own = 1 - n * mask.each, mask.count = n;
     }
     return mask;
 }

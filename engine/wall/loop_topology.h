@@ -52,7 +52,8 @@ public:
     /// Neighbours of v, counter-clockwise from the end of half-edge `start` (inside) or from the rim (start unused).
     /// @return how many
     int fan(std::int32_t v, std::int32_t start, std::span<std::int32_t> neighbours) const;
-    /// Where v ends up: own * x[v] + each * sum of x over the neighbours that count (on a rim the two along it, at a corner none).
+    /// Where v ends up: own * x[v] + each * sum of x over the neighbours that count (on a rim the two along it, at a corner
+    /// none).
     struct LimitMask {
         double own = 1, each = 0;
         int count = 0;

@@ -12,17 +12,19 @@
 //   rho_ab = change of b_ab - (b_a^c eps_cb + b_b^c eps_ca) / 2 change of curvature [Koiter60, Sanders59]: 0 for a tube that
 //            widens evenly; Cirak leaves the second part out, which differs by h^2/(12 R^2) of the membrane's energy
 //
-// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R, N_z = p R / 2 [N/m] carry the mean
-// pressure p and stiffen it (N^ab), and p stays normal to the wall as it moves (second variation of the enclosed volume; open rims
-// add terms of their own, which are left out, and held ones none). On a tube the two leave (n^2 - 1) p/R for the inextensional modes:
-// 0, 0, 3 p/R for n = 0, 1, 2. Inertia is left out: it is small beside the tissue's damping. [Cirak00; Moireau12 for the tissue]
+// Both strains vanish for rigid motion. The given shape is the loaded equilibrium: N_theta = p R, N_z = p R / 2 [N/m] carry the
+// mean pressure p and stiffen it (N^ab), and p stays normal to the wall as it moves (second variation of the enclosed volume;
+// open rims add terms of their own, which are left out, and held ones none). On a tube the two leave (n^2 - 1) p/R for the
+// inextensional modes: 0, 0, 3 p/R for n = 0, 1, 2. Inertia is left out: it is small beside the tissue's damping. [Cirak00;
+// Moireau12 for the tissue]
 //
-// Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles, nor
-// beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter too stiff
-// however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore mended: what Loop's
-// weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes nothing on a flat lattice and
-// nothing for rigid motion, and makes bending about irregular vertices exact for constant moments. Bending is summed over the
-// barycentres of a triangle's four parts, the membrane's part uses their mean strain: four by themselves lock thin shells.
+// Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles,
+// nor beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter
+// too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore
+// mended: what Loop's weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes
+// nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant moments.
+// Bending is summed over the barycentres of a triangle's four parts, the membrane's part uses their mean strain: four by
+// themselves lock thin shells.
 
 #include "wall/loop_surface.h"
 

@@ -24,7 +24,7 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     const Eigen::Matrix3d h = law();
     const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
     Energy e;
-    Eigen::Vector3d mean;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const ShellPoint& q = points_[k];
         if (k % per_triangle == 0) mean = membrane_strain(q.triangle, displacement);
@@ -44,7 +44,7 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     out.membrane.reserve(points_.size()), out.bending.reserve(points_.size());
     out.mises_inner.assign(vertices, 0), out.mises_outer.assign(vertices, 0);
     std::vector<double> area(vertices, 0);
-    Eigen::Vector3d mean;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const ShellPoint &q = points_[k], &last = points_[k / per_triangle * per_triangle + per_triangle - 1];
         if (k % per_triangle == 0) mean = membrane_strain(q.triangle, displacement);

@@ -22,7 +22,7 @@ class WallFactor {
 public:
     /// In place: force [N] in, displacement [m] out, [3V]. What is asked of held vertices is ignored, and they get 0.
     void solve(std::span<double> rhs, WallSolveWork& work) const;
-    /// Two at once, in about the time of one.
+    /// Two at once, in one and a half times the time of one.
     void solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const;
     /// Displacement [3V] under a unit force on a control vertex along x, y, z: [3][3V], one after the other. Solved for on first
     /// use, then kept. Zeros for a held vertex.
