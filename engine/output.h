@@ -15,12 +15,13 @@ enum StepFlag : unsigned {
     StepOk = 0,
     StepHalved = 1u << 0,        // tolerance not met in the iteration budget; sub-steps taken: fine unless frequent (scene.dt_s)
     StepNotConverged = 1u << 1,  // no state could be found even for the smallest sub-step; the state before it was kept
-    StepWallFar = 1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
+    StepWallFar =
+        1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepNonFinite = 1u << 4,        // a value is not finite; the state before the step was kept
     StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
-                               // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+                           // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
 };
 
 /// How one instrument fared in a step.
@@ -63,17 +64,17 @@ struct WireReadings {
 struct WireOutput {
     WireReadings readings;
     WireReport report;
-    double time = 0;                    // where it stands; of one that failed or was retired, where it stopped [s]
+    double time = 0;  // where it stands; of one that failed or was retired, where it stopped [s]
     bool at_rest = false, retired = false;
-    Vec3 tip = Vec3::Zero();            // [m]
+    Vec3 tip = Vec3::Zero();  // [m]
     // Output::Shape
-    std::vector<double> material_s;     // arc length from the tip along the unstressed wire [m]
-    std::vector<double> radius;         // of the edge that begins there [m]
-    std::vector<double> curvature;      // |kb| per Voronoi length, 0 at the ends [1/m]
-    std::vector<double> spin;           // of the material frame, right-handed about the direction of insertion [rad]
-    std::vector<Vec3> position;         // [m]
-    std::vector<Vec3> velocity;         // [m/s]
-    std::vector<Vec3> contact_force;    // [N]
+    std::vector<double> material_s;   // arc length from the tip along the unstressed wire [m]
+    std::vector<double> radius;       // of the edge that begins there [m]
+    std::vector<double> curvature;    // |kb| per Voronoi length, 0 at the ends [1/m]
+    std::vector<double> spin;         // of the material frame, right-handed about the direction of insertion [rad]
+    std::vector<Vec3> position;       // [m]
+    std::vector<Vec3> velocity;       // [m/s]
+    std::vector<Vec3> contact_force;  // [N]
 };
 
 /// The wall of one system, copied.

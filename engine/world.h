@@ -66,13 +66,13 @@ struct World::Impl {
     std::vector<double> wire_time;             // per wire [s]; where a system failed or was retired, it stopped
     std::unique_ptr<device::Context> context;  // none without a vessel
     RodArrays rods;
-    std::vector<WireHolds> holds;            // per wire
-    std::vector<FeedState> feeds;            // per wire
-    std::vector<HubRequest> hub_requests;    // per wire
-    std::vector<double> remesh_energy;       // per wire, accumulated [J]
-    std::vector<EnergyAudit> audits;         // per wire
-    std::vector<NodeAdapter> adapters;       // per wire; no state, only what it works with
-    std::optional<WallModel> wall;           // none without a vessel
+    std::vector<WireHolds> holds;               // per wire
+    std::vector<FeedState> feeds;               // per wire
+    std::vector<HubRequest> hub_requests;       // per wire
+    std::vector<double> remesh_energy;          // per wire, accumulated [J]
+    std::vector<EnergyAudit> audits;            // per wire
+    std::vector<NodeAdapter> adapters;          // per wire; no state, only what it works with
+    std::optional<WallModel> wall;              // none without a vessel
     std::unique_ptr<ElasticWall> elastic_wall;  // only of a vessel that yields, and so what is next
     std::unique_ptr<RodArrays> unmoved_rods;    // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;     // none without a vessel
@@ -92,14 +92,14 @@ struct World::Impl {
     HubScratch hub_scratch;
     std::vector<int> count_backup;
     std::vector<double> time_backup;
-    std::vector<Vec3> nodal_backup;                               // of the wire whose nodes are being changed
-    std::vector<MomentumStart> momentum_start;                    // per wire, of the present sub-step
-    std::vector<WireResult> results;                              // per wire
-    std::vector<ContactRow> rows;                                 // what contacts() last returned
+    std::vector<Vec3> nodal_backup;                             // of the wire whose nodes are being changed
+    std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
+    std::vector<WireResult> results;                            // per wire
+    std::vector<ContactRow> rows;                               // what contacts() last returned
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<WallShape> wall_shape;  // made when first asked for
-    std::unique_ptr<LumenQuery> lumen;  // made when first needed; see audit_outside
+    std::unique_ptr<LumenQuery> lumen;      // made when first needed; see audit_outside
 
     [[nodiscard]] int wire_count() const { return rods.wire_count(); }
     [[nodiscard]] int system_count() const { return static_cast<int>(system_begin.size()) - 1; }

@@ -23,12 +23,14 @@ namespace {
 
 void need_positive(double value, const std::string& where)
 {
-    if (!(value > 0) || !std::isfinite(value)) refuse(where, fmt::format("is {}, expected a finite number greater than 0", value));
+    if (!(value > 0) || !std::isfinite(value))
+        refuse(where, fmt::format("is {}, expected a finite number greater than 0", value));
 }
 
 void need_not_negative(double value, const std::string& where)
 {
-    if (!(value >= 0) || !std::isfinite(value)) refuse(where, fmt::format("is {}, expected a finite number, 0 or greater", value));
+    if (!(value >= 0) || !std::isfinite(value))
+        refuse(where, fmt::format("is {}, expected a finite number, 0 or greater", value));
 }
 
 void need_finite(const Vec3& value, const std::string& where)
@@ -102,8 +104,8 @@ void check_systems(const WorldSetup& setup)
             refuse(fmt::format("systems[{}]", s), fmt::format("is {}, expected one instrument at least", setup.systems[s]));
     const auto in_all = std::accumulate(setup.systems.begin(), setup.systems.end(), std::int64_t{0});
     if (in_all != static_cast<std::int64_t>(setup.wires.size()))
-        refuse("systems", fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all,
-                                      setup.wires.size()));
+        refuse("systems",
+               fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all, setup.wires.size()));
 }
 
 /// A wall that yields (D11).
@@ -140,8 +142,7 @@ void check_wall(const WorldSetup& setup)
     for (std::size_t t = 0; t < setup.mesh.triangles.size(); ++t)
         for (const std::int32_t v : setup.mesh.triangles[t])
             if (v < 0 || v >= vertices)
-                refuse(fmt::format("mesh.triangles[{}]", t),
-                       fmt::format("names vertex {}, expected 0 to {}", v, vertices - 1));
+                refuse(fmt::format("mesh.triangles[{}]", t), fmt::format("names vertex {}, expected 0 to {}", v, vertices - 1));
     for (std::size_t v = 0; v < setup.mesh.vertices.size(); ++v)
         if (!setup.mesh.vertices[v].allFinite()) need_finite(setup.mesh.vertices[v], fmt::format("mesh.vertices[{}]", v));
     need_positive(setup.vessel.youngs, "vessel.youngs");
@@ -154,8 +155,7 @@ void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub
 {
     if (hub.kind == Control::Hub::Kind::Stay) return;
     const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
-    if (instrument >= state.wire_count())
-        refuse_it(fmt::format("is not there, expected an index below {}", state.wire_count()));
+    if (instrument >= state.wire_count()) refuse_it(fmt::format("is not there, expected an index below {}", state.wire_count()));
     if (!state.feeds[instrument].on) refuse_it("is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
@@ -191,8 +191,7 @@ void check_setup(const WorldSetup& setup)
 
 void check_request(const World::Impl& state, const Control& control, double dt)
 {
-    if (!(dt > 0) || !std::isfinite(dt))
-        refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));
+    if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));
     for (std::size_t k = 0; k < control.hubs().size(); ++k) check_hub(state, static_cast<int>(k), control.hubs()[k], dt);
 }
 

@@ -53,9 +53,9 @@ void World::Impl::read_results(int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         if (clamps[c].node == hub && clamps[c].spin)
             result.hand_torque = -clamp_torque(rod, clamps, solver->frames(wire), static_cast<int>(c));
-    result.hand_force = feeds[wire].on ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) +
-                                             solver->base_tension_excess(wire)
-                                       : -result.base_force.dot(hub_tangent(rod, clamps));
+    result.hand_force = feeds[wire].on
+                            ? feed_force(rod, clamps, solver->frames(wire), setup.gravity) + solver->base_tension_excess(wire)
+                            : -result.base_force.dot(hub_tangent(rod, clamps));
     if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
     result.kinetic = audits[wire].kinetic;
     result.elastic = audits[wire].elastic;
@@ -185,10 +185,7 @@ WallReadings World::wall_readings(int system) const
     return read_wall(*impl_->elastic_wall, impl_->yielding->displacement(system), impl_->yielding->work(system));
 }
 
-WallMechanics World::wall_mechanics() const
-{
-    return impl_->elastic_wall ? impl_->elastic_wall->mechanics() : WallMechanics{};
-}
+WallMechanics World::wall_mechanics() const { return impl_->elastic_wall ? impl_->elastic_wall->mechanics() : WallMechanics{}; }
 
 namespace {
 
@@ -265,10 +262,11 @@ std::string describe_wall(const World::Impl& s)
 {
     if (!s.elastic_wall) return "rigid shape, elastic bed under each contact (D6b)";
     const VesselSpec& v = s.setup.vessel;
-    return fmt::format("elastic (D11): shell of {:.3g} MPa, {:.3g} mm on tissue of {:.3g} MPa/m, {} control vertices, edge {}; elastic bed "
-                       "under each contact (D6b) in series",
-                       1e-6 * v.youngs, 1e3 * v.thickness, 1e-6 * v.support, s.elastic_wall->compliance().vertex_count(),
-                       s.elastic_wall->edge_reason());
+    return fmt::format(
+        "elastic (D11): shell of {:.3g} MPa, {:.3g} mm on tissue of {:.3g} MPa/m, {} control vertices, edge {}; elastic bed "
+        "under each contact (D6b) in series",
+        1e-6 * v.youngs, 1e3 * v.thickness, 1e-6 * v.support, s.elastic_wall->compliance().vertex_count(),
+        s.elastic_wall->edge_reason());
 }
 
 }  // namespace

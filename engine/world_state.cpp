@@ -127,8 +127,7 @@ std::string World::state_hash(int system) const
     const std::int64_t steps = s.steps;
     put_bytes(bytes, &steps, 1);
     for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
-    for (const int w : s.wires_of(system))
-        s.terms.save_wire(bytes, w);
+    for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
     return hash_of(bytes);
 }
 

@@ -42,7 +42,7 @@ private:
     device::Buffer result_buffer_;
     std::vector<real> result_;               // [list]
     std::vector<real> radius_reduction_t0_;  // [points] of the accepted state [m]
-    std::vector<double> feasible_step_;           // [wires]
+    std::vector<double> feasible_step_;      // [wires]
 };
 
 }  // namespace seldinger

@@ -69,7 +69,8 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     // u_,u and u_,v against the dual base of the two tangents
     const double uu = foot.tangent_u.squaredNorm(), uv = foot.tangent_u.dot(foot.tangent_v), vv = foot.tangent_v.squaredNorm();
     const double det = uu * vv - uv * uv;
-    const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det, dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
+    const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
+               dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
     station.slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
 }
 

@@ -4,11 +4,11 @@
 //
 //     y = x - U - G (x - x0),     U = sum_a N_a(foot) w_a,     G = du/dX at the foot                              (D11a)
 //
-// x: node, x0: where it was when its foot was found (the start of the step), foot: the nearest point of the wall's smooth surface;
-// between nodes y is linear, as the wire is. To first order in the slope of the displacement (2.5 % of what a move of a fifth of the
-// lumen's radius over a decay length gives is second order) this is the gap to the moved wall, its normal turned with it: G makes the
-// force on the wire (1 - G)^T f, which does the work that the moving wall takes in. The wall feels -f at the foot. What is far from
-// the wall is not carried at all: U fades out between `full` and `none`.
+// x: node, x0: where it was when its foot was found (the start of the step), foot: the nearest point of the wall's smooth
+// surface; between nodes y is linear, as the wire is. To first order in the slope of the displacement (2.5 % of what a move of a
+// fifth of the lumen's radius over a decay length gives is second order) this is the gap to the moved wall, its normal turned
+// with it: G makes the force on the wire (1 - G)^T f, which does the work that the moving wall takes in. The wall feels -f at the
+// foot. What is far from the wall is not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
@@ -22,8 +22,8 @@ namespace seldinger {
 
 /// A node of a wire and the wall under it.
 struct WallStation {
-    bool near = false;     // else the wall has no say in it
-    LoopStencil weights;   // N, faded [control vertices]
+    bool near = false;          // else the wall has no say in it
+    LoopStencil weights;        // N, faded [control vertices]
     Mat3 slope = Mat3::Zero();  // G
     Vec3 at = Vec3::Zero();     // x0 [m]
     Vec3 start = Vec3::Zero();  // U at the start of the step [m]
@@ -53,6 +53,7 @@ public:
     [[nodiscard]] const WallStation& operator[](int node) const { return stations_[node]; }
     [[nodiscard]] WallStation& operator[](int node) { return stations_[node]; }
     [[nodiscard]] int count() const { return static_cast<int>(stations_.size()); }
+
 private:
     struct Clear {
         Vec3 at = Vec3::Constant(1e30);

@@ -18,7 +18,7 @@ constexpr int most_moves = 6;           // of the wall at one trial
 constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at a trial that is not the last one
 constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
-constexpr int most_rounds = 8;          // that ask for more than Newton's convergence
+constexpr int most_rounds = 8;                                 // that ask for more than Newton's convergence
 
 }  // namespace
 
@@ -211,7 +211,8 @@ void YieldingWall::linearise(const System& system, Condensed& to) const
     }
 }
 
-// ---- residual and tangent -------------------------------------------------------------------------------------------------------
+// ---- residual and tangent
+// -------------------------------------------------------------------------------------------------------
 
 void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
 {
@@ -254,7 +255,8 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     }
 }
 
-void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool /*symmetric*/) const
+void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent,
+                          bool /*symmetric*/) const
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();
@@ -318,7 +320,8 @@ bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::u
 {
     bool any = contact_.refine(solved, again);
     for (const auto& system : systems_) {
-        const bool all = std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });
+        const bool all =
+            std::all_of(system->wires.begin(), system->wires.end(), [&](int w) { return solved[w] || !system->begun; });
         if (!all || !system->begun || system->refinements >= most_rounds) continue;
         if (system->misses(balanced_force, balanced_move) <= 1) continue;
         ++system->refinements;

@@ -1,14 +1,14 @@
 #pragma once
-// Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back to
-// it (wall_stations.h). Both bodies are solved together:
+// Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back
+// to it (wall_stations.h). Both bodies are solved together:
 //
 //     wire   R(x) - (1 - G)^T f(y) = 0             f: what contact exerts on the nodes, whatever finds it and whatever its laws
 //     wall   rho = U - U_free + W f(y) = 0         U_free: where the wall would be at the end of the step if nothing touched it
 //
 // Newton's residual takes both: at each trial x the wall has been moved to where the last linear equations of the two have it for
-// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -df/dy the tangent
-// is (1 - G)^T [T - T (W^-1 + T)^-1 T] (1 - G): unknowns U beside the band (math/condensed.h). Where a trial has gone far from what
-// was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
+// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -df/dy the
+// tangent is (1 - G)^T [T - T (W^-1 + T)^-1 T] (1 - G): unknowns U beside the band (math/condensed.h). Where a trial has gone far
+// from what was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
 //
 // When a step is accepted the wall takes -f, all of it: (K + C/h) w1 = C/h w0 - sum N^T f (wall/wall_dynamics.h).
 
@@ -95,9 +95,9 @@ private:
     ContactMethod& contact_;
     RodArrays& rods_;
     RodArrays& unmoved_;
-    std::vector<int> system_of_;                   // [wires]
+    std::vector<int> system_of_;  // [wires]
     std::vector<std::unique_ptr<System>> systems_;
-    mutable std::vector<BandMatrix> tangents_;       // [wires] of contact, at y
+    mutable std::vector<BandMatrix> tangents_;            // [wires] of contact, at y
     mutable std::vector<std::vector<double>> residuals_;  // [wires] likewise
     TrialState carried_, before_;
     std::vector<std::uint8_t> todo_;

@@ -43,7 +43,8 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
     return most > 0 ? std::max(force / (of_force * most), by_move) : by_move;
 }
 
-// ---- start of a step ------------------------------------------------------------------------------------------------------------
+// ---- start of a step
+// ------------------------------------------------------------------------------------------------------------
 
 void YieldingWall::carry_back(RodArrays& rods, int wire)
 {
@@ -132,7 +133,8 @@ void YieldingWall::list_rows(System& system) const
             system.rows.push_back(i);
             system.wire_of_row.push_back(w);
             Vec3 u = Vec3::Zero();
-            for (int a = 0; a < station.weights.size; ++a) u += station.weights.n[a] * system.dynamics.free(station.weights.vertex[a]);
+            for (int a = 0; a < station.weights.size; ++a)
+                u += station.weights.n[a] * system.dynamics.free(station.weights.vertex[a]);
             system.u_free.insert(system.u_free.end(), u.data(), u.data() + 3);
         }
     }
@@ -157,11 +159,13 @@ void YieldingWall::engage(System& system) const
         const Vec3& start = system.stations[system.rows[k]].start;
         std::copy_n(start.data(), 3, &now[3 * k]);
     }
-    for (std::size_t k = 0; k < before.size(); ++k) std::copy_n(&u[3 * k], 3, &now[3 * static_cast<std::size_t>(system.row_of(before[k]))]);
+    for (std::size_t k = 0; k < before.size(); ++k)
+        std::copy_n(&u[3 * k], 3, &now[3 * static_cast<std::size_t>(system.row_of(before[k]))]);
     system.forget_base();
 }
 
-// ---- the accepted state ---------------------------------------------------------------------------------------------------------
+// ---- the accepted state
+// ---------------------------------------------------------------------------------------------------------
 
 double YieldingWall::work_from_outside(int wire) const
 {
@@ -184,7 +188,8 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
     const auto start = Clock::now();
     for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
         System& system = *systems_[s];
-        if (!system.begun || std::none_of(system.wires.begin(), system.wires.end(), [&](int w) { return active[w] != 0; })) return;
+        if (!system.begun || std::none_of(system.wires.begin(), system.wires.end(), [&](int w) { return active[w] != 0; }))
+            return;
         system.begun = false;
         const WallTrial& now = system.trial();
         std::vector<double>& given = system.scratch_m;
@@ -238,7 +243,9 @@ std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
         // between the two nodes, where the point is nearest
         const Vec3 a = unmoved_.view(row.a.body).pos(row.a.element), b = unmoved_.view(row.a.body).pos(row.a.element + 1);
         const double t = std::clamp((row.point - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-        const auto moved = [&](int node) { return system.stations[node].near ? system.stations[node].start : Vec3(Vec3::Zero()); };
+        const auto moved = [&](int node) {
+            return system.stations[node].near ? system.stations[node].start : Vec3(Vec3::Zero());
+        };
         row.point += (1 - t) * moved(edge) + t * moved(edge + 1);
     }
     return list;
@@ -298,7 +305,8 @@ void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
         for (int i = first; i < first + rods_.node_count(w); ++i) {
             WallFoot& foot = system.stations.foot(i);
             take_bytes(bytes, end, &foot, 1);
-            if (foot.triangle >= wall_.surface().topology().triangle_count() || !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
+            if (foot.triangle >= wall_.surface().topology().triangle_count() ||
+                !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
                 throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
         }
     }

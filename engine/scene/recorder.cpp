@@ -16,15 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv",
-                                     "wire.pvd",       "contacts.pvd", "wall.pvd", "vessel.vtp", "scene.toml", "picture.png"};
+constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd",
+                                     "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
 constexpr std::string_view trace_header =
     "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_"
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
-    "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_pa\n";
+    "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_"
+    "pa\n";
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -207,8 +208,10 @@ void Recorder::write_row(const Output& now)
                            r.elastic, r.gravitational})
         row += "," + csv(v);
     const Vec3& tip = now.wires[0].tip;
-    trace_.append(row + fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()),
-                                    csv(tip.y()), csv(tip.z())) + wall_fields(now));
+    trace_.append(row +
+                  fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
+                              csv(tip.z())) +
+                  wall_fields(now));
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }
@@ -238,9 +241,8 @@ void Recorder::write_contact_frame(const Output& now)
 // Written with each checkpoint and at the end, not with each frame: the list of a long series would cost more than the series.
 void Recorder::write_collections()
 {
-    const std::pair<const char*, const std::vector<FrameMark>*> series[] = {{"wire", &wire_frames_},
-                                                                            {"contacts", &contact_frames_},
-                                                                            {"wall", &contact_frames_}};
+    const std::pair<const char*, const std::vector<FrameMark>*> series[] = {
+        {"wire", &wire_frames_}, {"contacts", &contact_frames_}, {"wall", &contact_frames_}};
     for (const auto& [stem, frames] : series) {
         if (frames->empty() || (stem == std::string_view("wall") && !yields_)) continue;
         std::vector<PvdEntry> entries;

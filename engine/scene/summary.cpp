@@ -107,8 +107,9 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most", 1e3 * tally.outside_max));
     if (tally.far_steps > 0)
-        list.push_back(share(tally.far_steps) + " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
-                                                "theory is good for (docs/wall.md)");
+        list.push_back(share(tally.far_steps) +
+                       " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
+                       "theory is good for (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");

@@ -20,14 +20,14 @@ enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Sto
 struct RunTally {
     std::int64_t steps = 0;  // taken
     std::int64_t contacts_max = 0, newton_max = 0;
-    std::int64_t halved_steps = 0;    // StepHalved
-    std::int64_t outside_steps = 0;   // StepWallPenetration
-    std::int64_t non_finite = 0;      // numbers that could not be written
+    std::int64_t halved_steps = 0;   // StepHalved
+    std::int64_t outside_steps = 0;  // StepWallPenetration
+    std::int64_t non_finite = 0;     // numbers that could not be written
     std::int64_t resumes = 0;
     std::int64_t rest_steps = 0;                                // steps in a row that World::at_rest() held
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
-    std::int64_t far_steps = 0;                       // StepWallFar
-    double wall_move_max = 0, wall_stress_max = 0;    // over the rows of trace.csv [m], [Pa]
+    std::int64_t far_steps = 0;                                 // StepWallFar
+    double wall_move_max = 0, wall_stress_max = 0;              // over the rows of trace.csv [m], [Pa]
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
     StageTimes stages;  // sums [s]
     double record = 0;  // writing, summed [s]

@@ -35,12 +35,12 @@ PrestressAt along(const Centreline& centreline)
         int from = centreline.parent[hint], to = hint;
         if (from < 0) {
             from = hint;
-            to = static_cast<int>(std::find(centreline.parent.begin(), centreline.parent.end(), hint) - centreline.parent.begin());
+            to =
+                static_cast<int>(std::find(centreline.parent.begin(), centreline.parent.end(), hint) - centreline.parent.begin());
         }
         Prestress here;
-        here.axis = to < static_cast<int>(centreline.points.size())
-                        ? Vec3(centreline.points[to] - centreline.points[from])
-                        : Vec3(Vec3::UnitZ());
+        here.axis = to < static_cast<int>(centreline.points.size()) ? Vec3(centreline.points[to] - centreline.points[from])
+                                                                    : Vec3(Vec3::UnitZ());
         here.radius = centreline.radius[hint];
         return here;
     };
@@ -78,8 +78,7 @@ void add_force(const LoopSurface& surface, std::int32_t triangle, double u, doub
 {
     LoopStencil at;
     surface.basis(triangle, u, v, at);
-    for (int k = 0; k < at.size; ++k)
-        Eigen::Map<Vec3>(&to[3 * static_cast<std::size_t>(at.vertex[k])]) += at.n[k] * force;
+    for (int k = 0; k < at.size; ++k) Eigen::Map<Vec3>(&to[3 * static_cast<std::size_t>(at.vertex[k])]) += at.n[k] * force;
 }
 
 std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads)
@@ -125,7 +124,8 @@ WallMechanics ElasticWall::mechanics() const
 void ElasticWall::add_memory_force(double h, std::span<const double> w, std::span<double> y) const
 {
     const ShellSpec& spec = shell_->spec();
-    const double s = spec.relaxation / (h + spec.relaxation), b = (spec.support_damping - spec.relaxation * spec.support) / (h + spec.relaxation);
+    const double s = spec.relaxation / (h + spec.relaxation),
+                 b = (spec.support_damping - spec.relaxation * spec.support) / (h + spec.relaxation);
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
     const auto vertices = static_cast<Eigen::Index>(w.size() / 3);
     const Eigen::Map<const Rows> from(w.data(), vertices, 3);
@@ -139,21 +139,49 @@ void ElasticWall::add_memory_force(double h, std::span<const double> w, std::spa
 double ElasticWall::memory_share(double h) const
 {
     const ShellSpec& spec = shell_->spec();
-    return (spec.support_damping - spec.relaxation * spec.support) / ((h + spec.relaxation) * (spec.support + spec.support_damping / h));
+    return (spec.support_damping - spec.relaxation * spec.support) /
+           ((h + spec.relaxation) * (spec.support + spec.support_damping / h));
 }
+
+namespace {
+
+double move_at(const LoopStencil& at, std::span<const double> w)
+{
+    Vec3 move = Vec3::Zero();
+    for (int k = 0; k < at.size; ++k) move += at.n[k] * Eigen::Map<const Vec3>(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
+    return move.norm();
+}
+
+/// Of control vertices' limits, and of places between them about the one that has gone farthest.
+double farthest_move(const LoopSurface& surface, std::span<const double> w)
+{
+    LoopStencil at;
+    double most = 0;
+    std::int32_t farthest = -1;
+    for (std::int32_t v = 0; v < static_cast<std::int32_t>(surface.control().vertices.size()); ++v) {
+        surface.limit_of_vertex(v, at);
+        const double move = move_at(at, w);
+        if (move > most) most = move, farthest = v;
+    }
+    constexpr int parts = 6;
+    for (std::int32_t t = 0; farthest >= 0 && t < surface.topology().triangle_count(); ++t) {
+        const auto& corners = surface.control().triangles[static_cast<std::size_t>(t)];
+        if (std::find(corners.begin(), corners.end(), farthest) == corners.end()) continue;
+        for (int i = 0; i <= parts; ++i)
+            for (int j = 0; i + j <= parts; ++j) {
+                surface.basis(t, double(i) / parts, double(j) / parts, at);
+                most = std::max(most, move_at(at, w));
+            }
+    }
+    return most;
+}
+
+}  // namespace
 
 WallReadings read_wall(const ElasticWall& wall, std::span<const double> displaced, double work, std::vector<double>* stress)
 {
     WallReadings now;
-    const LoopSurface& surface = wall.surface();
-    LoopStencil stencil;
-    for (int v = 0; v < wall.compliance().vertex_count(); ++v) {
-        surface.limit_of_vertex(v, stencil);
-        Vec3 move = Vec3::Zero();
-        for (int k = 0; k < stencil.size; ++k)
-            move += stencil.n[k] * Eigen::Map<const Vec3>(&displaced[3 * static_cast<std::size_t>(stencil.vertex[k])]);
-        now.move_max = std::max(now.move_max, move.norm());
-    }
+    now.move_max = farthest_move(wall.surface(), displaced);
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
     for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];

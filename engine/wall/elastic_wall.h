@@ -1,6 +1,6 @@
 #pragma once
-// A wall that yields, as a body: a thin shell on a control mesh of its own in the tissue round it (D11; wall/shell.h), and where it
-// is. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
+// A wall that yields, as a body: a thin shell on a control mesh of its own in the tissue round it (D11; wall/shell.h), and where
+// it is. Whatever the vessel's mesh has in triangles, its mechanics has a thousand vertices or so.
 //
 //     C w' + K w = f          w: displacement of the control vertices [3V] [m], f: force on them [N]
 //

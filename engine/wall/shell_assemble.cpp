@@ -112,7 +112,9 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
     if (spec_.pressure != 0 && !prestress)
-        throw Error(ExitCode::BadScene, "elastic wall: a mean pressure needs the vessel's axis and radius (centreline)");
+        throw Error(ExitCode::BadScene,
+                    "vessel.pressure_pa: expected 0 where the vessel has no axis (a plane, or no centreline was found); give "
+                    "vessel.centreline");
     std::vector<std::vector<std::int32_t>> stencils;
     for (std::size_t q = 0; q < points_.size(); q += per_triangle) {
         stencils.emplace_back();

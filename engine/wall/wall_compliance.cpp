@@ -147,7 +147,8 @@ WallCounts WallCompliance::counts() const
     WallCounts all;
     for (const auto& factor : kept_) {
         const std::lock_guard of_factor(factor->guard_);
-        const auto solved = std::count_if(factor->columns_.begin(), factor->columns_.end(), [](const auto& c) { return c != nullptr; });
+        const auto solved =
+            std::count_if(factor->columns_.begin(), factor->columns_.end(), [](const auto& c) { return c != nullptr; });
         all.factor_seconds += factor->factor_seconds();
         all.columns += 3 * static_cast<long>(solved);
         all.bytes += sizeof(double) * (factor->entries() + static_cast<std::size_t>(9 * solved * factor->vertex_count_));

@@ -186,8 +186,8 @@ void WallDynamics::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     take_bytes(bytes, end, numbers, 4);
     take_bytes(bytes, end, counts, 3);
     const auto vertices = static_cast<std::int32_t>(known_at_.size());
-    const bool sound = std::isfinite(numbers[0]) && numbers[0] >= 0 && counts[0] >= 0 && counts[0] <= counts[1] && counts[1] >= 1 &&
-                       counts[1] <= block_steps && counts[2] >= 0 && counts[2] <= vertices;
+    const bool sound = std::isfinite(numbers[0]) && numbers[0] >= 0 && counts[0] >= 0 && counts[0] <= counts[1] &&
+                       counts[1] >= 1 && counts[1] <= block_steps && counts[2] >= 0 && counts[2] <= vertices;
     if (!sound) throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
     start_block(numbers[0]);
     touched_.resize(static_cast<std::size_t>(counts[2]));

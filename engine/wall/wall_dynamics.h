@@ -6,11 +6,12 @@
 //     M w1 = C/h w0 + f,    C/h = s M + B,    s = tau/(h + tau),    B = (c_s - tau k_s)/(h + tau) A - s K_p
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
-// What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that change
-// slowly. It is solved for once in a block of `block_steps` steps, and taken on linearly in between from the last two blocks' (an error of
-// the order of the scheme's own); wherever it is more than a tenth of w0, in every step. Forces of a block are summed up, F = sum s^k f, and
-// in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had solved for anyway. So a full solve is
-// needed twice in a block, not twice in a step, and whoever asks only for a few vertices pays for these.
+// What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
+// change slowly. It is solved for once in a block of `block_steps` steps, and taken on linearly in between from the last two
+// blocks' (an error of the order of the scheme's own); wherever it is more than a tenth of w0, in every step. Forces of a block
+// are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
+// solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
+// pays for these.
 
 #include "wall/elastic_wall.h"
 #include "wall/wall_patch.h"
@@ -68,18 +69,18 @@ private:
     // the block
     double h_ = -1;
     double s_ = 0;
-    std::int32_t step_ = 0, steps_ = 1;              // done, in all
-    double keep_ = 1, ahead_ = 0, slope_ = 0;        // w = keep w_0 + ahead (y + load) + slope dy + M^-1 F
-    std::vector<double> start_;                      // w_0 [3V]
-    std::vector<double> memory_, change_;            // y = M^-1 B w_0 and its change per step [3V]
-    std::vector<double> pushed_;                     // F [3V]
-    std::vector<std::int32_t> touched_;              // vertices of F, in order
+    std::int32_t step_ = 0, steps_ = 1;        // done, in all
+    double keep_ = 1, ahead_ = 0, slope_ = 0;  // w = keep w_0 + ahead (y + load) + slope dy + M^-1 F
+    std::vector<double> start_;                // w_0 [3V]
+    std::vector<double> memory_, change_;      // y = M^-1 B w_0 and its change per step [3V]
+    std::vector<double> pushed_;               // F [3V]
+    std::vector<std::int32_t> touched_;        // vertices of F, in order
     // made from these
     std::shared_ptr<const WallFactor> factor_;
-    std::vector<double> load_;                       // M^-1 times the scene's loads [3V]; empty: none
+    std::vector<double> load_;  // M^-1 times the scene's loads [3V]; empty: none
     mutable WallPatch patch_;
-    mutable std::vector<double> known_;              // now() of vertices that were asked for [3V]
-    mutable std::vector<std::uint32_t> known_at_;    // [V] stamp
+    mutable std::vector<double> known_;            // now() of vertices that were asked for [3V]
+    mutable std::vector<std::uint32_t> known_at_;  // [V] stamp
     mutable std::uint32_t stamp_ = 1;
     mutable std::vector<double> work_;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse say
-// of them, gathered so that it fits the cache.
+// Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse
+// say of them, gathered so that it fits the cache.
 
 #include "wall/wall_compliance.h"
 
@@ -44,7 +44,7 @@ private:
     std::vector<std::int32_t> vertices_;  // [slots]
     std::vector<std::uint8_t> solved_;    // [slots]
     int room_ = 0;
-    std::vector<double> blocks_;          // [room][room][9]
+    std::vector<double> blocks_;  // [room][room][9]
 };
 
 }  // namespace seldinger

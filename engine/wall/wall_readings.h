@@ -7,11 +7,11 @@ namespace seldinger {
 
 /// What a wall that yields is made of.
 struct WallMechanics {
-    int vertices = 0;     // of its control mesh; 0: the wall is rigid
-    double edge = 0;      // mean [m]
-    double made_in = 0;   // control mesh and matrices [s]
-    double factor = 0;    // of that, and since: factors, one per length of step [s]
-    long columns = 0;     // of their inverses that contact has asked for
+    int vertices = 0;       // of its control mesh; 0: the wall is rigid
+    double edge = 0;        // mean [m]
+    double made_in = 0;     // control mesh and matrices [s]
+    double factor = 0;      // of that, and since: factors, one per length of step [s]
+    long columns = 0;       // of their inverses that contact has asked for
     std::size_t bytes = 0;  // of factors and columns
 };
 

@@ -2,7 +2,6 @@
 
 #include "core/parallel.h"
 #include "support/fed_world.h"
-#include "vessel/shapes.h"
 
 #include <doctest/doctest.h>
 
@@ -98,7 +97,8 @@ TEST_CASE("a line load sinks into a plate as Hetenyi has it, whatever the two me
         }
 }
 
-// What a stiff shell gives way falls as 1/E (its supports hold it at the rims); the wire's height differs from the rigid run's by that.
+// What a stiff shell gives way falls as 1/E (its supports hold it at the rims); the wire's height differs from the rigid run's by
+// that.
 TEST_CASE("a wall that gets stiffer tends to the rigid one, with the order of its compliance")
 {
     TestSetup setup = wire_on_plate(0.2, 2e-5, 0.005, 800);
@@ -159,8 +159,8 @@ TEST_CASE("the same bits from a saved state, on one thread and on two, alone and
     set_thread_count(0);
 }
 
-// Two wires of one system side by side, nearer than the plate's decay length: each lies in the dent of the other. In the middle both sink
-// by w(0) + w(3 mm) of the line load, w(y) = w0 exp(-b y) (cos b y + sin b y).
+// Two wires of one system side by side, nearer than the plate's decay length: each lies in the dent of the other. In the middle
+// both sink by w(0) + w(3 mm) of the line load, w(y) = w0 exp(-b y) (cos b y + sin b y).
 TEST_CASE("wires of one system push the same wall")
 {
     TestSetup setup = wire_on_plate(0.5, 2e-6, 0.003, 800);
@@ -196,8 +196,8 @@ TEST_CASE("every detection and every law presses on a wall that yields")
 {
     // (`layer` misses a tip that comes down on a plane, whatever the wall is)
     for (const Detection detection : {Detection::Swept, Detection::Capsule, Detection::Nodes})
-        for (const NormalLaw law : {NormalLaw::HuntCrossley, NormalLaw::LankaraniNikravesh, NormalLaw::Augmented, NormalLaw::Constraint,
-                                    NormalLaw::Impulse, NormalLaw::Barrier}) {
+        for (const NormalLaw law : {NormalLaw::HuntCrossley, NormalLaw::LankaraniNikravesh, NormalLaw::Augmented,
+                                    NormalLaw::Constraint, NormalLaw::Impulse, NormalLaw::Barrier}) {
             if (detection == Detection::Nodes && law != NormalLaw::HuntCrossley) continue;
             if (law == NormalLaw::Barrier && detection != Detection::Swept) continue;
             CAPTURE(static_cast<int>(detection));

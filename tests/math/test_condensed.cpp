@@ -32,7 +32,8 @@ struct Coupled {
             }
         for (int i = 0; i < size; ++i)
             for (int j = std::max(0, i - 3); j <= std::min(size - 1, i + 3); ++j) solver.band.add(i, j, b(i, j));
-        Eigen::MatrixXd root(m, m), e = Eigen::MatrixXd::Zero(size, m), f = Eigen::MatrixXd::Zero(m, size), d = Eigen::MatrixXd::Zero(m, m);
+        Eigen::MatrixXd root(m, m), e = Eigen::MatrixXd::Zero(size, m), f = Eigen::MatrixXd::Zero(m, size),
+                                    d = Eigen::MatrixXd::Zero(m, m);
         for (int k = 0; k < m * m; ++k) root.data()[k] = number(random);
         const Eigen::MatrixXd compliance = root * root.transpose();
         for (int k = 0; k < m; ++k)
@@ -74,13 +75,15 @@ TEST_CASE("a band with unknowns beside it is solved as the dense whole is")
             std::vector<double> x(rhs.data(), rhs.data() + size);
             CHECK((symmetric ? c.solver.factor_symmetric() : c.solver.factor_unsymmetric()) == 0);
             c.solver.solve(x);
-            for (int i = 0; i < size; ++i) CHECK(x[static_cast<std::size_t>(i)] == doctest::Approx(expected[i]).epsilon(1e-6).scale(1));
+            for (int i = 0; i < size; ++i)
+                CHECK(x[static_cast<std::size_t>(i)] == doctest::Approx(expected[i]).epsilon(1e-6).scale(1));
 
             // and the product undoes it
             std::vector<double> back(static_cast<std::size_t>(size));
             c.solver.band.multiply(x, back);
             c.solver.condensed.add_product(x, back);
-            for (int i = 0; i < size; ++i) CHECK(back[static_cast<std::size_t>(i)] == doctest::Approx(rhs[i]).epsilon(1e-6).scale(1));
+            for (int i = 0; i < size; ++i)
+                CHECK(back[static_cast<std::size_t>(i)] == doctest::Approx(rhs[i]).epsilon(1e-6).scale(1));
         }
 }
 
