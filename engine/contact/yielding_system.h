@@ -3,6 +3,7 @@
 
 #include "contact/yielding_wall.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace seldinger {
@@ -38,6 +39,11 @@ struct YieldingWall::System {
     [[nodiscard]] double misses(double of_force, double of_radius) const;
 
     // ---- nodes ----
+    /// Whether any of its wires is in the mask.
+    [[nodiscard]] bool is_in(std::span<const std::uint8_t> mask) const
+    {
+        return std::any_of(wires.begin(), wires.end(), [&](int w) { return mask[w] != 0; });
+    }
     [[nodiscard]] int row_of(int node) const { return stations[node].near ? stations[node].row : -1; }
     /// y of a node at x.
     [[nodiscard]] Vec3 carry(int node, const Vec3& x) const
@@ -61,7 +67,6 @@ struct YieldingWall::System {
 
     // of the step
     bool begun = false;
-    double h = 0;
     int refinements = 0;
     std::vector<int> rows;           // nodes that touch or may, in order
     std::vector<int> wire_of_row;    // [rows]

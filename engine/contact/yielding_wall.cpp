@@ -48,15 +48,12 @@ YieldingWall::~YieldingWall() = default;
 void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
 {
     std::copy(active.begin(), active.end(), todo_.begin());
-    const auto is_asked = [&](const System& system) {
-        return std::any_of(system.wires.begin(), system.wires.end(), [&](int w) { return todo_[w] != 0; });
-    };
     bool again = true;
     for (int round = 0; again; ++round) {
         auto start = Clock::now();
         for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
             System& system = *systems_[s];
-            if (!is_asked(system)) return;
+            if (!system.is_in(todo_)) return;
             if (!system.begun) start_step(system, h);
             if (round == 0) foresee(system, trial);
             else system.correct();
@@ -64,15 +61,14 @@ void YieldingWall::evaluate(const TrialState& trial, double h, std::span<const s
         });
         seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
         contact_.evaluate(carried_, h, todo_);
-        ++counts_.evaluations;
         start = Clock::now();
         again = false;
         for (const auto& system : systems_) {
-            if (!is_asked(*system)) continue;
+            if (!system->is_in(todo_)) continue;
             const bool settled = take_forces(*system) && system->misses(foreseen_force, foreseen_move) <= 1;
             if (settled || round == most_moves)
                 for (const int w : system->wires) todo_[w] = 0;
-            else again = true, ++counts_.again;
+            else again = true;
         }
         seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     }
@@ -83,7 +79,7 @@ void YieldingWall::evaluate_start(const TrialState& start, const TrialState& bef
                                   std::span<const std::uint8_t> active)
 {
     for (const auto& system : systems_) {
-        if (std::none_of(system->wires.begin(), system->wires.end(), [&](int w) { return active[w] != 0; })) continue;
+        if (!system->is_in(active)) continue;
         if (!system->begun) start_step(*system, h);
         foresee(*system, start);
         carry_trial(*system, before, before_);
@@ -91,8 +87,7 @@ void YieldingWall::evaluate_start(const TrialState& start, const TrialState& bef
     }
     contact_.evaluate_start(carried_, before_, h, linearised, active);
     for (const auto& system : systems_)
-        if (std::any_of(system->wires.begin(), system->wires.end(), [&](int w) { return active[w] != 0; }))
-            (void)take_forces(*system);
+        if (system->is_in(active)) (void)take_forces(*system);
 }
 
 /// U where the last linear equations of wire and wall have it for this trial; at the first one, where the wall was.
@@ -211,8 +206,7 @@ void YieldingWall::linearise(const System& system, Condensed& to) const
     }
 }
 
-// ---- residual and tangent
-// -------------------------------------------------------------------------------------------------------
+// ---- residual and tangent ----
 
 void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
 {

@@ -59,7 +59,6 @@ public:
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
 
-    [[nodiscard]] const ElasticWall& wall() const { return wall_; }
     /// Of the control vertices [3V] [m], and what contact has done on them since the beginning [J].
     [[nodiscard]] std::vector<double> displacement(int system) const;
     [[nodiscard]] double work(int system) const;
@@ -71,11 +70,6 @@ public:
     void carry_back(RodArrays& rods, int wire);
     /// Farthest that the wall has moved under a wire of this system [m].
     [[nodiscard]] double move_under(int system) const;
-    /// Evaluations of contact since the beginning, and those of them that moved the wall again at the same trial.
-    struct Counts {
-        long evaluations = 0, again = 0;
-    };
-    [[nodiscard]] Counts counts() const { return counts_; }
 
 private:
     struct System;
@@ -101,7 +95,6 @@ private:
     mutable std::vector<std::vector<double>> residuals_;  // [wires] likewise
     TrialState carried_, before_;
     std::vector<std::uint8_t> todo_;
-    Counts counts_;
     double seconds_ = 0;
 };
 

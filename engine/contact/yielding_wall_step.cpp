@@ -43,8 +43,7 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
     return most > 0 ? std::max(force / (of_force * most), by_move) : by_move;
 }
 
-// ---- start of a step
-// ------------------------------------------------------------------------------------------------------------
+// ---- start of a step ----
 
 void YieldingWall::carry_back(RodArrays& rods, int wire)
 {
@@ -98,7 +97,6 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;
-    system.h = h;
     system.refinements = 0;
     system.forget_base();
     system.dynamics.begin_step(h);
@@ -164,8 +162,7 @@ void YieldingWall::engage(System& system) const
     system.forget_base();
 }
 
-// ---- the accepted state
-// ---------------------------------------------------------------------------------------------------------
+// ---- the accepted state ----
 
 double YieldingWall::work_from_outside(int wire) const
 {
@@ -188,8 +185,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
     const auto start = Clock::now();
     for_each_item(static_cast<int>(systems_.size()), 1, [&](int s) {
         System& system = *systems_[s];
-        if (!system.begun || std::none_of(system.wires.begin(), system.wires.end(), [&](int w) { return active[w] != 0; }))
-            return;
+        if (!system.begun || !system.is_in(active)) return;
         system.begun = false;
         const WallTrial& now = system.trial();
         std::vector<double>& given = system.scratch_m;

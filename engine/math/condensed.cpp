@@ -158,7 +158,7 @@ void Condensed::add_column(int j, double x_j, std::span<double> y) const
 int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
                      const std::function<void(std::span<double>)>& band) const
 {
-    thread_local std::vector<double> right, along, fx, h;
+    thread_local std::vector<double> along, fx, h;
     const std::size_t m = static_cast<std::size_t>(size_), n = r_to_x.size();
     for (auto* array : {&fx, &h}) array->resize(m);
     const auto off_fixed = [&](std::span<double> x) {
@@ -166,7 +166,6 @@ int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fi
             if (fixed[i]) x[i] = 0;
     };
     // x of r, and what it does to u
-    right.assign(r_to_x.begin(), r_to_x.end());
     along.resize(n);
     band(r_to_x);
     std::copy(r_to_x.begin(), r_to_x.end(), along.begin());

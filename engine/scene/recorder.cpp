@@ -113,7 +113,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     trace_.append(trace_header);
     has_wall_ = !mesh_.triangles.empty();
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
-    const Output now = world.output();
+    const Output now = world.output(frame_parts());
     readings_ = now.wires[0].readings;
     if (scene_.integrator.scheme != Scheme::Static && !scene_.start_settled) {
         if (scene_.wire_every > 0) write_wire_frame(now);
@@ -164,6 +164,13 @@ void Recorder::settled(const Output& now, const StepReport& report)
     if (scene_.wire_every > 0) write_wire_frame(now);
     if (scene_.contacts_every > 0) write_contact_frame(now);
     write_collections();
+}
+
+/// What a frame of everything takes. Where the wall is costs a search for each vertex of the mesh: only if it is written.
+unsigned Recorder::frame_parts() const
+{
+    const unsigned parts = Output::Shape | Output::Contacts | Output::Wall;
+    return yields_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
 }
 
 unsigned Recorder::wants() const
@@ -294,7 +301,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
     {
         const Stopwatch watch(tally_.record);
         const bool ended = !goes_on && tally_.steps > 0;
-        const Output now = world.output();
+        const Output now = world.output(frame_parts());
         if (ended && !due(tally_.steps, scene_.record_every)) write_row(now);
         if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
         if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);

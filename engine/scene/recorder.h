@@ -57,6 +57,7 @@ private:
     void write_wire_frame(const Output& now);
     void write_contact_frame(const Output& now);
     void write_collections();
+    [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
     void write_wire_table(const WireOutput& wire);
     void write_contact_table(const Output& now);

@@ -65,14 +65,6 @@ WallMesh control_mesh(const WallModel& wall, std::string& reason, double& off)
     return made;
 }
 
-double mean_edge(const WallMesh& mesh)
-{
-    double sum = 0;
-    for (const auto& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k) sum += (mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]).norm();
-    return sum / (3.0 * static_cast<double>(std::max<std::size_t>(mesh.triangles.size(), 1)));
-}
-
 /// Virtual work of a force at a place of the surface.
 void add_force(const LoopSurface& surface, std::int32_t triangle, double u, double v, const Vec3& force, std::vector<double>& to)
 {
@@ -103,9 +95,9 @@ ElasticWall::ElasticWall(const WallModel& wall)
 {
     const auto start = std::chrono::steady_clock::now();
     WallMesh control = control_mesh(wall, edge_reason_, off_);
-    edge_ = mean_edge(control);
     const std::vector<Vec3> through = control.vertices;
     surface_ = std::make_unique<LoopSurface>(std::move(control));
+    edge_ = surface_->mean_edge();
     surface_->interpolate(through);
     shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
     compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
@@ -121,11 +113,16 @@ WallMechanics ElasticWall::mechanics() const
     return {compliance_->vertex_count(), edge_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
 }
 
-void ElasticWall::add_memory_force(double h, std::span<const double> w, std::span<double> y) const
+ElasticWall::MemorySplit ElasticWall::memory_split(double h) const
 {
     const ShellSpec& spec = shell_->spec();
-    const double s = spec.relaxation / (h + spec.relaxation),
-                 b = (spec.support_damping - spec.relaxation * spec.support) / (h + spec.relaxation);
+    return {spec.relaxation / (h + spec.relaxation),
+            (spec.support_damping - spec.relaxation * spec.support) / (h + spec.relaxation)};
+}
+
+void ElasticWall::add_memory_force(double h, std::span<const double> w, std::span<double> y) const
+{
+    const auto [s, b] = memory_split(h);
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
     const auto vertices = static_cast<Eigen::Index>(w.size() / 3);
     const Eigen::Map<const Rows> from(w.data(), vertices, 3);
@@ -139,8 +136,7 @@ void ElasticWall::add_memory_force(double h, std::span<const double> w, std::spa
 double ElasticWall::memory_share(double h) const
 {
     const ShellSpec& spec = shell_->spec();
-    return (spec.support_damping - spec.relaxation * spec.support) /
-           ((h + spec.relaxation) * (spec.support + spec.support_damping / h));
+    return memory_split(h).left / (spec.support + spec.support_damping / h);
 }
 
 namespace {

@@ -21,7 +21,7 @@ namespace seldinger {
 /// What is constant; all systems of a world share it.
 class ElasticWall {
 public:
-    /// @throws Error BadMesh: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory
+    /// @throws Error BadFile: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory
     explicit ElasticWall(const WallModel& wall);
 
     [[nodiscard]] const LoopSurface& surface() const { return *surface_; }
@@ -39,6 +39,12 @@ public:
     /// Linear theory is good up to here: a fifth of the lumen's radius [m].
     [[nodiscard]] double largest_move() const { return largest_move_; }
     [[nodiscard]] WallMechanics mechanics() const;
+    /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (wall/wall_dynamics.h).
+    struct MemorySplit {
+        double kept;  // s [-]
+        double left;  // [Pa/m]
+    };
+    [[nodiscard]] MemorySplit memory_split(double h) const;
     /// y += B w of a step of h (wall/wall_dynamics.h).
     void add_memory_force(double h, std::span<const double> w, std::span<double> y) const;
     /// How much B takes of a displacement that no strain holds back, at most.

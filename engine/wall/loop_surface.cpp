@@ -133,10 +133,10 @@ void LoopSurface::weigh(std::int32_t triangle, double u, double v, Weights<curve
         }
 }
 
-void LoopSurface::basis(std::int32_t triangle, double u, double v, LoopStencil& stencil) const
+/// Vertices, values and first derivatives.
+template <bool curved>
+void LoopSurface::fill(std::int32_t triangle, const Weights<curved>& weights, LoopStencil& stencil) const
 {
-    Weights<false> weights;
-    weigh(triangle, u, v, weights);
     const Patch& patch = patches_[static_cast<std::size_t>(triangle)];
     stencil.size = patch.vertex_count;
     for (std::size_t k = 0; k < static_cast<std::size_t>(stencil.size); ++k) {
@@ -145,17 +145,20 @@ void LoopSurface::basis(std::int32_t triangle, double u, double v, LoopStencil& 
     }
 }
 
+void LoopSurface::basis(std::int32_t triangle, double u, double v, LoopStencil& stencil) const
+{
+    Weights<false> weights;
+    weigh(triangle, u, v, weights);
+    fill(triangle, weights, stencil);
+}
+
 void LoopSurface::basis(std::int32_t triangle, double u, double v, LoopCurvedStencil& stencil) const
 {
     Weights<true> weights;
     weigh(triangle, u, v, weights);
-    const Patch& patch = patches_[static_cast<std::size_t>(triangle)];
-    stencil.size = patch.vertex_count;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(stencil.size); ++k) {
-        stencil.vertex[k] = patch_vertices_[static_cast<std::size_t>(patch.first_vertex) + k];
-        stencil.n[k] = weights.sum[k][0], stencil.n_u[k] = weights.sum[k][1], stencil.n_v[k] = weights.sum[k][2];
+    fill(triangle, weights, stencil);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(stencil.size); ++k)
         stencil.n_uu[k] = weights.sum[k][3], stencil.n_uv[k] = weights.sum[k][4], stencil.n_vv[k] = weights.sum[k][5];
-    }
 }
 
 LoopFoot LoopSurface::at(std::int32_t triangle, double u, double v) const

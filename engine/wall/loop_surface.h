@@ -39,7 +39,7 @@ struct LoopFoot {
 /// Where three corners are regular (six triangles about them; three on a rim) the surface is a quartic box spline of twelve
 /// control vertices [Cirak00, doi:10.1002/(SICI)1097-0207(20000430)47:12<2039::AID-NME872>3.0.CO;2-1]; elsewhere triangles are
 /// divided until it is [Stam98]. Rims are cubic B-splines of their own vertices; a rim's corner (one triangle about it, or a turn
-/// of more than 60 degrees) is interpolated.
+/// of more than 75 degrees) is interpolated.
 class LoopSurface {
 public:
     /// @param control  a mesh of any valence up to LoopTopology::max_valence, open or closed. Throws Error when it is not a
@@ -48,6 +48,8 @@ public:
 
     [[nodiscard]] const WallMesh& control() const { return control_; }
     [[nodiscard]] const LoopTopology& topology() const { return topology_; }
+    /// Of the control mesh as it was given [m].
+    [[nodiscard]] double mean_edge() const { return edge_; }
 
     /// Weights at (u, v) of a triangle; u, v >= 0, u + v <= 1. No allocation.
     void basis(std::int32_t triangle, double u, double v, LoopStencil& stencil) const;
@@ -83,6 +85,9 @@ private:
     struct Weights;
     template <bool curved>
     void weigh(std::int32_t triangle, double u, double v, Weights<curved>& weights) const;
+
+    template <bool curved>
+    void fill(std::int32_t triangle, const Weights<curved>& weights, LoopStencil& stencil) const;
 
     void build_patch(std::int32_t triangle, const LoopRefinement& fine);
     void add_point(Patch& patch, const LoopPoint& point, const LoopRefinement* fine);

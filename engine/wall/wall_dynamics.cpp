@@ -12,9 +12,6 @@ namespace seldinger {
 
 namespace {
 
-using Map = Eigen::Map<Eigen::VectorXd>;
-using ConstMap = Eigen::Map<const Eigen::VectorXd>;
-
 constexpr double small_memory = 0.1;  // of the displacement: what may be taken on through a block
 
 double largest(const std::vector<double>& list)
@@ -68,25 +65,22 @@ void WallDynamics::begin_step(double h)
 void WallDynamics::start_block(double h)
 {
     start_ = displacement();
-    std::fill(change_.begin(), change_.end(), 0.0);
     h_ = h;
     factor_ = wall_.compliance().factor(h);
     patch_.use(factor_);
-    const double tau = wall_.shell().spec().relaxation;
-    s_ = h > 0 ? tau / (h + tau) : 0;
+    s_ = h > 0 ? wall_.memory_split(h).kept : 0;
     load_.assign(wall_.load().begin(), wall_.load().end());
     WallSolveWork scratch;
     if (!load_.empty()) factor_->solve(load_, scratch);
     step_ = 0;
     next_block();
-    std::fill(change_.begin(), change_.end(), 0.0);
 }
 
 void WallDynamics::next_block()
 {
     const std::int32_t done = step_;
     if (done > 0) start_ = displacement();
-    std::vector<double>& y = work_;
+    std::vector<double>& y = scratch_;
     y.assign(start_.size(), 0.0);
     const bool moved = h_ > 0 && largest(start_) > 0;
     if (moved) {

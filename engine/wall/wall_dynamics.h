@@ -52,7 +52,6 @@ public:
     void save(std::vector<std::uint8_t>& bytes) const;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
 
-    /// Largest displacement is looked at where it is asked for: this may be set by who knows.
     double work = 0;  // done on the wall by contact since the beginning [J]
 
 private:
@@ -82,7 +81,7 @@ private:
     mutable std::vector<double> known_;            // now() of vertices that were asked for [3V]
     mutable std::vector<std::uint32_t> known_at_;  // [V] stamp
     mutable std::uint32_t stamp_ = 1;
-    mutable std::vector<double> work_;
+    std::vector<double> scratch_;
 };
 
 }  // namespace seldinger
