@@ -78,12 +78,17 @@ double turning_work(World::Impl& state, int wire)
     return work;
 }
 
+/// dE/d(fed length) at the end of the sub-step.
+double force_of_feed(World::Impl& state, int wire, const Vec3& gravity)
+{
+    return feed_force(state.rods.view(wire), state.constraints[wire].clamps, state.solver->frames(wire), gravity);
+}
+
 double hand_work(World::Impl& state, int wire)
 {
     if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
     const EnergyAudit& audit = state.audits[wire];
-    const double now =
-        feed_force(state.rods.view(wire), state.constraints[wire].clamps, state.solver->frames(wire), state.setup.gravity);
+    const double now = force_of_feed(state, wire, state.setup.gravity);
     const double force = end_forces(state.setup.integrator) || !audit.known ? now : 0.5 * (now + audit.hand_force);
     return force * state.feeds[wire].grown;
 }
@@ -109,8 +114,8 @@ double load_work(World::Impl& state, int wire)
         if (load.moment.isZero()) continue;
         const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
         const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
-        work +=
-            load.moment.cross(t).dot(change) / edge.norm() + load.moment.dot(t) * solver.displacement(wire, RodDofs::spin(load.edge));
+        work += load.moment.cross(t).dot(change) / edge.norm() +
+                load.moment.dot(t) * solver.displacement(wire, RodDofs::spin(load.edge));
     }
     for (const auto& spring : state.constraints[wire].springs) {
         const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);
@@ -149,6 +154,35 @@ void read_energies(World::Impl& state, int wire)
     audit.gravitational = state.solver->potential_energy(wire);
 }
 
+/// The sub-step's share in the ledger.
+void take_into_ledger(World::Impl& state, int wire, double hand, double turning, double outside)
+{
+    EnergyAudit& audit = state.audits[wire];
+    audit.next_ledger = audit.known ? audit.ledger : EnergyLedger{};
+    if (!audit.known) return;
+    EnergyLedger& ledger = audit.next_ledger;
+    const double now = audit.kinetic + audit.elastic + audit.gravitational;
+    const ContactWork contact = state.terms.contact_work(wire);
+    ledger.hand += hand + turning;
+    ledger.outside += outside;
+    ledger.remesh += audit.remeshed_now;
+    ledger.material += audit.fed.carried - audit.remeshed_now;
+    ledger.wire += now - audit.wire_then;
+    ledger.friction -= contact.friction + contact.rolling;
+    ledger.contact -= contact.normal;
+    ledger.wall -= state.terms.work_from_outside(wire);
+    const IntegratorSpec& integrator = state.setup.integrator;
+    if (!end_forces(integrator) || integrator.scheme != Scheme::Newton) {
+        ledger.scheme += ledger.open();
+        return;
+    }
+    const StepLosses losses = state.solver->losses(wire);
+    const double fed = state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown : 0;
+    const double elastic_then = audit.elastic_then + (state.remesh_energy[wire] - audit.remeshed);
+    ledger.damping += losses.damping;
+    ledger.scheme += losses.inertia + losses.strain_work + fed + turning - (audit.elastic - elastic_then);
+}
+
 }  // namespace
 
 EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity)
@@ -169,9 +203,11 @@ void audit_remeshing(World::Impl& state, int wire)
 {
     EnergyAudit& audit = state.audits[wire];
     audit.fed = {};
+    audit.remeshed_now = 0;
     if (!audit.known) return;
     const double moving = kinetic_energy(state.rods.view(wire)) + state.solver->potential_energy(wire);
-    audit.fed.carried = (moving - audit.moving) + (state.remesh_energy[wire] - audit.remeshed);
+    audit.remeshed_now = (moving - audit.moving) + (state.remesh_energy[wire] - audit.remeshed);
+    audit.fed.carried = audit.remeshed_now;
 }
 
 FeedingAudit::FeedingAudit(World::Impl& state, int wire) : wire_(wire), inside_(state.feeds[wire].inside)
@@ -216,6 +252,9 @@ void begin_audit(World::Impl& state, int wire, bool placed)
         read_energies(state, wire);
     }
     audit.balance.begin(energy_now(state, wire));
+    audit.ledger = {};
+    audit.wire_then = audit.kinetic + audit.elastic + audit.gravitational;
+    audit.elastic_then = audit.elastic;
     audit.known = true;
     audit.moving = audit.kinetic + audit.gravitational;
     audit.remeshed = state.remesh_energy[wire];
@@ -228,8 +267,11 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     EnergyAudit& audit = state.audits[wire];
     read_energies(state, wire);
     EnergyInput input = audit.fed;
-    input.work += held_work(state, wire) + turning_work(state, wire) + hand_work(state, wire) + load_work(state, wire);
+    const double turning = turning_work(state, wire), hand = hand_work(state, wire);
+    const double outside = held_work(state, wire) + load_work(state, wire);
+    input.work += hand + turning + outside;
     input.work += state.terms.work_from_outside(wire);
+    take_into_ledger(state, wire, hand, turning, outside);
     input.unseen += unseen_work(state, wire, h);
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
         input.work += state.solver->residual_work(wire);
@@ -242,8 +284,10 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
 void accept_energy(World::Impl& state, int wire, double h)
 {
     EnergyAudit& audit = state.audits[wire];
-    if (h > 0) audit.balance = audit.next;
+    if (h > 0) audit.balance = audit.next, audit.ledger = audit.next_ledger;
     audit.known = true;
+    audit.wire_then = audit.kinetic + audit.elastic + audit.gravitational;
+    audit.elastic_then = audit.elastic;
     audit.moving = audit.kinetic + audit.gravitational;
     audit.remeshed = state.remesh_energy[wire];
     const auto& prescribed = state.constraints[wire].prescribed;
@@ -290,6 +334,9 @@ void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit)
     const std::uint8_t known = audit.known;
     put_bytes(bytes, &known, 1);
     put_bytes(bytes, &audit.balance, 1);
+    put_bytes(bytes, &audit.ledger, 1);
+    put_bytes(bytes, &audit.wire_then, 1);
+    put_bytes(bytes, &audit.elastic_then, 1);
     put_bytes(bytes, &audit.moving, 1);
     put_bytes(bytes, &audit.remeshed, 1);
     put_bytes(bytes, &audit.hand_force, 1);
@@ -303,6 +350,9 @@ void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit
     take_bytes(bytes, end, &known, 1);
     audit.known = known != 0;
     take_bytes(bytes, end, &audit.balance, 1);
+    take_bytes(bytes, end, &audit.ledger, 1);
+    take_bytes(bytes, end, &audit.wire_then, 1);
+    take_bytes(bytes, end, &audit.elastic_then, 1);
     take_bytes(bytes, end, &audit.moving, 1);
     take_bytes(bytes, end, &audit.remeshed, 1);
     take_bytes(bytes, end, &audit.hand_force, 1);

@@ -14,6 +14,10 @@
 // together, a contact spring in its depth), so that energy plus work can only be lost, but where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
+// The ledger (EnergyLedger) is of the same numbers, and of what contact, damping and the scheme say that they took. Backward
+// Euler takes (1/2) m (v - v_0)^2 of the kinetic energy, and of the elastic one what its end force makes more of the move than
+// the energy has changed: F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
+//
 // What splits and merges make between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged apart: not made
 // here.
 
@@ -36,9 +40,14 @@ struct EnergyAudit {
     std::vector<double> held, held_speed;  // per prescribed unknown: reaction and velocity
     std::vector<double> torque, turns;     // per clamp [N m], [rad]
 
+    EnergyLedger ledger;
+    double wire_then = 0, elastic_then = 0;  // energy in all, and elastic, at the end of the last accepted sub-step [J]
+
     // of the present sub-step
     EnergyBalance next;
-    EnergyInput fed;                                     // by feeding
+    EnergyLedger next_ledger;
+    EnergyInput fed;                                     // by feeding, and by splits and merges before it
+    double remeshed_now = 0;                             // the second part of it [J]
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
 };
 

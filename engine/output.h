@@ -41,6 +41,28 @@ struct StepReport {
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
+/// Where the energy of one instrument has come from and gone, since it was placed or has left the introducer [J]. With backward
+/// Euler and scheme "newton" each is read off apart, and open() is what they miss; else `scheme` is what the others leave.
+struct EnergyLedger {
+    // in
+    double hand = 0;      // feeding and turning
+    double outside = 0;   // holds, loads, links
+    double material = 0;  // that was fed brings its height and speed along
+    double remesh = 0;    // made by changes of nodes
+    // there
+    double wire = 0;  // more kinetic, elastic and gravitational energy than at first
+    // out
+    double friction = 0;  // sliding, and what stuck contacts hold; with rolling
+    double contact = 0;   // normal forces: what overlaps hold, and their damping
+    double wall = 0;      // done on a wall that yields: what it stores and damps
+    double damping = 0;   // integrator.damping_*
+    double scheme = 0;    // backward Euler's own
+
+    [[nodiscard]] double in() const { return hand + outside + material + remesh; }
+    [[nodiscard]] double out() const { return friction + contact + wall + damping + scheme; }
+    [[nodiscard]] double open() const { return in() - wire - out(); }
+};
+
 /// Numbers of one instrument in the accepted state.
 struct WireReadings {
     double inserted = 0;  // advance since the start [m]
@@ -57,7 +79,8 @@ struct WireReadings {
     double remesh_energy = 0;                            // accumulated [J]
     double energy_made = 0;                              // most that came from nowhere so far (energy_balance.h) [J]
     double force_residual = 0;                           // largest left on a free node [N]
-    MomentumBalance momentum;                            // of the last sub-step
+    EnergyLedger energy;
+    MomentumBalance momentum;  // of the last sub-step
 };
 
 /// One instrument, copied. Arrays are per node, tip first.

@@ -110,6 +110,7 @@ WireReadings World::readings(int wire) const
     r.remesh_energy = impl_->remesh_energy[wire];
     r.energy_made = impl_->audits[wire].balance.made();
     r.force_residual = result.residual;
+    r.energy = impl_->audits[wire].ledger;
     r.momentum = result.momentum;
     return r;
 }

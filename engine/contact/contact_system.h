@@ -60,6 +60,7 @@ public:
         const ContactTotals t = totals(wire);
         return (t.normal + t.friction) * t.depth;
     }
+    [[nodiscard]] ContactWork contact_work(int wire) const final { return totals(wire).work; }
     /// Adds contact forces on the nodes of a wire, [n].
     void add_nodal_forces(int wire, std::span<Vec3> forces) const
     {

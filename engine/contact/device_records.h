@@ -30,11 +30,11 @@ inline constexpr WordRun record_words<QuadraturePlace>[] = {{2, false}, {2, true
 template <>
 inline constexpr WordRun record_words<ContactState>[] = {{18, true}, {4, false}};
 template <>
-inline constexpr WordRun record_words<ContactForce>[] = {{62, true}, {2, false}};
+inline constexpr WordRun record_words<ContactForce>[] = {{65, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<MultiplierState>[] = {{9, true}, {2, false}};
 template <>
-inline constexpr WordRun record_words<EdgeForce>[] = {{83, true}, {2, false}};
+inline constexpr WordRun record_words<EdgeForce>[] = {{86, true}, {2, false}};
 template <>
 inline constexpr WordRun record_words<Clearance>[] = {{8, true}};
 template <>

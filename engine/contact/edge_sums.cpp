@@ -87,6 +87,9 @@ ContactTotals EdgeSums::totals(int wire, double radius) const
         sum.sliding += f.sliding_sum;
         sum.rolling += f.rolling_sum;
         sum.length += f.length;
+        sum.work.normal += f.normal_work;
+        sum.work.friction += f.friction_work;
+        sum.work.rolling += f.rolling_work;
     }
     return sum;
 }

@@ -5,6 +5,7 @@
 #include "math/band_matrix.h"
 #include "rod/rod_arrays.h"
 #include "shared/contact_types.h"
+#include "solve/force_term.h"
 
 #include <cstdint>
 #include <span>
@@ -18,6 +19,7 @@ struct ContactTotals {
     double depth = 0;    // deepest overlap [m], >= 0
     double outside = 0;  // farthest axis point beyond the wall [m], >= 0
     double normal = 0, friction = 0, sliding = 0, rolling = 0, length = 0;
+    ContactWork work;
 };
 
 struct EdgeSums {

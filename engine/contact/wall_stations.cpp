@@ -71,7 +71,8 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     const double det = uu * vv - uv * uv;
     const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
                dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
-    station.slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
+    const Mat3 slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
+    station.back = wall.still() ? Mat3(Mat3::Identity()) : Mat3((Mat3::Identity() + slope).inverse());
 }
 
 void WallStations::forget(int first, int last)

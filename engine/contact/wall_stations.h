@@ -2,13 +2,14 @@
 // Where wires meet a wall that yields. Contact is looked for in the wall's unmoved shape: each node of a wire is carried back by
 // what the wall has moved under it, and from there on the wall is the rigid one, exact mesh, tree and caches included.
 //
-//     y = x - U - G (x - x0),     U = sum_a N_a(foot) w_a,     G = du/dX at the foot                              (D11a)
+//     y = x0 - U0 + (1 + G)^-1 [(x - x0) - (U - U0)],     U = sum_a N_a(foot) w_a,     G = dU/dX at the foot            (D11a)
 //
-// x: node, x0: where it was when its foot was found (the start of the step), foot: the nearest point of the wall's smooth
-// surface; between nodes y is linear, as the wire is. To first order in the slope of the displacement (2.5 % of what a move of a
-// fifth of the lumen's radius over a decay length gives is second order) this is the gap to the moved wall, its normal turned
-// with it: G makes the force on the wire (1 - G)^T f, which does the work that the moving wall takes in. The wall feels -f at the
-// foot. What is far from the wall is not carried at all: U fades out between `full` and `none`.
+// x: node, x0, U0: what x and U were when its foot was found (the start of the step), foot: the nearest point of the wall's
+// smooth surface; between nodes y is linear, as the wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
+// G: what the wire does relative to the wall is carried back by its inverse. To first order in the slope of the displacement (2.5
+// % of what a move of a fifth of the lumen's radius over a decay length gives is second order) the gap at y is that to the moved
+// wall. A force f at y is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot: no work and
+// no momentum is lost between the two. What is far from the wall is not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
@@ -22,13 +23,13 @@ namespace seldinger {
 
 /// A node of a wire and the wall under it.
 struct WallStation {
-    bool near = false;          // else the wall has no say in it
-    LoopStencil weights;        // N, faded [control vertices]
-    Mat3 slope = Mat3::Zero();  // G
-    Vec3 at = Vec3::Zero();     // x0 [m]
-    Vec3 start = Vec3::Zero();  // U at the start of the step [m]
-    double distance = 0;        // of x0 from the wall [m]
-    int row = -1;               // among those that touch, or may
+    bool near = false;             // else the wall has no say in it
+    LoopStencil weights;           // N, faded [control vertices]
+    Mat3 back = Mat3::Identity();  // (1 + G)^-1
+    Vec3 at = Vec3::Zero();        // x0 [m]
+    Vec3 start = Vec3::Zero();     // U at the start of the step [m]
+    double distance = 0;           // of x0 from the wall [m]
+    int row = -1;                  // among those that touch, or may
 };
 
 /// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, for the last bits of

@@ -51,13 +51,10 @@ struct YieldingWall::System {
         const WallStation& station = stations[node];
         if (!station.near) return x;
         const Vec3 u = station.row >= 0 ? Vec3(Eigen::Map<const Vec3>(&trial().u[3 * station.row])) : station.start;
-        return x - u - station.slope * (x - station.at);
+        return station.at - station.start + station.back * ((x - station.at) - (u - station.start));
     }
-    /// dy/dx = 1 - G
-    [[nodiscard]] Mat3 share_of_move(int node) const
-    {
-        return stations[node].near ? Mat3(Mat3::Identity() - stations[node].slope) : Mat3(Mat3::Identity());
-    }
+    /// dy/dx = -dy/dU = (1 + G)^-1
+    [[nodiscard]] Mat3 back(int node) const { return stations[node].near ? stations[node].back : Mat3(Mat3::Identity()); }
 
     std::vector<int> wires;
     WallStations stations;

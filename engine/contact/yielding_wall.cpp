@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -19,6 +20,53 @@ constexpr double foreseen_force = 0.1;  // of the largest: what may be missed at
 constexpr double foreseen_move = 0.02;  // of the wire's radius, likewise
 constexpr double balanced_force = 1e-6, balanced_move = 1e-4;  // likewise of the accepted one
 constexpr int most_rounds = 8;                                 // that ask for more than Newton's convergence
+
+Mat3 block_of(const BandMatrix& t, int row, int column)
+{
+    Mat3 block;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) block(r, c) = t.at(row + r, column + c);
+    return block;
+}
+
+/// How contact's force on a node i changes with the move of a node j, and the other way round, as wire and wall see it.
+struct NodeJoint {
+    Mat3 of = Mat3::Zero(), on = Mat3::Zero();            // force on i by j, force on j by i
+    Vec3 of_spin = Vec3::Zero(), on_spin = Vec3::Zero();  // force on i by the spin of j's edge, moment on that by i
+    bool any = false, spins = false;
+
+    /// Row c of i into F, E^T and D. @param unknown  first of j  @param place  of j among the wall's, < 0: none
+    void put(int c, int unknown, int place, Condensed& to) const
+    {
+        if (!any) return;
+        for (int d = 0; d < 3; ++d) {
+            to.f.add(unknown + d, of(c, d));
+            to.e_transposed.add(unknown + d, on(d, c));
+            if (place >= 0) to.d.add(place + d, of(c, d));
+        }
+        if (!spins) return;
+        to.f.add(unknown + RodDofs::spin_place, of_spin[c]);
+        to.e_transposed.add(unknown + RodDofs::spin_place, on_spin[c]);
+    }
+};
+
+NodeJoint joint_of(const BandMatrix& t, int i, int j, bool has_spin, const Mat3& back_i, const Mat3& back_j)
+{
+    NodeJoint joint;
+    const int a = RodDofs::position(i), b = RodDofs::position(j), spin = b + RodDofs::spin_place;
+    joint.of = block_of(t, a, b);
+    joint.on = block_of(t, b, a);
+    if (has_spin)
+        for (int c = 0; c < 3; ++c) joint.of_spin[c] = t.at(a + c, spin), joint.on_spin[c] = t.at(spin, a + c);
+    joint.spins = !joint.of_spin.isZero(0) || !joint.on_spin.isZero(0);
+    joint.any = joint.spins || !joint.of.isZero(0) || !joint.on.isZero(0);
+    if (!joint.any) return joint;
+    joint.of = back_i.transpose() * joint.of * back_j;
+    joint.on = back_j.transpose() * joint.on * back_i;
+    joint.of_spin = back_i.transpose() * joint.of_spin;
+    joint.on_spin = back_i.transpose() * joint.on_spin;
+    return joint;
+}
 
 }  // namespace
 
@@ -111,11 +159,11 @@ void YieldingWall::foresee(System& system, const TrialState& trial) const
     const std::size_t m = base->u.size();
     std::vector<double>&move = system.scratch_q, &along = system.scratch_m;
     move.resize(now.q.size());
-    along.resize(m);
+    along.resize(base->linear.row_count());
     for (std::size_t i = 0; i < move.size(); ++i) move[i] = now.q[i] - base->q[i];
-    Condensed::onto(base->linear.f, move, along);
+    base->linear.f.times(move, along);
     now.u.resize(m);
-    base->linear.times_w(along, now.u);
+    base->linear.times_w_of_rows(along, now.u);
     for (std::size_t k = 0; k < m; ++k) now.u[k] -= base->rho[k];
     base->linear.solve_own(now.u);
     for (std::size_t k = 0; k < m; ++k) now.u[k] += base->u[k];
@@ -160,10 +208,12 @@ bool YieldingWall::take_forces(System& system) const
     now.force.assign(m, 0.0);
     for (const int w : system.wires)
         for (int i = 0; i < rods_.node_count(w); ++i) {
-            const int row = system.row_of(rods_.node_begin(w) - system.first_node + i);
-            for (int c = 0; c < 3 && row >= 0; ++c) now.force[3 * row + c] = -residuals_[w][RodDofs::position(i, c)];
+            const int node = rods_.node_begin(w) - system.first_node + i, row = system.row_of(node);
+            if (row < 0) continue;
+            const Eigen::Map<const Vec3> own(&residuals_[w][RodDofs::position(i)]);
+            Eigen::Map<Vec3>(&now.force[3 * row]) = -(system.back(node).transpose() * own);
         }
-    linearise(system, now.linear);
+    linearise(system, nullptr, now.linear);
     now.rho.resize(m);
     now.linear.times_w(now.force, now.rho);
     for (std::size_t k = 0; k < m; ++k) now.rho[k] += now.u[k] - system.u_free[k];
@@ -171,39 +221,33 @@ bool YieldingWall::take_forces(System& system) const
 }
 
 /// E, F and D from the tangents that contact has just been asked for.
-void YieldingWall::linearise(const System& system, Condensed& to) const
+/// @param among  unknowns that are counted, and wires that are left out; null: all of them, counted over the system's nodes
+void YieldingWall::linearise(const System& system, const SystemUnknowns* among, Condensed& to) const
 {
     to.reset(static_cast<int>(3 * system.rows.size()), system.compliance);
     for (const int w : system.wires) {
+        if (among && among->rod_of(w) < 0) continue;
         const int n = rods_.node_count(w), first = rods_.node_begin(w) - system.first_node;
-        const BandMatrix& t = tangents_[w];
+        const int unknowns = among ? among->map.first(among->rod_of(w)) : RodDofs::position(first);
         for (int i = 0; i < n; ++i) {
             const int row = system.row_of(first + i);
             if (row < 0) continue;
+            std::array<NodeJoint, 3> joints;  // with the node before, itself, the node after
+            bool any = false;
             for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j) {
-                const Mat3 seen = system.share_of_move(first + j);
-                const int column = system.row_of(first + j), unknown = RodDofs::position(first + j);
-                for (int c = 0; c < 3; ++c) {
-                    const int r = RodDofs::position(i, c);
-                    const Vec3 in_row(t.at(r, RodDofs::position(j, 0)), t.at(r, RodDofs::position(j, 1)),
-                                      t.at(r, RodDofs::position(j, 2)));
-                    const Vec3 in_column(t.at(RodDofs::position(j, 0), r), t.at(RodDofs::position(j, 1), r),
-                                         t.at(RodDofs::position(j, 2), r));
-                    const double to_spin = j < n - 1 ? t.at(r, RodDofs::spin(j)) : 0.0;
-                    const double of_spin = j < n - 1 ? t.at(RodDofs::spin(j), r) : 0.0;
-                    if (in_row.isZero(0) && in_column.isZero(0) && to_spin == 0 && of_spin == 0) continue;
-                    const Vec3 f = seen.transpose() * in_row, e = seen.transpose() * in_column;
-                    for (int d = 0; d < 3; ++d) {
-                        to.f[3 * row + c].push_back({unknown + d, f[d]});
-                        to.e[3 * row + c].push_back({unknown + d, e[d]});
-                        if (column >= 0) to.d[3 * row + c].push_back({3 * column + d, in_row[d]});
-                    }
-                    if (to_spin != 0) to.f[3 * row + c].push_back({unknown + RodDofs::spin_place, to_spin});
-                    if (of_spin != 0) to.e[3 * row + c].push_back({unknown + RodDofs::spin_place, of_spin});
-                }
+                NodeJoint& joint = joints[static_cast<std::size_t>(j - i + 1)];
+                joint = joint_of(tangents_[w], i, j, j < n - 1, system.back(first + i), system.back(first + j));
+                any = any || joint.any;
+            }
+            for (int c = 0; c < 3 && any; ++c) {
+                to.begin_row(3 * row + c);
+                for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j)
+                    joints[static_cast<std::size_t>(j - i + 1)].put(c, unknowns + RodDofs::position(j),
+                                                                    3 * system.row_of(first + j), to);
             }
         }
     }
+    to.close();
 }
 
 // ---- residual and tangent ----
@@ -218,21 +262,19 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     contact_.add(wire, own, tangent ? &tangents_[wire] : nullptr, symmetric);
     for (int i = 0; i < n; ++i) {
         const int at = RodDofs::position(i);
-        Eigen::Map<Vec3>(&residual[at]) += system.share_of_move(first + i).transpose() * Eigen::Map<const Vec3>(&own[at]);
+        Eigen::Map<Vec3>(&residual[at]) += system.back(first + i).transpose() * Eigen::Map<const Vec3>(&own[at]);
         residual[at + RodDofs::spin_place] += own[at + RodDofs::spin_place];
     }
     if (!tangent) return;
     const BandMatrix& t = tangents_[wire];
     for (int i = 0; i < n; ++i) {
-        const Mat3 seen_i = system.share_of_move(first + i);
+        const Mat3 seen_i = system.back(first + i);
         const int a = RodDofs::position(i);
         for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j) {
             const int b = RodDofs::position(j);
-            Mat3 block;
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) block(r, c) = t.at(a + r, b + c);
+            Mat3 block = block_of(t, a, b);
             if (!block.isZero(0)) {
-                block = seen_i.transpose() * block * system.share_of_move(first + j);
+                block = seen_i.transpose() * block * system.back(first + j);
                 for (int r = 0; r < 3; ++r)
                     for (int c = 0; c < 3; ++c) tangent->add(a + r, b + c, block(r, c));
             }
@@ -254,35 +296,19 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();
-    const std::size_t m = 3 * system.rows.size();
-    if (m == 0) return;
-    // from nodes of the system to unknowns of those that are solved
-    const auto shift = [&](int wire) {
-        return unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
-    };
+    if (system.rows.empty()) return;
     std::vector<double>& z = system.scratch_m;
-    z.assign(now.rho.begin(), now.rho.end());
-    now.linear.solve_own(z);
-    for (std::size_t k = 0; k < m; ++k) {
-        const int wire = system.wire_of_row[k / 3];
+    z.resize(now.linear.row_count());
+    now.linear.at_rows(now.rho, z);
+    now.linear.solve_rows(z);
+    for (std::size_t k = 0; k < z.size(); ++k) {
+        // from nodes of the system to unknowns of those that are solved
+        const int wire = system.wire_of_row[static_cast<std::size_t>(now.linear.place(k)) / 3];
         if (unknowns.rod_of(wire) < 0) continue;
-        const int by = shift(wire);
-        for (const auto& [unknown, value] : now.linear.e[k]) residual[unknown + by] += value * z[k];
+        const int by = unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
+        for (const auto& [unknown, value] : now.linear.e_transposed.row(k)) residual[unknown + by] += value * z[k];
     }
-    if (!tangent) return;
-    Condensed& to = tangent->condensed;
-    linearise(system, to);  // from the tangents of add(), symmetric or not
-    for (std::size_t k = 0; k < m; ++k) {
-        const int wire = system.wire_of_row[k / 3];
-        if (unknowns.rod_of(wire) < 0) {
-            to.e[k].clear();
-            to.f[k].clear();
-            continue;
-        }
-        const int by = shift(wire);
-        for (auto* column : {&to.e[k], &to.f[k]})
-            for (auto& entry : *column) entry.unknown += by;
-    }
+    if (tangent) linearise(system, &unknowns, tangent->condensed);  // from the tangents of add(), symmetric or not
 }
 
 bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire) && open_way(of(wire), wire) == 1; }

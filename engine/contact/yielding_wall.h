@@ -2,15 +2,16 @@
 // Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back
 // to it (wall_stations.h). Both bodies are solved together:
 //
-//     wire   R(x) - (1 - G)^T f(y) = 0             f: what contact exerts on the nodes, whatever finds it and whatever its laws
-//     wall   rho = U - U_free + W f(y) = 0         U_free: where the wall would be at the end of the step if nothing touched it
+//     wire   R(x) - A^T f(y) = 0                   f: what contact exerts on the nodes, whatever finds it and whatever its laws;
+//                                                  A = dy/dx = (1 + G)^-1 (wall_stations.h)
+//     wall   rho = U - U_free + W A^T f(y) = 0     U_free: where the wall would be at the end of the step if nothing touched it
 //
 // Newton's residual takes both: at each trial x the wall has been moved to where the last linear equations of the two have it for
-// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -df/dy the
-// tangent is (1 - G)^T [T - T (W^-1 + T)^-1 T] (1 - G): unknowns U beside the band (math/condensed.h). Where a trial has gone far
+// this x; what is left of rho there goes into the wire's residual as the force that it will still make. With T = -A^T df/dy A the
+// tangent is T - T (W^-1 + T)^-1 T: unknowns U beside the band (math/condensed.h). Where a trial has gone far
 // from what was foreseen (rho makes a tenth of the largest force) the wall is moved again at the same x.
 //
-// When a step is accepted the wall takes -f, all of it: (K + C/h) w1 = C/h w0 - sum N^T f (wall/wall_dynamics.h).
+// When a step is accepted the wall takes -A^T f, all of it: (K + C/h) w1 = C/h w0 - sum N^T A^T f (wall/wall_dynamics.h).
 
 #include "contact/contact_system.h"
 #include "contact/wall_stations.h"
@@ -50,6 +51,7 @@ public:
     [[nodiscard]] bool may_jump() const override { return contact_.may_jump(); }
     void commit(std::span<const std::uint8_t> active) override;
     [[nodiscard]] double work_from_outside(int wire) const override;
+    [[nodiscard]] ContactWork contact_work(int wire) const override { return contact_.contact_work(wire); }
     [[nodiscard]] double stored_energy(int wire) const override { return contact_.stored_energy(wire); }
     [[nodiscard]] bool never_overlaps() const override { return contact_.never_overlaps(); }
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
@@ -82,7 +84,7 @@ private:
     void foresee(System& system, const TrialState& trial) const;
     void carry_trial(System& system, const TrialState& trial, TrialState& to) const;
     bool take_forces(System& system) const;
-    void linearise(const System& system, Condensed& to) const;
+    void linearise(const System& system, const SystemUnknowns* among, Condensed& to) const;
     [[nodiscard]] double open_way(const System& system, int wire) const;
 
     const ElasticWall& wall_;

@@ -32,10 +32,13 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 {
     const WallTrial& now = trial();
     double force = 0, most = 0, move = 0;
-    missed.resize(now.rho.size());
-    Condensed::onto(now.linear.d, now.rho, missed);
+    missed.resize(2 * now.linear.row_count());
+    const std::span<double> at_rows = std::span(missed).first(now.linear.row_count());
+    const std::span<double> forces = std::span(missed).last(now.linear.row_count());
+    now.linear.at_rows(now.rho, at_rows);
+    now.linear.d.times(at_rows, forces);
+    for (const double f : forces) force = std::max(force, std::abs(f));
     for (std::size_t k = 0; k < now.rho.size(); ++k) {
-        force = std::max(force, std::abs(missed[k]));
         most = std::max(most, std::abs(now.force[k]));
         move = std::max(move, std::abs(now.rho[k]));
     }
@@ -225,8 +228,7 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
     std::vector<Vec3> own(forces.size(), Vec3::Zero());
     contact_.add_nodal_forces(wire, own);
     const int first = rods_.node_begin(wire) - system.first_node;
-    for (std::size_t i = 0; i < own.size(); ++i)
-        forces[i] += system.share_of_move(first + static_cast<int>(i)).transpose() * own[i];
+    for (std::size_t i = 0; i < own.size(); ++i) forces[i] += system.back(first + static_cast<int>(i)).transpose() * own[i];
 }
 
 std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)

@@ -13,55 +13,56 @@ namespace seldinger {
 
 namespace {
 
-// Of a Newton direction: its own error is a thousand times larger until the last steps.
-constexpr double direction_accuracy = 1e-5;
-constexpr double own_accuracy = 1e-11;
+// Of what the others make of an error in their own equations, which is solved for again in every residual.
+constexpr double own_accuracy = 1e-7;
 
 using Vector = Eigen::Map<Eigen::VectorXd>;
 using ConstVector = Eigen::Map<const Eigen::VectorXd>;
-using Columns = Eigen::Map<Eigen::MatrixXd>;
+using ConstMatrix = Eigen::Map<const Eigen::MatrixXd>;
 
-ConstVector view(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
-Vector view(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
+Eigen::Index index(std::size_t n) { return static_cast<Eigen::Index>(n); }
+ConstVector view(std::span<const double> x) { return {x.data(), index(x.size())}; }
+Vector view(std::span<double> x) { return {x.data(), index(x.size())}; }
 
 /// Memory of a solve; one per thread.
 struct Krylov {
     std::vector<double> basis, hessenberg, rotation, rhs, y;
-    Eigen::VectorXd along;
 };
 
-}  // namespace
-
-int solve_gmres(std::span<double> u, double accuracy,
-                const std::function<void(std::span<const double>, std::span<double>)>& product)
+/// Solves M u = b by GMRES without restarts; u holds b on entry. @param product  (v, M v)
+/// @param accuracy  of the residual, relative to b. @return iterations taken
+template <class Product>
+int solve_gmres(std::span<double> u, double accuracy, const Product& product)
 {
     thread_local Krylov work;
     const std::size_t m = u.size();
     const double size = view(u).norm();
     if (!(size > 0)) return 0;
-    work.basis.resize((m + 1) * m);
-    work.hessenberg.assign((m + 1) * m, 0.0);  // column k: h[0..k+1] at k (m + 1)
-    work.rotation.resize(2 * m);
-    work.rhs.assign(m + 1, 0.0);
-    work.y.resize(m);
-    const auto vector = [&](std::size_t k) { return std::span(work.basis).subspan(k * m, m); };
-    for (std::size_t i = 0; i < m; ++i) vector(0)[i] = u[i] / size;
+    if (work.basis.size() < (m + 1) * m) {
+        work.basis.resize((m + 1) * m);
+        work.hessenberg.resize((m + 1) * m);  // column k: h[0..k+1] at k (m + 1)
+        work.rotation.resize(2 * m);
+        work.rhs.resize(m + 1);
+        work.y.resize(m);
+    }
+    const auto vector = [&](std::size_t k) { return Vector(&work.basis[k * m], index(m)); };
+    const auto values = [&](std::size_t k) { return std::span(&work.basis[k * m], m); };
+    vector(0) = view(u) / size;
     work.rhs[0] = size;
     std::size_t taken = 0;
-    for (std::size_t k = 0; k < m; ++k) {
-        const std::span<double> next = vector(k + 1);
-        product(vector(k), next);
+    while (taken < m) {
+        const std::size_t k = taken++;
+        product(std::span<const double>(values(k)), values(k + 1));
+        Vector next = vector(k + 1);
         double* const h = &work.hessenberg[k * (m + 1)];
-        const Columns before(work.basis.data(), static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(k + 1));
-        for (int pass = 0; pass < 2; ++pass) {  // twice is enough: orthogonal to rounding
-            work.along.noalias() = before.transpose() * view(next);
-            view(next).noalias() -= before * work.along;
-            for (std::size_t l = 0; l <= k; ++l) h[l] += work.along[static_cast<Eigen::Index>(l)];
+        const double whole = next.norm();
+        for (std::size_t l = 0; l <= k; ++l) {  // modified Gram-Schmidt
+            h[l] = vector(l).dot(next);
+            next -= h[l] * vector(l);
         }
-        h[k + 1] = view(next).norm();
-        const bool last = !(h[k + 1] > 1e-14 * size) || k + 1 == m;
-        if (!last)
-            for (double& x : next) x /= h[k + 1];
+        h[k + 1] = next.norm();
+        const bool last = !(h[k + 1] > 1e-14 * whole);  // nothing new: the solution is in the basis
+        if (!last) next /= h[k + 1];
         for (std::size_t l = 0; l < k; ++l) {
             const double c = work.rotation[2 * l], s = work.rotation[2 * l + 1], a = h[l], b = h[l + 1];
             h[l] = c * a + s * b;
@@ -74,7 +75,6 @@ int solve_gmres(std::span<double> u, double accuracy,
         h[k] = r;
         work.rhs[k + 1] = -s * work.rhs[k];
         work.rhs[k] *= c;
-        taken = k + 1;
         if (last || std::abs(work.rhs[k + 1]) <= accuracy * size) break;
     }
     for (std::size_t k = taken; k-- > 0;) {
@@ -83,74 +83,120 @@ int solve_gmres(std::span<double> u, double accuracy,
         const double pivot = work.hessenberg[k * (m + 1) + k];
         work.y[k] = pivot != 0 ? sum / pivot : 0;
     }
-    std::fill(u.begin(), u.end(), 0.0);
-    for (std::size_t k = 0; k < taken; ++k)
-        for (std::size_t i = 0; i < m; ++i) u[i] += work.y[k] * vector(k)[i];
+    view(u).setZero();
+    for (std::size_t k = 0; k < taken; ++k) view(u) += work.y[k] * vector(k);
     return static_cast<int>(taken);
 }
+
+}  // namespace
+
+// ---- made row by row ----
 
 void Condensed::reset(int size, std::span<const double> compliance)
 {
     SEL_ASSERT(compliance.size() == static_cast<std::size_t>(size) * size);
     size_ = size;
     w_ = compliance;
-    for (auto* columns : {&e, &f, &d}) {
-        columns->resize(std::max(columns->size(), static_cast<std::size_t>(size)));
-        for (Column& column : *columns) column.clear();
+    places_.clear();
+    row_of_.assign(static_cast<std::size_t>(size), -1);
+    for (SparseRows* rows : {&e_transposed, &f, &d}) rows->clear();
+}
+
+void Condensed::begin_row(int place)
+{
+    row_of_[static_cast<std::size_t>(place)] = static_cast<int>(places_.size());
+    places_.push_back(place);
+    for (SparseRows* rows : {&e_transposed, &f, &d}) rows->begin_row();
+}
+
+void Condensed::close()
+{
+    for (SparseRows::Entry& entry : d.entries()) {
+        entry.unknown = row_of_[static_cast<std::size_t>(entry.unknown)];
+        SEL_ASSERT(entry.unknown >= 0);
+    }
+    const std::size_t n = row_count();
+    w_rows_.resize(n * n);
+    for (std::size_t k = 0; k < n; ++k) {
+        const double* from = &w_[static_cast<std::size_t>(places_[k]) * size_];
+        for (std::size_t l = 0; l < n; ++l) w_rows_[k * n + l] = from[places_[l]];
     }
 }
+
+// ---- parts ----
 
 void Condensed::times_w(std::span<const double> v, std::span<double> wv) const
 {
-    // W is symmetric: its rows are its columns
-    const Eigen::Map<const Eigen::MatrixXd> w(w_.data(), size_, size_);
-    view(wv).noalias() = w * view(v);
+    view(wv).setZero();
+    for (std::size_t k = 0; k < v.size(); ++k)  // W is symmetric: its rows are its columns
+        if (v[k] != 0) view(wv) += v[k] * view(w_.subspan(k * v.size(), v.size()));
 }
 
-void Condensed::onto(const std::vector<Column>& rows, std::span<const double> x, std::span<double> out)
+void Condensed::times_w_of_rows(std::span<const double> at_rows, std::span<double> wv) const
 {
-    for (std::size_t k = 0; k < out.size(); ++k) {
-        out[k] = 0;
-        for (const auto& [unknown, value] : rows[k]) out[k] += value * x[unknown];
-    }
+    view(wv).setZero();
+    const std::size_t m = wv.size();
+    for (std::size_t k = 0; k < row_count(); ++k)
+        view(wv) += at_rows[k] * view(w_.subspan(static_cast<std::size_t>(places_[k]) * m, m));
+}
+
+void Condensed::at_rows(std::span<const double> all, std::span<double> rows) const
+{
+    for (std::size_t k = 0; k < row_count(); ++k) rows[k] = all[static_cast<std::size_t>(places_[k])];
+}
+
+void Condensed::solve_rows(std::span<double> u) const
+{
+    thread_local std::vector<double> dv;
+    dv.resize(u.size());
+    const ConstMatrix w(w_rows_.data(), index(u.size()), index(u.size()));
+    solve_gmres(u, own_accuracy, [&](std::span<const double> v, std::span<double> out) {
+        d.times(v, dv);
+        view(out).noalias() = w * view(std::span<const double>(dv));
+        view(out) += view(v);
+    });
 }
 
 void Condensed::solve_own(std::span<double> u) const
 {
-    thread_local std::vector<double> dv;
-    dv.resize(u.size());
-    solve_gmres(u, own_accuracy, [&](std::span<const double> v, std::span<double> out) {
-        onto(d, v, dv);
-        times_w(dv, out);
-        for (std::size_t k = 0; k < out.size(); ++k) out[k] += v[k];
-    });
+    thread_local std::vector<double> rows, force, given;
+    rows.resize(row_count());
+    force.resize(row_count());
+    given.resize(u.size());
+    at_rows(u, rows);
+    solve_rows(rows);
+    d.times(rows, force);
+    times_w_of_rows(force, given);
+    view(u) -= view(std::span<const double>(given));
+    for (std::size_t k = 0; k < row_count(); ++k) u[static_cast<std::size_t>(places_[k])] = rows[k];
 }
+
+// ---- the whole ----
 
 /// y -= E (I + W D)^-1 W (fx)
 void Condensed::take_off(std::span<double> fx, std::span<double> y) const
 {
     std::vector<double> u(fx.size());
-    times_w(fx, u);
-    solve_own(u);
-    for (std::size_t k = 0; k < u.size(); ++k)
-        for (const auto& [unknown, value] : e[k]) y[unknown] -= value * u[k];
+    view(std::span(u)).noalias() = ConstMatrix(w_rows_.data(), index(u.size()), index(u.size())) * view(fx);
+    solve_rows(u);
+    for (double& value : u) value = -value;
+    e_transposed.add_transposed(u, y);
 }
 
 void Condensed::add_product(std::span<const double> x, std::span<double> y) const
 {
     if (empty()) return;
-    std::vector<double> fx(static_cast<std::size_t>(size_));
-    onto(f, x, fx);
+    std::vector<double> fx(row_count());
+    f.times(x, fx);
     take_off(fx, y);
 }
 
 void Condensed::add_column(int j, double x_j, std::span<double> y) const
 {
-    if (empty()) return;
-    std::vector<double> fx(static_cast<std::size_t>(size_));
+    std::vector<double> fx(row_count());
     bool any = false;
     for (std::size_t k = 0; k < fx.size(); ++k)
-        for (const auto& [unknown, value] : f[k])
+        for (const auto& [unknown, value] : f.row(k))
             if (unknown == j) fx[k] += value * x_j, any = true;
     if (any) take_off(fx, y);
 }
@@ -158,36 +204,35 @@ void Condensed::add_column(int j, double x_j, std::span<double> y) const
 int Condensed::solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
                      const std::function<void(std::span<double>)>& band) const
 {
-    thread_local std::vector<double> along, fx, h;
-    const std::size_t m = static_cast<std::size_t>(size_), n = r_to_x.size();
-    for (auto* array : {&fx, &h}) array->resize(m);
-    const auto off_fixed = [&](std::span<double> x) {
+    thread_local std::vector<double> along, fx, dv, u;
+    const std::size_t m = row_count(), n = r_to_x.size();
+    for (auto* array : {&fx, &dv, &u}) array->resize(m);
+    along.resize(n);
+    const ConstMatrix w(w_rows_.data(), index(m), index(m));
+    const auto off_fixed = [&] {
         for (std::size_t i = 0; i < n; ++i)
-            if (fixed[i]) x[i] = 0;
+            if (fixed[i]) along[i] = 0;
     };
     // x of r, and what it does to u
-    along.resize(n);
     band(r_to_x);
     std::copy(r_to_x.begin(), r_to_x.end(), along.begin());
-    off_fixed(along);
-    onto(f, along, fx);
-    std::vector<double> u(m);
-    times_w(fx, u);
+    off_fixed();
+    f.times(along, fx);
+    view(std::span(u)).noalias() = w * view(std::span<const double>(fx));
     const auto spread = [&](std::span<const double> v) {
         std::fill(along.begin(), along.end(), 0.0);
-        for (std::size_t k = 0; k < m; ++k)
-            for (const auto& [unknown, value] : e[k]) along[unknown] += value * v[k];
-        off_fixed(along);
+        e_transposed.add_transposed(v, along);
+        off_fixed();
         band(along);
-        off_fixed(along);
+        off_fixed();
     };
-    const int iterations = solve_gmres(u, direction_accuracy, [&](std::span<const double> v, std::span<double> out) {
+    const int iterations = solve_gmres(u, accuracy, [&](std::span<const double> v, std::span<double> out) {
         spread(v);
-        onto(f, along, fx);
-        onto(d, v, h);
-        for (std::size_t k = 0; k < m; ++k) h[k] -= fx[k];
-        times_w(h, out);
-        for (std::size_t k = 0; k < m; ++k) out[k] += v[k];
+        f.times(along, fx);
+        d.times(v, dv);
+        view(std::span(dv)) -= view(std::span<const double>(fx));
+        view(out).noalias() = w * view(std::span<const double>(dv));
+        view(out) += view(v);
     });
     spread(u);
     for (std::size_t i = 0; i < n; ++i) r_to_x[i] += along[i];

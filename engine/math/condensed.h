@@ -6,11 +6,12 @@
 //     (W^-1 + D) u - F x = 0                   u: the others [m]; W: a dense symmetric compliance, D: a sparse stiffness
 //
 // so that the whole is A = B - E (W^-1 + D)^-1 F. W may be singular: only (I + W D) is ever solved with, by GMRES [Saad86], whose
-// matrix is the identity and a compact rest, which takes few iterations; m of them at most. E = F^T where B and D are symmetric.
+// matrix is the identity and a compact rest, which takes few iterations. E = F^T where B and D are symmetric. Most of the m are
+// only there because they may come to be touched: E, F and D have rows for a few, "the rows", and equations are solved for these.
 //
 // [Saad86] Saad, Schultz: GMRES. SIAM J. Sci. Stat. Comput. 7(3), 1986. doi:10.1137/0907058
 
-#include "math/low_rank.h"
+#include "math/sparse_rows.h"
 
 #include <functional>
 #include <span>
@@ -18,43 +19,54 @@
 
 namespace seldinger {
 
-/// Solves M u = b by GMRES without restarts; u holds b on entry. @param product  (v, M v)
-/// @param accuracy  of the residual, relative to b. @return iterations taken
-int solve_gmres(std::span<double> u, double accuracy,
-                const std::function<void(std::span<const double>, std::span<double>)>& product);
-
 class Condensed {
 public:
-    using Column = LowRank::Column;
+    void clear() { reset(0, {}); }
+    /// Whether nothing joins the m with x.
+    [[nodiscard]] bool empty() const { return places_.empty(); }
+    [[nodiscard]] std::size_t row_count() const { return places_.size(); }
 
-    void clear() { size_ = 0; }
-    [[nodiscard]] bool empty() const { return size_ == 0; }
-    [[nodiscard]] int size() const { return size_; }
-    /// m unknowns; nothing joins them with x yet. @param compliance  W [m][m], row by row; kept as a view
+    // ---- made row by row ----
+    /// m unknowns; no rows yet. @param compliance  W [m][m], row by row; kept as a view
     void reset(int size, std::span<const double> compliance);
+    /// The next row of E^T, F and D, empty, of this one of the m; in rising order.
+    void begin_row(int place);
+    /// @param e_transposed, f  unknowns of the band  @param d  unknowns: places among the m that have rows of their own
+    SparseRows e_transposed, f, d;
+    [[nodiscard]] int place(std::size_t row) const { return places_[row]; }
+    /// All rows are there.
+    void close();
 
-    std::vector<Column> e, f, d;  // [m] columns of E, rows of F (unknowns of the band), rows of D (of the m)
-
+    // ---- the whole, by x alone ----
     /// y -= E (I + W D)^-1 W F x: what the m unknowns take off a product with B.
     void add_product(std::span<const double> x, std::span<double> y) const;
     /// y -= x_j times column j of E (I + W D)^-1 W F
     void add_column(int j, double x_j, std::span<double> y) const;
-    /// u = (I + W D)^-1 b in place
-    void solve_own(std::span<double> u) const;
-
     /// x = A^-1 r in place. @param band  x <- B^-1 x in place  @param fixed  [n] unknowns that are prescribed: E and F have
     /// nothing there. @return iterations of GMRES
     int solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
               const std::function<void(std::span<double>)>& band) const;
+    double accuracy = 1e-3;  // of x: |what is left of the others' equations| over their right side
 
-    // parts, for those who keep the unknowns u
+    // ---- parts, for those who keep u ----
+    /// W v, [m]; v is mostly zeros.
     void times_w(std::span<const double> v, std::span<double> wv) const;
-    static void onto(const std::vector<Column>& rows, std::span<const double> x, std::span<double> out);
+    /// W of something at the rows, [rows] -> [m].
+    void times_w_of_rows(std::span<const double> at_rows, std::span<double> wv) const;
+    /// What of [m] belongs to the rows.
+    void at_rows(std::span<const double> all, std::span<double> rows) const;
+    /// u = (I + W D)^-1 b in place, [rows] and [m].
+    void solve_rows(std::span<double> u) const;
+    void solve_own(std::span<double> u) const;
 
 private:
-    void take_off(std::span<double> wfx_to_u, std::span<double> y) const;
+    void take_off(std::span<double> fx_to_u, std::span<double> y) const;
+
     int size_ = 0;
     std::span<const double> w_;
+    std::vector<int> places_;     // [rows] among the m
+    std::vector<int> row_of_;     // [m] or -1
+    std::vector<double> w_rows_;  // W between rows
 };
 
 }  // namespace seldinger

@@ -25,7 +25,8 @@ constexpr std::string_view trace_header =
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
     "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_"
-    "pa\n";
+    "pa,hand_work_j,outside_work_j,material_j,remesh_j,friction_loss_j,contact_loss_j,wall_work_j,damping_loss_j,scheme_loss_j,"
+    "energy_open_j\n";
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -218,7 +219,7 @@ void Recorder::write_row(const Output& now)
     trace_.append(row +
                   fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
                               csv(tip.z())) +
-                  wall_fields(now));
+                  wall_fields(now) + energy_fields(r.energy) + "\n");
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }
@@ -228,7 +229,15 @@ std::string Recorder::wall_fields(const Output& now)
     const WallReadings w = now.walls.empty() ? WallReadings{} : now.walls[0].readings;
     tally_.wall_move_max = std::max(tally_.wall_move_max, w.move_max);
     tally_.wall_stress_max = std::max(tally_.wall_stress_max, w.stress_max);
-    return fmt::format(",{},{},{},{}\n", csv(w.move_max), csv(w.energy), csv(w.loss), csv(w.stress_max));
+    return fmt::format(",{},{},{},{}", csv(w.move_max), csv(w.energy), csv(w.loss), csv(w.stress_max));
+}
+
+std::string Recorder::energy_fields(const EnergyLedger& e)
+{
+    std::string fields;
+    for (const double v : {e.hand, e.outside, e.material, e.remesh, e.friction, e.contact, e.wall, e.damping, e.scheme, e.open()})
+        fields += "," + csv(v);
+    return fields;
 }
 
 void Recorder::write_wire_frame(const Output& now)

@@ -71,6 +71,16 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("overlap_max_m", tally.overlap_max);
     number.set("outside_max_m", tally.outside_max);
     out["newton_max"] = tally.newton_max;
+    const EnergyLedger& e = r.energy;
+    number.set("hand_work_j", e.hand);
+    number.set("outside_work_j", e.outside);
+    number.set("material_j", e.material);
+    number.set("friction_loss_j", e.friction);
+    number.set("contact_loss_j", e.contact);
+    number.set("wall_work_j", e.wall);
+    number.set("damping_loss_j", e.damping);
+    number.set("scheme_loss_j", e.scheme);
+    number.set("energy_open_j", e.open());
     number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
     number.set("kinetic_j", r.kinetic);
     number.set("elastic_j", r.elastic);

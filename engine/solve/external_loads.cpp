@@ -8,7 +8,6 @@
 
 namespace seldinger {
 
-
 void add_edge_block(BandRows& matrix, int j, const Mat3& k)
 {
     constexpr int centre = BandRows::half_bandwidth, next = RodDofs::per_node;
@@ -160,6 +159,14 @@ void MassDamping::add_to_sum(const TimeScheme& time, const WireUnknowns& q, Vec3
     if (rate_ == 0) return;
     for (int i = 0; i < static_cast<int>(q.trial.size()); ++i)
         if (!RodDofs::is_spin(i)) sum[RodDofs::place(i)] -= rate_ * q.inertia[i] * time.mean_velocity(q, i);
+}
+
+double MassDamping::work(const TimeScheme& time, const WireUnknowns& q) const
+{
+    double work = 0;
+    for (int i = 0; i < static_cast<int>(q.trial.size()) && rate_ != 0; ++i)
+        work += rate_ * q.inertia[i] * time.mean_velocity(q, i) * (q.trial[i] - q.start[i]);
+    return work;
 }
 
 }  // namespace seldinger

@@ -61,6 +61,8 @@ public:
     /// Its part of what multiplies inertia on the diagonal.
     [[nodiscard]] double diagonal_rate(const TimeScheme& time) const { return rate_ * time.damping_rate(); }
     void add_to_sum(const TimeScheme& time, const WireUnknowns& q, Vec3& sum) const;
+    /// What it takes in the step [J].
+    [[nodiscard]] double work(const TimeScheme& time, const WireUnknowns& q) const;
 
 private:
     double rate_ = 0;  // [1/s]

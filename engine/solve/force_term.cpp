@@ -107,6 +107,18 @@ double ForceTerms::work_from_outside(int wire) const
     return sum;
 }
 
+ContactWork ForceTerms::contact_work(int wire) const
+{
+    ContactWork sum;
+    for (const ForceTerm* term : list_) {
+        const ContactWork work = term->contact_work(wire);
+        sum.normal += work.normal;
+        sum.friction += work.friction;
+        sum.rolling += work.rolling;
+    }
+    return sum;
+}
+
 double ForceTerms::feasible_step(int wire) const
 {
     double least = 1;

@@ -48,6 +48,11 @@ struct SystemUnknowns {
 /// took for the steps that follow; Sliding: it slips on the way, and holds where it comes to rest.
 enum class Settling { Off, Stuck, Sliding };
 
+/// Work that contact has done on a wire in a step, relative to what it touches, by its laws [J].
+struct ContactWork {
+    double normal = 0, friction = 0, rolling = 0;
+};
+
 class ForceTerm {
 public:
     virtual ~ForceTerm() = default;
@@ -90,8 +95,8 @@ public:
     [[nodiscard]] virtual double largest_force(int /*wire*/) const { return 0; }
     /// What rounding does to the force on a node at the trial [N], at most: no residual is smaller. 0: nothing that counts.
     [[nodiscard]] virtual double rounding(int /*wire*/) const { return 0; }
-    /// Feasible step length: how much of the straight way from the last state taken to the trial is open, 1: all. A law that never
-    /// overlaps refuses a trial whose way is not.
+    /// Feasible step length: how much of the straight way from the last state taken to the trial is open, 1: all. A law that
+    /// never overlaps refuses a trial whose way is not.
     [[nodiscard]] virtual double feasible_step(int /*wire*/) const { return 1; }
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
@@ -114,6 +119,8 @@ public:
     /// Work done on the wire, from outside of it and of what stored_energy() speaks of, by what moves under the force: a wall,
     /// in the step that was evaluated last [J].
     [[nodiscard]] virtual double work_from_outside(int /*wire*/) const { return 0; }
+    /// In the step that was evaluated last.
+    [[nodiscard]] virtual ContactWork contact_work(int /*wire*/) const { return {}; }
     /// The most energy that it can give back from where it was evaluated last [J].
     [[nodiscard]] virtual double stored_energy(int /*wire*/) const { return 0; }
     /// Whether the law allows no overlap at all, and so no change of nodes that makes one.
@@ -163,6 +170,7 @@ public:
     [[nodiscard]] double rounding(int wire) const;
     [[nodiscard]] double stored_energy(int wire) const;
     [[nodiscard]] double work_from_outside(int wire) const;
+    [[nodiscard]] ContactWork contact_work(int wire) const;
     /// The least.
     [[nodiscard]] double feasible_step(int wire) const;
     [[nodiscard]] double move_limit(int wire) const;

@@ -1,5 +1,5 @@
 #pragma once
-// How the solve of a wire ended.
+// How the solve of a wire ended, and what its step has taken.
 
 namespace seldinger {
 
@@ -12,6 +12,13 @@ struct SolveReport {
     double residual = 0;       // largest force residual left on a free unknown [N]; moments over the mean edge length
     double tolerance = 0;      // that it was compared with [N]: IntegratorSpec::tolerance * force_scale + rounding noise
     double force_scale = 0;    // largest of weight, loads, stretched links, B/L^2 (wire_scales.cpp) [N]
+};
+
+/// Energy of one step by what is not a force from outside [J].
+struct StepLosses {
+    double strain_work = 0;  // elastic force at the end times the move: what backward Euler makes of the change of elastic energy
+    double inertia = 0;      // (1/2) m (v - v_0)^2: what backward Euler takes of the kinetic one
+    double damping = 0;      // by mass and stiffness
 };
 
 }  // namespace seldinger

@@ -67,6 +67,8 @@ public:
     [[nodiscard]] double displacement(int wire, int unknown) const;
     /// Work that what is left on the free unknowns, within the tolerance, did on the wire in the last step [J].
     [[nodiscard]] double residual_work(int wire) const;
+    /// What backward Euler and damping have taken in the last step, see WireProblem.
+    [[nodiscard]] StepLosses losses(int wire) const;
     [[nodiscard]] double elastic_energy(int wire) const;
     [[nodiscard]] double kinetic_energy(int wire) const;
     [[nodiscard]] double potential_energy(int wire) const;  // gravity; loads not included

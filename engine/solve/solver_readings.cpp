@@ -31,6 +31,8 @@ double Solver::residual_work(int wire) const
     return work;
 }
 
+StepLosses Solver::losses(int wire) const { return problem_of(wire).losses(); }
+
 double Solver::elastic_energy(int wire) const
 {
     const WireProblem& problem = problem_of(wire);

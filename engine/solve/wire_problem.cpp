@@ -71,10 +71,11 @@ void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
     set_stiffness_damping(spec);
 }
 
-/// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the geometric
-/// stiffness of stretching). The state at the start of the step has it changed twice: by what was fed since, EA h v/l, which pushes
-/// with tens of newtons until this step has moved the wire on; and by EA phi^2/2 where the edge turned by phi, which no linear
-/// equation has seen and which is gone one step later. As stiffness, the first buckles the base edge and the second holds the wire.
+/// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the
+/// geometric stiffness of stretching). The state at the start of the step has it changed twice: by what was fed since, EA h v/l,
+/// which pushes with tens of newtons until this step has moved the wire on; and by EA phi^2/2 where the edge turned by phi, which
+/// no linear equation has seen and which is gone one step later. As stiffness, the first buckles the base edge and the second
+/// holds the wire.
 double WireProblem::tension_before(int j) const
 {
     const Vec3 now = rod.pos(j + 1) - rod.pos(j);
@@ -190,6 +191,26 @@ void WireProblem::assemble_elastic(HessianMode mode, bool symmetric, BandRows& t
 void WireProblem::add_stiffness_damping(BandRows& tangent) const
 {
     if (damping_stiffness_ > 0) tangent.add_scaled(damping_, damping_stiffness_ * time.damping_rate());
+}
+
+StepLosses WireProblem::losses() const
+{
+    StepLosses losses;
+    thread_local std::vector<double> force;
+    force.assign(static_cast<std::size_t>(size()), 0.0);
+    add_elastic(rod, clamps, frames, force, nullptr, HessianMode::None);
+    for (int i = 0; i < size(); ++i) losses.strain_work += force[i] * (q.trial[i] - q.start[i]);
+    for (int i = 0; i < size(); ++i) {
+        const double change = time.velocity(q, i) - time.start_velocity(i);
+        losses.inertia += 0.5 * q.inertia[i] * change * change;
+    }
+    losses.damping = mass_damping_.work(time, q);
+    if (damping_stiffness_ == 0) return losses;
+    std::vector<double> velocity(force.size());
+    for (int i = 0; i < size(); ++i) velocity[i] = damping_stiffness_ * time.mean_velocity(q, i);
+    damping_.multiply(velocity, force);
+    for (int i = 0; i < size(); ++i) losses.damping += force[i] * (q.trial[i] - q.start[i]);
+    return losses;
 }
 
 Vec3 WireProblem::load_force() const

@@ -3,9 +3,9 @@
 //
 //   R(q) = M a+ + dE/dq + c_m M v+ + c_k K_0 v+ - f_weight - f_loads - f_links - f_terms = 0 on free unknowns
 //
-// v+ and a+: solve/time_scheme.h; loads and links: solve/external_loads.h; f_terms, contact among them: solve/force_term.h. K_0 is
-// the elastic Hessian at the start of the step, projected to be positive semidefinite. On a prescribed unknown R is the force that
-// the hold exerts on the wire. Motion::Explicit: R is minus the force at the start of the step.
+// v+ and a+: solve/time_scheme.h; loads and links: solve/external_loads.h; f_terms, contact among them: solve/force_term.h. K_0
+// is the elastic Hessian at the start of the step, projected to be positive semidefinite. On a prescribed unknown R is the force
+// that the hold exerts on the wire. Motion::Explicit: R is minus the force at the start of the step.
 //
 // An energy-momentum step (IntegratorSpec::conserve) takes the means over the step: dE/dq the discrete gradient between q_0 and q
 // (rod/discrete_gradient.h), the velocity that damping sees (q - q_0)/h. Links are taken at the mean position, force terms at the
@@ -14,6 +14,7 @@
 
 #include "solve/external_loads.h"
 #include "solve/mixed_tension.h"
+#include "solve/solve_report.h"
 #include "solve/step_kind.h"
 #include "solve/time_scheme.h"
 #include "solve/wire_constraints.h"
@@ -90,6 +91,8 @@ public:
     /// M a = -R, 0 where prescribed, into the wire's arrays.
     void set_acceleration_from_residual();
 
+    /// Of the step from the start to the trial.
+    [[nodiscard]] StepLosses losses() const;
     /// Dead forces, links and damping by mass on the whole wire, as R has taken them [N].
     [[nodiscard]] Vec3 load_force() const;
     [[nodiscard]] int size() const { return RodDofs::count(rod.n); }

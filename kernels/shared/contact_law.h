@@ -148,6 +148,7 @@ SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old,
     load.force = c->m.weight * (par.known == SEL_KNOWN_LINEAR ? elastic_normal(contact.depth, c->m, &ignored) : per_metre);
     load.slope = c->m.weight * slope;
     add_normal(contact, load, out);
+    out->normal_work += load.force * dot3(contact.normal, c->mv.move);
     const real pushed = load.force * size;  // |fn g|: between two facets the gradient g is a little shorter than 1
     now->flags |= SEL_CONTACT_ACTIVE;
     now->normal_force = pushed;

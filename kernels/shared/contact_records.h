@@ -25,6 +25,7 @@ SEL_FN ContactForce no_force(QuadratureModel m)
     for (int k = 0; k < 3; ++k) none.couple[k] = none.sym_tw[k] = 0;
     none.depth = -(m.radius + m.reach);
     none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
+    none.normal_work = none.friction_work = none.rolling_work = 0;
     none.flags = 0;
     none.contacts = 0;
     return none;

@@ -113,6 +113,7 @@ typedef struct ContactForce {
     real skew_wx[9];                                          // -d(couple)/d(x, y, z), as `skew`
     real depth;                                               // deepest overlap, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, rolling_sum;  // magnitudes [N], [N m]
+    real normal_work, friction_work, rolling_work;            // on the wire, over the step [J]
     real length;                                              // metres of wire in contact
     uint flags;                                               // SEL_FORCE_*
     uint contacts;
@@ -131,6 +132,7 @@ typedef struct EdgeForce {
     real u_aa[9], u_ab[9], u_ba[9], u_bb[9];
     real ut_a[3], ut_b[3];  // row theta against x_a, x_b
     real depth, normal_sum, friction_sum, sliding_sum, rolling_sum, length;
+    real normal_work, friction_work, rolling_work;
     uint flags, contacts;
 } EdgeForce;
 

@@ -40,6 +40,7 @@ SEL_FN EdgeForce no_edge_force(void)
     none.torque = none.s_tt = 0;
     none.depth = (real)-1e30;
     none.normal_sum = none.friction_sum = none.sliding_sum = none.rolling_sum = none.length = 0;
+    none.normal_work = none.friction_work = none.rolling_work = 0;
     none.flags = none.contacts = 0;
     return none;
 }
@@ -97,6 +98,9 @@ SEL_FN EdgeForce reduce_edge(SEL_GLOBAL const ContactForce* forces, SEL_GLOBAL c
         out.friction_sum += f.friction_sum;
         out.sliding_sum += f.sliding_sum;
         out.rolling_sum += f.rolling_sum;
+        out.normal_work += f.normal_work;
+        out.friction_work += f.friction_work;
+        out.rolling_work += f.rolling_work;
         out.length += f.length;
         out.contacts += f.contacts;
     }

@@ -190,6 +190,7 @@ SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, 
         f = f + law.across * (move - ahead * d) + ((size > 0 ? law.along : law.across) * ahead) * d;
     }
     exert(out, f, slip_row(f, n, radius, c->mv));
+    out->friction_work += dot3(f, move);
     const SlipRow row = slip_row(d, n, radius, c->mv);
     if (!lagged) {
         add_slip(out, size > 0 ? law.along : law.across, row);

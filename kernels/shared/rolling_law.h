@@ -46,6 +46,7 @@ SEL_FN void add_rolling(vec3 g, Footprint foot, NormalLoad load, CarriedState ca
     }
     now->roll = sign * moment / k;
     now->moment = -sign * moment;
+    out->rolling_work -= sign * moment * mv.spin;
     out->rolling_sum += moment;
 }
 

@@ -40,18 +40,21 @@ struct Coupled {
             for (int l = 0; l < m; ++l) w[static_cast<std::size_t>(k * m + l)] = compliance(k, l);
         Condensed& beside = solver.condensed;
         beside.reset(m, w);
+        beside.accuracy = 1e-9;
         for (int k = 0; k < m; ++k) {
+            beside.begin_row(k);
             for (int c = 0; c < 2; ++c) {
                 const int at = (5 * k + 3 * c) % size;
                 const double value = number(random), other = symmetric ? value : number(random);
                 e(at, k) += value;
                 f(k, at) += other;
-                beside.e[k].push_back({at, value});
-                beside.f[k].push_back({at, other});
+                beside.e_transposed.add(at, value);
+                beside.f.add(at, other);
             }
             d(k, k) = 1 + std::abs(number(random));
-            beside.d[k].push_back({k, d(k, k)});
+            beside.d.add(k, d(k, k));
         }
+        beside.close();
         // W (D u - F x) + u = 0
         whole = Eigen::MatrixXd::Zero(size + m, size + m);
         whole << b, -e, -compliance * f, Eigen::MatrixXd::Identity(m, m) + compliance * d;
@@ -120,10 +123,10 @@ TEST_CASE("a singular compliance is no matter")
     const std::vector<double> w{1, 1, 1, 1};
     solver.condensed.reset(2, w);
     for (int k = 0; k < 2; ++k) {
-        solver.condensed.e[k].push_back({k, 1.0});
-        solver.condensed.f[k].push_back({k, 1.0});
-        solver.condensed.d[k].push_back({k, 1.0});
+        solver.condensed.begin_row(k);
+        for (SparseRows* rows : {&solver.condensed.e_transposed, &solver.condensed.f, &solver.condensed.d}) rows->add(k, 1.0);
     }
+    solver.condensed.close();
     CHECK(solver.factor_symmetric() == 0);
     std::vector<double> x{1, 0, 0, 1};
     solver.solve(x);
