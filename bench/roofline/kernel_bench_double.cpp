@@ -18,7 +18,7 @@ BenchWall make_bench_wall(device::Context& context)
     spec.triangles = 30000;
     const WallMesh mesh = make_tube(spec).mesh;
     const WallTree tree = build_wall_tree(mesh);
-    const DeviceWall on_device(context, tree, mesh, 0);
+    const DeviceWall on_device(context, tree, mesh);
     wall.triangles = tree.triangle_count();
     wall.nodes.resize(tree.nodes.size() * sizeof(TreeNode));
     std::memcpy(wall.nodes.data(), tree.nodes.data(), wall.nodes.size());

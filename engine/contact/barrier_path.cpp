@@ -10,10 +10,10 @@
 
 namespace seldinger {
 
-BarrierPath::BarrierPath(device::Context& context, const DeviceWall& wall, const QuadratureSet& points, int node_capacity)
+BarrierPath::BarrierPath(device::Context& context, const QuadratureSet& points, int node_capacity)
     : context_(context),
-      clearance_(context, programs::barrier, "contact_clearance", device::Items::Branching, wall.defines()),
-      sweep_(context, programs::barrier, "contact_sweep", device::Items::Branching, wall.defines()),
+      clearance_(context, programs::barrier, "contact_clearance", device::Items::Branching),
+      sweep_(context, programs::barrier, "contact_sweep", device::Items::Branching),
       base_(context, node_capacity),
       result_buffer_(context, points.models.size() * sizeof(real)),
       result_(points.models.size()),

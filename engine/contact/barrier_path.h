@@ -10,7 +10,7 @@ namespace seldinger {
 
 class BarrierPath {
 public:
-    BarrierPath(device::Context& context, const DeviceWall& wall, const QuadratureSet& points, int node_capacity);
+    BarrierPath(device::Context& context, const QuadratureSet& points, int node_capacity);
 
     /// Start of a step, candidates and `list` of the start known: sets QuadraturePlace::radius_reduction, which the caller
     /// uploads.

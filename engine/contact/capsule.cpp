@@ -31,25 +31,16 @@ NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree
     return {slack, slack + (law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0), (high - low).norm() + 1};
 }
 
-QuadratureSet quadrature_of(const ContactSetup& setup)
-{
-    QuadratureSet set = make_quadrature(setup.wires, setup.contacts, setup.wall);
-    for (std::size_t w = 0; w < set.wires.size(); ++w)
-        for (int k = 0; k < set.wires[w].capacity; ++k)
-            set.places[set.wires[w].begin + k].system = static_cast<uint>(setup.system_of(w));
-    return set;
-}
-
 }  // namespace
 
 CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : ContactMethod(context, setup, rods, tree),
       swept_(setup.method().detection == Detection::Swept),
-      quadrature_(quadrature_of(setup)),
+      quadrature_(make_quadrature(setup.wires, setup.contacts, setup.wall)),
       states_(context, quadrature_),
       near_(context, quadrature_, wall_, nodes_, states_, near_lengths(quadrature_, tree, kernel_law(setup.method().normal))),
       active_(context, quadrature_, sums_, rods.total_capacity()),
-      evaluation_(context, wall_, quadrature_.models.size())
+      evaluation_(context, quadrature_.models.size())
 {
     params_.friction = static_cast<uint>(setup.method().friction);
     params_.normal_law = kernel_law(setup.method().normal);
@@ -57,7 +48,7 @@ CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& set
     params_.smooth_speed = 1e-3;  // usual in regularised laws; creeps at mu_sliding * this / 2 under half the cone
     params_.slots = near_.slots();
     set_limits();
-    if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, wall_, quadrature_, rods.total_capacity());
+    if (params_.normal_law == SEL_NORMAL_BARRIER) barrier_.emplace(context, quadrature_, rods.total_capacity());
     else if (params_.normal_law != SEL_NORMAL_DAMPED) multipliers_.emplace(context, quadrature_.total());
     warm_up();
 }
@@ -243,7 +234,6 @@ void CapsuleContact::commit(std::span<const std::uint8_t> active)
 {
     if (barrier_) barrier_->commit(quadrature_, active);
     states_.commit(active);
-    accept_wall(active);
 }
 
 void CapsuleContact::save(std::vector<std::uint8_t>& bytes)

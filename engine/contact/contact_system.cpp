@@ -2,7 +2,6 @@
 
 #include "contact/contact_system.h"
 
-#include "core/check.h"
 #include "core/parallel.h"
 
 namespace seldinger {
@@ -10,25 +9,11 @@ namespace seldinger {
 ContactMethod::ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : context_(context),
       rods_(rods),
-      wall_(context, tree, setup.wall.mesh, setup.wall_moves ? setup.system_count() : 0),
+      wall_(context, tree, setup.wall.mesh),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity())
 {
-    if (setup.wall_moves) moving_wall_.emplace(context, wall_, tree, setup.wall.mesh);
     if (setup.known_velocities) nodes_known_.emplace(context, rods.total_capacity());
-    for (int w = 0; w < rods.wire_count(); ++w) system_.push_back(setup.system_of(w));
-}
-
-void ContactMethod::move_wall(int system, std::span<const Vec3> displacement)
-{
-    SEL_ASSERT(moving_wall_);
-    moving_wall_->move(system, displacement);
-}
-
-void ContactMethod::accept_wall(std::span<const std::uint8_t> active)
-{
-    for (std::size_t w = 0; moving_wall_ && w < active.size(); ++w)
-        if (active[w]) moving_wall_->accept(system_[w]);
 }
 
 void ContactMethod::set_nodes(DeviceNodes& nodes, const TrialState& state) const

@@ -10,7 +10,6 @@
 #include "contact/contact_setup.h"
 #include "contact/device_views.h"
 #include "contact/edge_sums.h"
-#include "contact/moving_wall.h"
 #include "contact/quadrature.h"
 #include "core/stage_times.h"
 #include "device/device.h"
@@ -33,10 +32,6 @@ public:
     void commit(std::span<const std::uint8_t> active) override = 0;
     void evaluate_start(const TrialState& start, const TrialState& before, double h, bool linearised,
                         std::span<const std::uint8_t> active) final;
-    /// Where the wall of a system is at the end of the step to come, as displacement of the mesh's vertices [m]. Asked of contact
-    /// that was set up for a wall that moves; commit() makes it where the next step starts. A move must be small against the
-    /// wire's radius: nothing looks for what the wall passes on its way.
-    void move_wall(int system, std::span<const Vec3> displacement);
     void set_settling(Settling how) final
     {
         params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
@@ -79,16 +74,12 @@ protected:
     /// Where a trial's moves begin: the start of the step, or what stands before it.
     [[nodiscard]] const DeviceNodes& nodes_before() const { return params_.known ? *nodes_known_ : nodes_t0_; }
     void set_nodes(DeviceNodes& nodes, const TrialState& state) const;
-    /// The wall of systems in which a wire took the step is accepted where it is.
-    void accept_wall(std::span<const std::uint8_t> active);
     /// Positions that an evaluation needs.
     void upload_nodes(device::Queue queue);
 
     device::Context& context_;
     RodArrays& rods_;
     DeviceWall wall_;
-    std::optional<MovingWall> moving_wall_;
-    std::vector<int> system_;                 // [wires]
     DeviceNodes nodes_, nodes_t0_;            // at the trial, at the start of the step
     std::optional<DeviceNodes> nodes_known_;  // see evaluate_start; schemes that start from known velocities only
     ContactParams params_{};

@@ -31,28 +31,17 @@ std::vector<std::uint32_t> boundary_bits(const WallTree& tree, const WallMesh& m
 
 }  // namespace
 
-DeviceWall::DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh, int moving_systems)
-    : nodes(context, std::max(moving_systems, 1) * tree.nodes.size() * sizeof(TreeNode)),
-      vertices(context, std::max(moving_systems, 1) * tree.vertices.size() * sizeof(float)),
+DeviceWall::DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh)
+    : nodes(context, tree.nodes.size() * sizeof(TreeNode)),
+      vertices(context, tree.vertices.size() * sizeof(float)),
       boundary(context, tree.triangle_count() * sizeof(std::uint32_t)),
-      path(moving_systems, 0.0),
       centre(tree.centre),
-      original(tree.original),
-      node_count(static_cast<std::uint32_t>(tree.nodes.size())),
-      triangle_count(static_cast<std::uint32_t>(tree.triangle_count()))
+      original(tree.original)
 {
     const std::vector<std::uint32_t> bits = boundary_bits(tree, mesh);
     const device::Queue queue = device::Queue::Inline;
-    const std::size_t tree_bytes = tree.nodes.size() * sizeof(TreeNode), vertex_bytes = tree.vertices.size() * sizeof(float);
-    if (moves()) {
-        vertices_t0 = device::Buffer(context, moving_systems * vertex_bytes);
-        moved = device::Buffer(context, moving_systems * device_size<double>(context));
-    }
-    for (int system = 0; system < std::max(moving_systems, 1); ++system) {
-        context.write(queue, nodes, tree.nodes.data(), tree_bytes, system * tree_bytes);
-        context.write(queue, vertices, tree.vertices.data(), vertex_bytes, system * vertex_bytes);
-        if (moves()) context.write(queue, vertices_t0, tree.vertices.data(), vertex_bytes, system * vertex_bytes);
-    }
+    context.write(queue, nodes, tree.nodes.data(), tree.nodes.size() * sizeof(TreeNode));
+    context.write(queue, vertices, tree.vertices.data(), tree.vertices.size() * sizeof(float));
     context.write(queue, boundary, bits.data(), bits.size() * sizeof(std::uint32_t));
     context.finish(queue);
 }

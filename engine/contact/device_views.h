@@ -11,33 +11,18 @@
 
 namespace seldinger {
 
-/// The wall, shared by all detection methods. One that moves is there once for each system.
+/// The wall, shared by all detection methods.
 struct DeviceWall {
-    /// @param moving_systems  that have a wall of their own; 0: one wall, which stands still
-    DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh, int moving_systems);
+    DeviceWall(device::Context& context, const WallTree& tree, const WallMesh& mesh);
     device::Buffer nodes, vertices, boundary;
-    device::Buffer vertices_t0, moved;    // of a wall that moves; kernels/shared/views.h
-    std::vector<double> path;             // [systems] what `moved` says [m]
     Vec3 centre;                          // world position of the device's origin [m]
     std::vector<std::uint32_t> original;  // leaf order -> triangle of the mesh
-    std::uint32_t node_count, triangle_count;
-
-    [[nodiscard]] bool moves() const { return !path.empty(); }
-    /// Path of the vertex of a system's wall that has gone farthest, at most [m].
-    [[nodiscard]] double moved_by(int system) const { return path.empty() ? 0.0 : path[system]; }
-    /// What kernels that read it are built with.
-    [[nodiscard]] const char* defines() const { return moves() ? " -DSEL_WALL_MOVES" : ""; }
     template <class F>
     void for_each_argument(const F& f) const
     {
         f(nodes);
         f(vertices);
         f(boundary);
-        if (!moves()) return;
-        f(vertices_t0);
-        f(moved);
-        f(node_count);
-        f(triangle_count);
     }
 };
 

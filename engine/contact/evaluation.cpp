@@ -9,10 +9,10 @@
 
 namespace seldinger {
 
-Evaluation::Evaluation(device::Context& context, const DeviceWall& wall, std::size_t points)
+Evaluation::Evaluation(device::Context& context, std::size_t points)
     : context_(context),
-      evaluate_(context, programs::quadrature, "contact_evaluate", device::Items::Branching, wall.defines()),
-      reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching, wall.defines()),
+      evaluate_(context, programs::quadrature, "contact_evaluate", device::Items::Branching),
+      reduce_(context, programs::quadrature, "contact_reduce", device::Items::Branching),
       forces_(context, points * device_size<ContactForce>(context)),
       barys_(context, points * device_size<double>(context)),
       no_multipliers_(context, sizeof(MultiplierState))

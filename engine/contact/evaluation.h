@@ -8,7 +8,7 @@ namespace seldinger {
 
 class Evaluation {
 public:
-    Evaluation(device::Context& context, const DeviceWall& wall, std::size_t points);
+    Evaluation(device::Context& context, std::size_t points);
 
     /// Forces of the first par.item_count listed points; 0: the kernel is launched with nothing to do. before: nodes where the
     /// moves of the step begin; multipliers: [points][2] or nullptr

@@ -17,10 +17,6 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
         throw Error(ExitCode::BadScene,
                     "contact.precision: float32 is there for detection \"swept\", \"capsule\" and \"nodes\" with normal "
                     "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
-    if (setup.wall_moves && contact.detection == Detection::Layer)
-        throw Error(ExitCode::BadScene,
-                    "contact.detection: \"layer\" takes the wall as standing still; use \"swept\", \"capsule\" or \"nodes\" "
-                    "where it moves");
     switch (contact.detection) {
         case Detection::Swept:
         case Detection::Capsule:

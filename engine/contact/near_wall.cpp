@@ -30,8 +30,8 @@ NearWall::NearWall(device::Context& context, const QuadratureSet& points, const 
       states_(states),
       lengths_(lengths),
       slots_(first_slots),
-      find_(context, programs::quadrature, "contact_find", device::Items::Branching, wall.defines()),
-      distance_(context, programs::quadrature, "contact_distance", device::Items::Branching, wall.defines())
+      find_(context, programs::quadrature, "contact_find", device::Items::Branching),
+      distance_(context, programs::quadrature, "contact_distance", device::Items::Branching)
 {
     const std::size_t n = points.models.size();
     at_.resize(n);
@@ -129,11 +129,9 @@ bool NearWall::mark(bool all)
 void NearWall::mark_stale(int w, bool all)
 {
     const WireQuadrature& wire = quadrature_.wires[w];
-    const double moved = this->moved(wire.begin);
     stale_count_[w] = 0;
     for (int s = wire.begin; s < wire.begin + wire.live; ++s) {
-        const double keep = keep_[s] - moved;
-        if (all || keep < 0 || !((position(s) - at_[s]).squaredNorm() <= keep * keep))
+        if (all || keep_[s] < 0 || !((position(s) - at_[s]).squaredNorm() <= keep_[s] * keep_[s]))
             stale_[wire.begin + stale_count_[w]++] = static_cast<std::uint32_t>(s);
     }
     if (!all) take_spheres(w);
@@ -144,14 +142,13 @@ void NearWall::take_spheres(int w)
 {
     const WireQuadrature& wire = quadrature_.wires[w];
     std::uint32_t* const stale = stale_.data() + wire.begin;
-    const double moved = this->moved(wire.begin);
     const auto covered = [&](int s, int neighbour) {
         if (neighbour < wire.begin || neighbour >= wire.begin + wire.live || !(clear_[neighbour] > 0)) return false;
-        const double keep = clear_[neighbour] - moved - need(s);
+        const double keep = clear_[neighbour] - need(s);
         if (!((position(s) - at_[neighbour]).squaredNorm() <= keep * keep) || keep < 0) return false;
         at_[s] = at_[neighbour];
         clear_[s] = clear_[neighbour];
-        keep_[s] = keep + moved;
+        keep_[s] = keep;
         counts_[s] = 0;
         return true;
     };
@@ -188,8 +185,8 @@ void NearWall::probe(int stride)
         const double clear = distances_[i] - 1e-3 * quadrature_.models[s].radius;  // rounding is far below that
         if (clear < need(s) + lengths_.slack) continue;
         at_[s] = position(s);
-        clear_[s] = clear + moved(s);
-        keep_[s] = clear - need(s) + moved(s);
+        clear_[s] = clear;
+        keep_[s] = clear - need(s);
         counts_[s] = 0;
     }
     for_each_item(static_cast<int>(quadrature_.wires.size()), wire_grain, [&](int w) { take_spheres(w); });
@@ -208,7 +205,7 @@ bool NearWall::find_listed(const ContactParams& params)
             to_find_.push_back(s);
             at_[s] = position(static_cast<int>(s));
             clear_[s] = 0;
-            keep_[s] = lengths_.slack * (0.5 + 0.5 * ((k * 7) % 16) / 16.0) + moved(static_cast<int>(s));
+            keep_[s] = lengths_.slack * (0.5 + 0.5 * ((k * 7) % 16) / 16.0);
         }
     }
     if (to_find_.empty()) return true;

@@ -47,7 +47,6 @@ private:
     void launch_distance(device::Queue at, std::size_t items);
     [[nodiscard]] device::Queue upload_list();
     [[nodiscard]] Vec3 position(int point) const;  // relative to the wall's centre
-    [[nodiscard]] double moved(int point) const { return wall_.moved_by(static_cast<int>(quadrature_.places[point].system)); }
     [[nodiscard]] double need(int point) const
     {
         return quadrature_.models[point].radius + quadrature_.models[point].reach + lengths_.margin - lengths_.slack;
@@ -60,7 +59,6 @@ private:
     const PointStates& states_;
     Lengths lengths_;
     uint slots_;
-    // Lengths are kept with the wall's path added (WallState::moved), and read with it taken off.
     // What is known holds while the quadrature point is within keep_ of at_: either its BVH nodes, counts_ > 0; or, clear_ > 0,
     // that no wall is within clear_ of at_, which serves for the neighbours too.
     std::vector<Vec3> at_;                // [points] NaN: nothing is known

@@ -336,27 +336,4 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     return tree;
 }
 
-void refit_wall_tree(WallTree& tree, const WallMesh& moved)
-{
-    SEL_ASSERT(moved.triangles.size() == tree.triangle_count());
-    for (std::size_t k = 0; k < tree.triangle_count(); ++k) write_triangle(tree, moved, k);
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children stand behind their parents
-        TreeNode& node = tree.nodes[i];
-        Box box;
-        auto add = [&](const float* lo, const float* hi) {
-            box.add(Lane4(lo[0], lo[1], lo[2], 0), Lane4(hi[0], hi[1], hi[2], 0));
-        };
-        if (node.count == 0) {
-            for (std::uint32_t c = 0; c < 2; ++c)
-                add(tree.nodes[node.left_or_first + c].lo, tree.nodes[node.left_or_first + c].hi);
-        } else {
-            for (std::size_t p = 3 * std::size_t{node.left_or_first};
-                 p < 3 * std::size_t{node.left_or_first + SEL_LEAF_TRIANGLES(node.count)}; ++p)
-                add(&tree.vertices[3 * p], &tree.vertices[3 * p]);
-        }
-        box.store(node);
-        if (node.count > 0) set_slab(tree, node);
-    }
-}
-
 }  // namespace seldinger

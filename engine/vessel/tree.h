@@ -19,7 +19,7 @@ namespace seldinger {
 struct WallTree {
     Vec3 centre = Vec3::Zero();           // world position of the arrays' origin [m]
     std::vector<TreeNode> nodes;          // root first, children behind their parent; empty without triangles
-    std::vector<float> vertices;          // [9 T] leaf order, relative to the centre [m]; written by build and refit
+    std::vector<float> vertices;          // [9 T] leaf order, relative to the centre [m]
     std::vector<float> normals;           // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
     std::vector<std::uint32_t> original;  // [T] leaf order -> index in WallMesh::triangles
     std::vector<std::uint8_t> edge_bits;  // [T] leaf order, SEL_EDGE_IS_OPENING
@@ -36,10 +36,6 @@ struct WallTree {
 
 /// O(T log T). `threads`: 0 uses two when the mesh is large enough to repay them.
 [[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, int threads = 0);
-
-/// Moves the wall: new vertex positions, same triangles. Updates vertices, normals and boxes bottom-up in O(T), leaving
-/// the tree's shape as it was; build again when the wall has moved by more than a few triangles' length.
-void refit_wall_tree(WallTree& tree, const WallMesh& moved);
 
 struct TreeHit {
     double distance2 = std::numeric_limits<double>::infinity();  // [m^2]

@@ -20,7 +20,7 @@ SEL_KERNEL void contact_clearance(const ContactParams par, __global const uint* 
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        const NearWallView near = near_wall_view(SEL_WALL(places[s].system), near_nodes + (ulong)s * par.slots, counts[s]);
+        const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
         gaps[item] = gap_of_point(point_view(s, models[s], places[s], near), par, SEL_NODES(node), states_t0);
     }
 }
@@ -37,7 +37,7 @@ SEL_KERNEL void contact_sweep(const ContactParams par, __global const uint* rest
     if (item < par.item_count) {
         const uint s = list[item];
         const QuadraturePlace place = places[s];
-        const NearWallView near = near_wall_view(SEL_WALL(place.system), near_nodes + (ulong)s * par.slots, counts[s]);
+        const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
         free_way[item] = sweep_point(axis_point(place.edge, place.bary, SEL_NODES(base)),
                                      axis_point(place.edge, place.bary, SEL_NODES(node)),
                                      models[s].radius - place.radius_reduction, near);

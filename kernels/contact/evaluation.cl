@@ -43,7 +43,7 @@ SEL_KERNEL void contact_evaluate(
             ahead(models + then, sizeof(QuadratureModel));
             ahead(forces + item + SEL_AHEAD, sizeof(ContactForce));
         }
-        const NearWallView near = near_wall_view(SEL_WALL(places[s].system), near_nodes + (ulong)s * par.slots, counts[s]);
+        const NearWallView near = near_wall_view(SEL_WALL, near_nodes + (ulong)s * par.slots, counts[s]);
         const PointView point = point_view(s, models[s], places[s], near);
         write_force(contact_force(point, par, SEL_NODES(node), SEL_NODES(node_t0), state_view(states_t0, states, multipliers),
                                   clearances + s),

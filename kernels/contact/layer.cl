@@ -17,7 +17,7 @@ SEL_KERNEL void layer_find(const ContactParams par, __global const LayerEdge* re
 {
     const uint item = get_global_id(0);
     if (item < par.item_count)
-        counts[item] = find_pairs(edges[item], SEL_NODES(node), SEL_WALL(0), par.slots, candidates + (ulong)item * par.slots,
+        counts[item] = find_pairs(edges[item], SEL_NODES(node), SEL_WALL, par.slots, candidates + (ulong)item * par.slots,
                                   touching + item);
 }
 

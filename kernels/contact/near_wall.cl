@@ -21,13 +21,13 @@ SEL_KERNEL void contact_find(const ContactParams par, const real slack, __global
     const uint item = get_global_id(0);
     if (item < par.item_count) {
         const uint s = list[item];
-        const WallView wall = SEL_WALL(places[s].system);
+        const WallView wall = SEL_WALL;
         const AxisPoint at = axis_point(places[s].edge, places[s].bary, SEL_NODES(node));
         const real radius = models[s].radius, range = radius + models[s].reach + slack;
         const uint count = find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, wall, par.slots,
                                            near_nodes + (ulong)s * par.slots);
         counts[s] = found[item] = count;
-        clearances[s] = found_clearance(at.origin + at.offset, range, slack, radius, count, wall_moved(wall));
+        clearances[s] = found_clearance(at.origin + at.offset, range, slack, radius, count);
     }
 }
 
@@ -42,6 +42,6 @@ SEL_KERNEL void contact_distance(const uint item_count, const real most, __globa
     if (item < item_count) {
         const QuadraturePlace place = places[list[item]];
         const AxisPoint at = axis_point(place.edge, place.bary, SEL_NODES(node));
-        distances[item] = wall_distance(at.origin + at.offset, most, SEL_WALL(place.system));
+        distances[item] = wall_distance(at.origin + at.offset, most, SEL_WALL);
     }
 }

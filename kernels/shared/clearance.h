@@ -27,14 +27,14 @@ SEL_FN real distance_from(vec3 p, const real* at)
 }
 
 // What contact_find knows: the list, and that it is empty only if nothing is within `range`.
-SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count, real moved)
+SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count)
 {
     Clearance known;
     known.list_at[0] = known.at[0] = p.x;
     known.list_at[1] = known.at[1] = p.y;
     known.list_at[2] = known.at[2] = p.z;
-    known.range = range + moved;
-    known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius + moved;
+    known.range = range;
+    known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius;
     return known;
 }
 
@@ -55,18 +55,17 @@ SEL_FN real near_distance(AxisPoint at, real most, NearWallView near)
 SEL_FN int is_clear_of_wall(AxisPoint at, QuadratureModel m, NearWallView near, SEL_GLOBAL Clearance* clearance)
 {
     Clearance known = *clearance;
-    const real moved = wall_moved(near.wall);
     const vec3 p = at.origin + at.offset;
-    if (distance_from(p, known.at) < known.clear - moved) return 1;
+    if (distance_from(p, known.at) < known.clear) return 1;
     const real margin = SEL_CLEARANCE_MARGIN * m.radius, touching = m.radius + m.reach + margin;
-    const real listed = known.range - distance_from(p, known.list_at) - margin - moved;
+    const real listed = known.range - distance_from(p, known.list_at) - margin;
     if (!(listed > touching)) return 0;
     const real distance = near_distance(at, listed, near);
     if (!(distance > touching)) return 0;
     known.at[0] = p.x;
     known.at[1] = p.y;
     known.at[2] = p.z;
-    known.clear = distance - touching + moved;
+    known.clear = distance - touching;
     *clearance = known;
     return 1;
 }

@@ -27,9 +27,6 @@ typedef struct ContactPoint {
     real hessian[6];  // d2(depth)/dp2 of the smooth maximum: xx xy xz yy yz zz [1/m]
     uint triangle;
     int found, outside;
-#ifdef SEL_WALL_MOVES
-    vec3 wall_move;  // of the wall's own point over the step [m]
-#endif
 } ContactPoint;
 
 // The ball round a point of the axis that asks for contact.
@@ -92,9 +89,6 @@ SEL_FN ContactPoint no_contact_point(real reach)
     contact.triangle = 0;
     contact.depth = -reach;
     for (int k = 0; k < 6; ++k) contact.hessian[k] = 0;
-#ifdef SEL_WALL_MOVES
-    contact.wall_move = make_vec3(0, 0, 0);
-#endif
     return contact;
 }
 

@@ -125,13 +125,8 @@ SEL_FN Footprint footprint(real depth, real per_metre, real slope, const LawCont
 
 // One contact point of one quadrature point: normal law, friction, rolling. `old` is its state at the start of the step.
 SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old, MultiplierState multiplier,
-                              const LawContext* context, ContactState* now, ContactForce* out)
+                              const LawContext* c, ContactState* now, ContactForce* out)
 {
-    LawContext own = *context;
-    const LawContext* c = &own;
-#ifdef SEL_WALL_MOVES
-    own.mv.move = relative_move(own.mv.move, contact.wall_move);
-#endif
     const ContactParams par = c->par;
     const real size = sqrt(dot3(contact.normal, contact.normal));
     const vec3 n = size > 0 ? (1 / size) * contact.normal : contact.normal;
@@ -160,7 +155,7 @@ SEL_FN void add_contact_point(ContactPoint contact, vec3 axis, ContactState old,
     carried.old = old;
     carried.was_active = !closing.fresh && (old.flags & SEL_CONTACT_ACTIVE);
     if (par.normal_law == SEL_NORMAL_CONSTRAINT && multiplier.live) {
-        LawContext anchored = own;
+        LawContext anchored = *c;
         anchored.m.friction_stiffness = SEL_TANGENTIAL * multiplier.stiffness;
         NormalLoad all = held;
         all.force = pushed;

@@ -7,7 +7,6 @@
 #include "shared/contact_records.h"
 #include "shared/opposite_wall.h"
 #include "shared/point_motion.h"
-#include "shared/wall_motion.h"
 
 SEL_BEGIN
 
@@ -125,8 +124,6 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
     ContactPointPair touching = contact_points_of(ball, point.near, &was);
     if (touching.first.found) {
-        take_wall_motion(&touching.first, ball, point.near.wall);
-        take_wall_motion(&touching.second, ball, point.near.wall);
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
         const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;
         const MultiplierState ma = plain ? no_multiplier() : view.multipliers[2 * s],

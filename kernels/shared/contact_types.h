@@ -62,7 +62,7 @@ typedef struct QuadraturePlace {
     real bary;     // position = (1 - bary) node[edge] + bary node[edge + 1]
     real bary_t0;
     uint epoch;             // of this step for the quadrature point's wire; what the last one wrote has epoch - 1
-    uint system;            // whose wall it meets
+    uint pad;
     real radius_reduction;  // barrier: by how much the wire is taken to be thinner, see barrier_start [m]
 } QuadraturePlace;
 #define SEL_NO_EDGE 0xffffffffu

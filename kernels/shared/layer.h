@@ -269,7 +269,7 @@ SEL_FN ContactForce evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par
         place.edge = place.edge_t0 = e.node;
         place.bary = place.bary_t0 = *bary;
         place.epoch = e.epoch;
-        place.system = 0;
+        place.pad = 0;
         place.radius_reduction = 0;
         AxisPoint at = start;
         at.offset = start.offset + *bary * start.edge;

@@ -6,28 +6,12 @@
 
 SEL_BEGIN
 
-// The wall of one system, and the tree (bounding-volume hierarchy) over it.
+// The wall, and the tree (bounding-volume hierarchy) over it.
 typedef struct WallView {
     SEL_GLOBAL const TreeNode* nodes;  // of the tree, root first
     SEL_GLOBAL const float* vertices;  // [T][9] leaf order, relative to the mesh centre [m]
     SEL_GLOBAL const uint* boundary;   // [T] which edges and vertices lie on an opening, see on_boundary()
-#ifdef SEL_WALL_MOVES
-    SEL_GLOBAL const float* vertices_t0;  // as `vertices`, at the start of the step
-    real moved;                           // path of the vertex that has gone farthest, at most [m]
-#endif
 } WallView;
-
-// What is known of distances from the wall is kept with this added, and read with what it has become taken off: the wall has then
-// come nearer by no more than the difference.
-SEL_FN real wall_moved(WallView wall)
-{
-#ifdef SEL_WALL_MOVES
-    return wall.moved;
-#else
-    (void)wall;
-    return 0;
-#endif
-}
 
 // Nodes of the tree that hold all of the wall near a quadrature point (walk.h).
 typedef struct NearWallView {
@@ -84,40 +68,21 @@ SEL_FN AxisPoint axis_point(uint node, real bary, NodeView nodes)
 
 // Arguments of a kernel that make a view, and the view: DeviceWall and DeviceNodes in engine/contact set them in this order.
 #ifndef __cplusplus
-    #ifdef SEL_WALL_MOVES  // each system has its own wall: arrays are [systems][...]
-        #define SEL_WALL_ARGUMENTS                                                                            \
-            __global const TreeNode *restrict wall_nodes, __global const float *restrict wall_vertices,       \
-                __global const uint *restrict wall_boundary, __global const float *restrict wall_vertices_t0, \
-                __global const real *restrict wall_moved_by, const uint wall_node_count, const uint wall_triangle_count
-        #define SEL_WALL(system)                                                                                             \
-            wall_view(wall_nodes + (ulong)(system)*wall_node_count, wall_vertices + 9 * (ulong)(system)*wall_triangle_count, \
-                      wall_boundary, wall_vertices_t0 + 9 * (ulong)(system)*wall_triangle_count, wall_moved_by[system])
-    #else
-        #define SEL_WALL_ARGUMENTS                                                                      \
-            __global const TreeNode *restrict wall_nodes, __global const float *restrict wall_vertices, \
-                __global const uint *restrict wall_boundary
-        #define SEL_WALL(system) wall_view(wall_nodes, wall_vertices, wall_boundary)
-    #endif
+    #define SEL_WALL_ARGUMENTS                                                                      \
+        __global const TreeNode *restrict wall_nodes, __global const float *restrict wall_vertices, \
+            __global const uint *restrict wall_boundary
+    #define SEL_WALL wall_view(wall_nodes, wall_vertices, wall_boundary)
     #define SEL_NODE_ARGUMENTS(at) \
         __global const float *restrict at##_hi, __global const real *restrict at##_lo, __global const real *restrict at##_theta
     #define SEL_NODES(at) node_view(at##_hi, at##_lo, at##_theta)
 #endif
 
-SEL_FN WallView wall_view(SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* boundary
-#ifdef SEL_WALL_MOVES
-                          ,
-                          SEL_GLOBAL const float* vertices_t0, real moved
-#endif
-)
+SEL_FN WallView wall_view(SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* boundary)
 {
     WallView wall;
     wall.nodes = nodes;
     wall.vertices = vertices;
     wall.boundary = boundary;
-#ifdef SEL_WALL_MOVES
-    wall.vertices_t0 = vertices_t0;
-    wall.moved = moved;
-#endif
     return wall;
 }
 

@@ -183,7 +183,7 @@ Found host_find(const Scene& s, const std::vector<uint>& list, real slack, uint 
         const real radius = s.models[point].radius, range = radius + s.models[point].reach + slack;
         out.counts[point] =
             find_near_nodes(at, range, SEL_NEAR_NODE_SIZE * radius, s.view(), slots, out.candidates.data() + point * slots);
-        out.clearances[point] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[point], 0);
+        out.clearances[point] = found_clearance(at.origin + at.offset, range, slack, radius, out.counts[point]);
     }
     return out;
 }
@@ -661,23 +661,24 @@ void layer_evaluate_case()
 }
 
 // every member that follows a change of type, and the last of each record
-#define SEL_LAYOUT(X)                                                                                                            \
-    X(QuadratureModel, length)                                                                                                   \
-    X(QuadratureModel, reach)                                                                                                    \
-    X(QuadratureModel, roll_force)                                                                                               \
-    X(QuadratureModel, restitution)                                                                                              \
-    X(QuadratureModel, multiplier_most)                                                                                          \
-    X(QuadraturePlace, edge_t0)                                                                                                  \
-    X(QuadraturePlace, bary)                                                                                                     \
-    X(QuadraturePlace, epoch)                                                                                                    \
-    X(QuadraturePlace, radius_reduction)                                                                                         \
-    X(MultiplierState, stiffness) X(MultiplierState, live) X(ContactState, point) X(ContactState, gap) X(ContactState, friction) \
-        X(ContactState, triangle) X(ContactState, pad) X(ContactForce, sym) X(ContactForce, skew) X(ContactForce, depth)         \
-            X(ContactForce, couple) X(ContactForce, skew_wx) X(ContactForce, flags) X(ContactForce, contacts)                    \
-                X(EdgeForce, torque) X(EdgeForce, s_ab) X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length)               \
-                    X(EdgeForce, flags) X(EdgeForce, contacts) X(ContactParams, settling) X(ContactParams, normal_law)           \
-                        X(ContactParams, inv_dt) X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count)    \
-                            X(LayerEdge, width) X(LayerEdge, model) X(LayerPair, last)
+#define SEL_LAYOUT(X)                                                                                                         \
+    X(QuadratureModel, length)                                                                                                \
+    X(QuadratureModel, reach)                                                                                                 \
+    X(QuadratureModel, roll_force)                                                                                            \
+    X(QuadratureModel, restitution)                                                                                           \
+    X(QuadratureModel, multiplier_most)                                                                                       \
+    X(QuadraturePlace, edge_t0)                                                                                               \
+    X(QuadraturePlace, bary)                                                                                                  \
+    X(QuadraturePlace, epoch)                                                                                                 \
+    X(QuadraturePlace, radius_reduction)                                                                                      \
+    X(MultiplierState, stiffness)                                                                                             \
+    X(MultiplierState, live) X(ContactState, point) X(ContactState, gap) X(ContactState, friction) X(ContactState, triangle)  \
+        X(ContactState, pad) X(ContactForce, sym) X(ContactForce, skew) X(ContactForce, depth) X(ContactForce, couple)        \
+            X(ContactForce, skew_wx) X(ContactForce, flags) X(ContactForce, contacts) X(EdgeForce, torque) X(EdgeForce, s_ab) \
+                X(EdgeForce, u_ba) X(EdgeForce, ut_b) X(EdgeForce, length) X(EdgeForce, flags) X(EdgeForce, contacts)         \
+                    X(ContactParams, settling) X(ContactParams, normal_law) X(ContactParams, inv_dt)                          \
+                        X(ContactParams, smooth_speed) X(TreeNode, left_or_first) X(TreeNode, count) X(LayerEdge, width)      \
+                            X(LayerEdge, model) X(LayerPair, last)
 
 void layout_case()
 {

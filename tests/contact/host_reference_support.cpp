@@ -41,7 +41,7 @@ const ReferenceWall& reference_wall()
         WallMesh mesh = bumpy_tube(made.radius, made.length);
         const WallTree tree = build_wall_tree(mesh);
         device::Context& context = reference_context(false);
-        const DeviceWall on_device(context, tree, mesh, 0);
+        const DeviceWall on_device(context, tree, mesh);
         made.triangles = tree.triangle_count();
         made.nodes.resize(tree.nodes.size() * sizeof(TreeNode));
         std::memcpy(made.nodes.data(), tree.nodes.data(), made.nodes.size());

@@ -141,7 +141,7 @@ TEST_SUITE("contact/walk")
             vec3 p = v3(draw(-0.01, 0.01), rho * std::cos(a), rho * std::sin(a));
             const uint count = find_near_nodes(axis(zero, p), range, SEL_NEAR_NODE_SIZE * r, wall,
                                                static_cast<uint>(near_nodes.size()), near_nodes.data());
-            Clearance known = found_clearance(p, range, slack, r, count, 0);
+            Clearance known = found_clearance(p, range, slack, r, count);
             for (int k = 0; k < 40; ++k) {
                 p = p + v3(draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r, draw(-1, 1) * 0.3 * r);
                 const double before = known.at[0];

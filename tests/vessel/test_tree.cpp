@@ -231,17 +231,4 @@ TEST_SUITE("vessel/tree")
         CHECK(bits == 2 * around);
         CHECK(elsewhere == 0);
     }
-
-    TEST_CASE("property: refit follows a moved wall and finds what a new tree finds")
-    {
-        WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 2000)).mesh;
-        WallTree tree = build_wall_tree(mesh);
-        for (Vec3& v : mesh.vertices) v.z() += 0.004 * std::sin(60 * v.x());
-        refit_wall_tree(tree, mesh);
-        check_structure(tree);
-        for (int i = 0; i < 50; ++i) {
-            const Vec3 p(0.002 * i, 0.001, 0.003);
-            CHECK(nearest_on_wall(tree, p).distance2 == nearest_by_force(tree, p));
-        }
-    }
 }
