@@ -392,11 +392,12 @@ def snug(run):
     for name, bend_radius, length, lumen, youngs, thickness, wire_bend, filled, edges, counts in cases:
         tube_bend = math.pi * youngs * lumen**3 * thickness
         expected = tube_bend / (tube_bend + wire_bend)
+        scale = max(expected, 1 - expected)  # 5 % of a curvature that a quarter of the artery shows as 5 um of sag is in parts of what was lost
         for edge, triangles in meshes(edges, counts):
             r = run("snug", snug_scene(edge, triangles, bend_radius, length, lumen, youngs, thickness, wire_bend, 1.0, lumen, (1 - filled) * lumen))
             before, after = tube_axis(r, bend_radius)
-            yield f"snug wire, {name}: curvature left to the tube", expected, curvature(after, 0.25) / curvature(before, 0.25), SNUG, r, expected
-            yield f"snug wire, {name}: the same of the wire", expected, curvature(r.wire, 0.25) * bend_radius, SNUG, r, expected
+            yield f"snug wire, {name}: curvature left to the tube", expected, curvature(after, 0.25) / curvature(before, 0.25), SNUG, r, scale
+            yield f"snug wire, {name}: the same of the wire", expected, curvature(r.wire, 0.25) * bend_radius, SNUG, r, scale
 
 
 SUITES = {"pressure": pressure, "line": line, "plate": point_plate, "ring": ring, "generator": generator, "point": point_tube,

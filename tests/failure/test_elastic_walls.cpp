@@ -152,7 +152,6 @@ std::vector<Row> all_rows()
                     fed_in(box_channel(0.1, -0.004, 0.004, -0.004, 0.004, 1), 0.08, 33, {0.002, 0, 0}, {1, 0.1, -0.2}, 0.1), 2e-3,
                     350});
     rows.push_back({"F5 bend tighter than the nodes", tight_bend(), 2e-3, 500});
-    rows.push_back({"F9 carina", fed_in(bifurcation(8000), 0.08, 41, {0.001, 0, 0}, {1, 0, 0}, 0.05, 6), 5e-4, 2000});
     rows.push_back({"F10 helix", pushed_helix(), 1e-3, 500, false, 0.02});
     rows.push_back({"F11 soft tip", soft_tip(), 1e-3, 1600});
     rows.push_back({"F12 narrow neck", narrow_neck(), 1e-3, 1000});

@@ -14,7 +14,8 @@ namespace seldinger::test {
 
 namespace {
 
-constexpr int audit_period = 5, audit_period_of_moving_wall = 25;  // steps
+constexpr int audit_period = 5;      // steps
+constexpr int audits_in_a_run = 40;  // beside a wall that moves
 constexpr int points_per_edge = 4;
 
 TestSetup prepared(TestSetup setup, const Method& method)
@@ -136,7 +137,7 @@ void WatchedRun::run(int steps, const std::function<bool(FedWorld&)>& each)
         seen_.normal = std::max(seen_.normal, normal);
         seen_.friction = std::max(seen_.friction, friction);
         seen_.contacts = std::max(seen_.contacts, contacts);
-        const int period = world.setup().vessel.elastic ? audit_period_of_moving_wall : audit_period;
+        const int period = world.setup().vessel.elastic ? std::max(1, steps / audits_in_a_run) : audit_period;
         if (lumen_ && (steps_ % period == 0 || k + 1 == steps)) audit();
         if (each && !each(world)) break;
     }

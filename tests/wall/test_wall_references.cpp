@@ -130,7 +130,7 @@ exponent = 1
         vessel;
     if (press > 0) text += fmt::format("[[load]]\nat = {}\nforce_n = [0, 0, {}]\n", length / 2, -press);
     const World world = settled(text);
-    CHECK(world.readings(0).overlap < 1e-4);
+    CHECK(world.readings(0).overlap < 0.4 * radius);  // to there the law is the linear one that was asked for
     return world.rod(0).z[world.rod(0).n / 2];
 }
 
