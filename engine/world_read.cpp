@@ -227,7 +227,13 @@ void World::read(Output& into, unsigned parts) const
     if (parts & Output::Contacts) into.contacts = contacts();
     if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
         impl_->wall_shape = std::make_unique<WallShape>(*impl_->elastic_wall, impl_->setup.mesh);
-    if (parts & (Output::Wall | Output::WallShape)) read_walls(*impl_, parts, into.walls);
+    if (!(parts & (Output::Wall | Output::WallShape))) return;
+    read_walls(*impl_, parts, into.walls);
+    if (!impl_->yielding) return;
+    // a step looks under its wires only: loads may have moved the wall elsewhere
+    for (int w = 0; w < wire_count(); ++w)
+        if (into.walls[static_cast<std::size_t>(system_of(w))].readings.move_max > impl_->elastic_wall->largest_move())
+            into.wires[static_cast<std::size_t>(w)].report.flags |= StepWallFar;
 }
 
 Output World::output(unsigned parts) const

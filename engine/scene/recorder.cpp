@@ -216,6 +216,7 @@ void Recorder::write_row(const Output& now)
                            r.elastic, r.gravitational})
         row += "," + csv(v);
     const Vec3& tip = now.wires[0].tip;
+    tally_.note_wall(now.wires[0].report.flags);
     trace_.append(row +
                   fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
                               csv(tip.z())) +

@@ -117,7 +117,7 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most", 1e3 * tally.outside_max));
     if (tally.far_steps > 0)
-        list.push_back(share(tally.far_steps) +
+        list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
                        " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
                        "theory is good for (docs/wall.md)");
     if (tally.non_finite > 0)
@@ -138,6 +138,13 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     friction_max = std::max(friction_max, readings.friction);
     overlap_max = std::max(overlap_max, readings.overlap);
     outside_max = std::max(outside_max, readings.outside);
+}
+
+void RunTally::note_wall(unsigned flags)
+{
+    if (!(flags & ~row_flags & StepWallFar)) return;
+    row_flags |= StepWallFar;
+    ++far_steps;
 }
 
 const char* status_word(RunStatus status)

@@ -37,6 +37,8 @@ struct RunTally {
 
     /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
+    /// What is seen only where the whole wall is read, for a row: StepWallFar, counted unless a step of the row has said so.
+    void note_wall(unsigned flags);
 };
 static_assert(std::is_trivially_copyable_v<RunTally>);
 

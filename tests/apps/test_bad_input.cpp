@@ -149,6 +149,29 @@ TEST_SUITE("apps/bad_input")
         CHECK(run_app(folder, "check fits.toml").code == 0);
     }
 
+    TEST_CASE("property: a wall that cannot yield is one line and exit 2 or 3")
+    {
+        const ScratchFolder folder;
+        const auto elastic = [&](const std::string& name, const std::string& mesh) {
+            std::string text = mesh_scene(mesh);
+            folder.write(name, text.insert(text.find("[feed]"), "wall = \"elastic\"\n"));
+        };
+        folder.write("tube.obj", tube_obj());
+        elastic("good.toml", "tube.obj");
+        CHECK(run_app(folder, "run good.toml -o good").code == 0);
+        for (const char* change : {"youngs_pa=0", "youngs_pa=-1e6", "poisson=0.5", "poisson=-0.01", "thickness_m=0",
+                                   "support_pa_m=-1", "wall_edge_m=-1", "wall_edge_m=1e-6"}) {
+            const std::string key = std::string(change).substr(0, std::string(change).find('='));
+            refused(folder, fmt::format("run good.toml -o D --set vessel.{}", change), 2, "vessel." + key);
+        }
+        refused(folder, "run good.toml -o D --set vessel.rims=free --set vessel.support_pa_m=0", 2, "vessel.support_pa_m");
+        refused(folder, "run good.toml -o D --set vessel.thickness_m=0.006", 2, "expected at most the lumen's radius");
+        // a second sheet that hangs on an edge of the first: three triangles meet there
+        folder.write("fin.obj", tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n");
+        elastic("fin.toml", "fin.obj");
+        refused(folder, "run fin.toml -o D", 3, "one sheet");
+    }
+
     TEST_CASE("property: a folder that holds a run is left alone without --resume or --overwrite")
     {
         const ScratchFolder folder;

@@ -181,6 +181,54 @@ TEST_SUITE("apps/run")
         CHECK(quiet.out.empty());
     }
 
+    TEST_CASE("property: a wall moved beyond what its theory is good for is flagged, by loads far from the wire too")
+    {
+        const ScratchFolder folder;
+        folder.write("w.toml", R"([scene]
+gravity = [0.0, 0.0, 0.0]
+[wire]
+length_m = 0.01
+radius_m = 2e-4
+density = 8000.0
+bend_nm2 = 1e-5
+twist_nm2 = 1e-5
+stretch_n = 1e4
+nodes = 5
+[integrator]
+scheme = "static"
+[[hold]]
+at = "base"
+position = true
+direction = true
+spin = true
+[vessel]
+shape = "tube"
+radius_m = 0.012
+length_m = 0.06
+origin = [-0.03, 0.0, 0.0]
+triangles = 2000
+wall = "elastic"
+thickness_m = 0.0015
+wall_edge_m = 0.004
+[[wall_load]]
+at = [0.0, 0.0, 0.012]
+force_n = [0.0, 0.0, 1.0]
+)");
+        for (const bool far : {true, false}) {
+            CAPTURE(far);
+            // 1 N takes the wall 0.30 radii away, 0.1 N a tenth of that
+            const std::string set = far ? "" : " --set 'wall_load.0.force_n=[0.0, 0.0, 0.1]'";
+            REQUIRE(run_app(folder, "run w.toml -o D --overwrite" + set).code == 0);
+            const auto summary = summary_of(folder.path / "D");
+            CHECK((summary["wall_move_max_m"].get<double>() > 0.2 * 0.012) == far);
+            CHECK(summary["wall_far_steps"] == (far ? 1 : 0));
+            CHECK((summary["warnings"].dump().find("a fifth of the lumen's radius") != std::string::npos) == far);
+            const auto rows = csv_rows(folder.path / "D" / "trace.csv");
+            const auto column = std::find(rows[0].begin(), rows[0].end(), "flags") - rows[0].begin();
+            CHECK(rows.at(1).at(column) == (far ? "4" : "0"));
+        }
+    }
+
     TEST_CASE("analytic: a static scene is one solve; its tip is where the elastica says")
     {
         const ScratchFolder folder;

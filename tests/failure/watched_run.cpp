@@ -1,6 +1,7 @@
 // Steps a world under a method, watches each wire's readings and its exact distance to the wall, and tells the outcome.
 #include "failure/watched_run.h"
 
+#include "contact/yielding_wall.h"
 #include "solve/feed.h"
 #include "vessel/repair.h"
 
@@ -13,7 +14,8 @@ namespace seldinger::test {
 
 namespace {
 
-constexpr int audit_period = 5;  // steps
+constexpr int audit_period = 5;      // steps
+constexpr int audits_in_a_run = 40;  // beside a wall that moves
 constexpr int points_per_edge = 4;
 
 TestSetup prepared(TestSetup setup, const Method& method)
@@ -50,6 +52,7 @@ WatchedRun::WatchedRun(TestSetup setup, const Method& method, double dt, double 
         limits.static_indentation = static_indentation;
         watches_.emplace_back(limits, at_start(w));
         inserted_.push_back(world.readings(w).inserted);
+        wall_work_.push_back(0);
     }
     const WallMesh& mesh = world.setup().mesh;
     const bool open = world.setup().vessel.shape != VesselShape::Plane;
@@ -73,8 +76,31 @@ WireReadings WatchedRun::at_start(int wire)
     return start;
 }
 
+/// The lumen inside the wall where it has moved to.
+void WatchedRun::follow_wall()
+{
+    REQUIRE(world.system_count() == 1);  // each system has a wall of its own
+    const Output now = world.output(Output::WallShape);
+    WallMesh moved = world.setup().mesh;
+    for (std::size_t v = 0; v < moved.vertices.size(); ++v) moved.vertices[v] += now.walls[0].displacement[v];
+    seen_.wall_move = std::max(seen_.wall_move, now.walls[0].readings.move_max);
+    const bool open = world.setup().vessel.shape != VesselShape::Plane;
+    lumen_ = std::make_unique<LumenQuery>(moved, open ? describe(moved).loops : std::vector<BoundaryLoop>{});
+}
+
+/// That a wall has done on a wire of its own since this was last asked [J].
+double WatchedRun::work_of_wall(int wire)
+{
+    const auto& yielding = world.impl().yielding;
+    if (!yielding) return 0;
+    const double before = wall_work_[wire];
+    wall_work_[wire] = yielding->work(world.system_of(wire));
+    return before - wall_work_[wire];
+}
+
 void WatchedRun::audit()
 {
+    if (world.setup().vessel.elastic) follow_wall();
     for (int w = 0; w < world.wire_count(); ++w) {
         const WireSetup& setup = world.setup().wires[w];
         const ConstRodView rod = world.rod(w);
@@ -94,6 +120,7 @@ void WatchedRun::run(int steps, const std::function<bool(FedWorld&)>& each)
         const StepReport report = step(world, dt_);
         ++steps_;
         seen_.halved += (report.flags & StepHalved) != 0;
+        seen_.far += (report.flags & StepWallFar) != 0;
         double normal = 0, friction = 0;
         int contacts = 0;
         for (int w = 0; w < world.wire_count(); ++w) {
@@ -101,7 +128,7 @@ void WatchedRun::run(int steps, const std::function<bool(FedWorld&)>& each)
             const double speed = (now.inserted - inserted_[w]) / dt_;
             const double carried =
                 world.setup().wires[w].feed.on ? fed_energy(world.setup(), w, inserted_[w], now.inserted, speed) : 0.0;
-            watches_[w].observe(report, now, w == 0 && work ? work(world) : 0.0, carried);
+            watches_[w].observe(report, now, (w == 0 && work ? work(world) : 0.0) + work_of_wall(w), carried);
             inserted_[w] = now.inserted;
             normal += now.normal;
             friction += now.friction;
@@ -110,7 +137,8 @@ void WatchedRun::run(int steps, const std::function<bool(FedWorld&)>& each)
         seen_.normal = std::max(seen_.normal, normal);
         seen_.friction = std::max(seen_.friction, friction);
         seen_.contacts = std::max(seen_.contacts, contacts);
-        if (lumen_ && (steps_ % audit_period == 0 || k + 1 == steps)) audit();
+        const int period = world.setup().vessel.elastic ? std::max(1, steps / audits_in_a_run) : audit_period;
+        if (lumen_ && (steps_ % period == 0 || k + 1 == steps)) audit();
         if (each && !each(world)) break;
     }
 }
@@ -135,8 +163,9 @@ Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method
     WatchedRun run(setup, method, dt);
     // a method that is jammed is not worth the hundreds of sub-steps with which it goes on: the third such step is its last
     int left = 3;
-    run.run(steps,
-            [&](FedWorld& world) { return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0; });
+    run.run(steps, [&](FedWorld& world) {
+        return method.scheme != Scheme::Linearised || world.report(0).sub_steps < 256 || --left > 0;
+    });
     const Outcomes outcomes = run.outcomes();
     MESSAGE(std::string(row) << ", " << std::string(method.name) << ", dt " << 1e3 * dt << " ms: " << tell(outcomes));
     return outcomes;

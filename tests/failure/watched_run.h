@@ -36,15 +36,18 @@ inline constexpr Method explicit_steps{"explicit", Scheme::Explicit, Detection::
 
 void use(TestSetup& setup, const Method& method);
 
-/// What a run came to: the verdict per wire, and what the fixture measured itself.
+/// What a run came to: the verdict per wire, and what the fixture measured itself. Distances are to the wall where it is: beside
+/// one that yields the lumen is made anew each time it is looked at. What such a wall gives back is work on the wire.
 struct Outcomes {
     std::vector<Verdict> wires;
-    double nearest = 1;   // least signed distance of any point of any axis to the wall, openings left aside [m]; < 0: outside
-    double friction = 0;  // largest sum [N]
-    double normal = 0;    // largest sum [N]
-    long halved = 0;      // steps that were
-    int contacts = 0;     // most
-    WireReadings end;     // of wire 0
+    double nearest = 1;    // least signed distance of any point of any axis to the wall, openings left aside [m]; < 0: outside
+    double friction = 0;   // largest sum [N]
+    double normal = 0;     // largest sum [N]
+    long halved = 0;       // steps that were
+    long far = 0;          // steps in which a wall that yields has gone farther than its theory is good for
+    double wall_move = 0;  // farthest that it was found to have gone [m]
+    int contacts = 0;      // most
+    WireReadings end;      // of wire 0
     [[nodiscard]] const Verdict& verdict() const { return wires[0]; }
     [[nodiscard]] Outcome outcome() const;  // the worst wire's; an axis point found outside is an escape
 };
@@ -64,11 +67,14 @@ public:
 
 private:
     void audit();
+    void follow_wall();
+    [[nodiscard]] double work_of_wall(int wire);
     [[nodiscard]] WireReadings at_start(int wire);
 
     double dt_;
     std::vector<FailureWatch> watches_;
     std::vector<double> inserted_;
+    std::vector<double> wall_work_;  // [wires] done on the wall up to the last step [J]
     std::unique_ptr<LumenQuery> lumen_;
     Outcomes seen_;
     long steps_ = 0;

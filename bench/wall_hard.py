@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""The failure suite's rows beside walls that yield, as a table.
+
+    wall_hard.py [--tests build/tests/seldinger_tests] [--csv bench/results/validation/wall_hard.csv]
+
+Runs the table of tests/failure/test_elastic_walls.cpp: walls of 0.1 and 1 MPa, 0.8 mm, in tissue of 1e6 Pa/m; distances are to the wall where it has
+moved to. A row whose outcome is no hold, or that is outside, makes the exit status 1.
+"""
+import argparse
+import csv
+import os
+import subprocess
+import sys
+
+COLUMNS = ["row", "youngs_pa", "dt_s", "steps_asked", "outcome", "steps", "halved", "sub_steps_max", "axis_to_wall_mm", "overlap_um", "wall_move_mm",
+           "hand_force_mn", "normal_n", "newton_mean", "newton_max", "far_steps"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tests", default="build/tests/seldinger_tests")
+    parser.add_argument("--csv", default="bench/results/validation/wall_hard.csv")
+    options = parser.parse_args()
+    os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
+    command = [options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
+    bad = rows = 0
+    with open(options.csv, "w", newline="") as file, subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        for line in process.stdout:
+            if "row;" not in line:
+                continue
+            row = line.strip().split("row;", 1)[1].split(";")
+            table.writerow(row)
+            file.flush()
+            rows += 1
+            bad += row[4] != "hold" or float(row[8]) <= 0
+            print(", ".join(f"{name} {value}" for name, value in zip(COLUMNS, row)), flush=True)
+    if not rows:
+        sys.exit(f"{' '.join(command)}: no rows")
+    sys.exit(bad > 0 or process.returncode != 0)
+
+
+if __name__ == "__main__":
+    main()
