@@ -279,14 +279,15 @@ void Recorder::write_wire_table(const WireOutput& wire)
 
 void Recorder::write_contact_table(const Output& now)
 {
-    std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m,area_m2,pressure_pa\n";
+    std::string table =
+        "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m,area_m2,pressure_pa\n";
     for (const ContactRow& c : now.contacts) {
         table += fmt::format("{},{}", c.a.element, c.b.element);
         for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
                                c.normal_force, c.friction.norm()})
             table += "," + csv(v);
-        table += fmt::format(",{},{},{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length), csv(c.area),
-                             csv(c.pressure));
+        table +=
+            fmt::format(",{},{},{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length), csv(c.area), csv(c.pressure));
     }
     write_file(dir_ / "contacts.csv", table);
 }
