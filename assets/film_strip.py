@@ -49,14 +49,15 @@ def main():
     columns = min(asked.columns, len(cells) + 1)
     rows = -(-(len(cells) + 1) // columns)
     legend = Image.fromarray(sheets[-1][:, width - panel :])
-    ground = tuple(int(v) for v in sheets[-1][0, -1])
     wide = max(size[0], panel)
-    sheet = Image.new("RGB", (size[0] * (columns - 1) + wide, size[1] * rows), ground)
+    sheet = Image.new("RGB", (size[0] * (columns - 1) + wide, size[1] * rows), (255, 255, 255))
     for k, cell in enumerate(cells):
         sheet.paste(cell, (k % columns * size[0], k // columns * size[1]))
     legend = legend.crop((0, 0, panel, min(height, size[1])))
-    sheet.paste(legend, (len(cells) % columns * size[0], len(cells) // columns * size[1]))
-    sheet.quantize(256, dither=Image.Dither.NONE).save(asked.out, optimize=True)
+    place = (len(cells) % columns * size[0], len(cells) // columns * size[1])
+    sheet.paste(legend.crop((panel - 1, 0, panel, legend.height)).resize((wide, size[1])), place)  # the ground, edge to edge
+    sheet.paste(legend, place)
+    sheet.save(asked.out, optimize=True)
 
 
 if __name__ == "__main__":

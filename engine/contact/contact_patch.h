@@ -16,7 +16,7 @@
 // wire on that bed.
 //
 // Where it ends. The wall is flat across the wire: in a lumen of radius R the bed's chord is longer by 1/sqrt(1 - r/R), 2 % for a
-// 0.035 inch wire in an aorta, 9 % for r/R = 1/6, and a wire as thick as its lumen has none. The wall's surface beside the wire
+// 0.035 inch wire in an aorta, 10 % for r/R = 1/6, and a wire as thick as its lumen has none. The wall's surface beside the wire
 // stays where it was (a bed, not a half space), which is what the law itself has; a wall that yields as a shell does so in
 // series, with delta its local overlap. delta under half a micrometre is below what a surface's roughness leaves of this picture.
 
