@@ -46,6 +46,12 @@ double parse_length(const std::string& option, const std::string& text)
     return parse(option, text, units, "0.2mm").first;
 }
 
+double parse_pressure(const std::string& option, const std::string& text)
+{
+    static constexpr Unit units[] = {{"kPa", 1e3}, {"Pa", 1.0}, {"MPa", 1e6}};
+    return parse(option, text, units, "80kPa").first;
+}
+
 ForceTolerance parse_force_tolerance(const std::string& option, const std::string& text)
 {
     static constexpr Unit units[] = {{"%", 1e-2}, {"N", 1.0}, {"mN", 1e-3}, {"uN", 1e-6}};

@@ -9,6 +9,9 @@ namespace seldinger::apps {
 /// @return metres, above 0. @throws Error BadScene: no number, no unit or another than um, mm, cm, m, in
 [[nodiscard]] double parse_length(const std::string& option, const std::string& text);
 
+/// @return pascals, above 0. @throws Error BadScene: no number, no unit or another than kPa, Pa, MPa
+[[nodiscard]] double parse_pressure(const std::string& option, const std::string& text);
+
 struct ForceTolerance {
     double value = 0;
     bool relative = true;  // else [N]

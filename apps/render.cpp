@@ -1,6 +1,7 @@
-// seldinger render DIR [--size 1280x720] [--frames A:B]
+// seldinger render DIR [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]]
 
 #include "commands.h"
+#include "quantity.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -31,8 +32,21 @@ std::pair<int, int> two_numbers(const std::string& text, char between, const cha
 
 struct Options {
     std::filesystem::path dir;
-    std::string size = "1280x720", frames;
+    std::string size = "1280x720", frames, wall, wall_max;
 };
+
+#ifdef SEL_WITH_VIEW
+void set_wall(const Options& options, RenderOptions& what)
+{
+    if (options.wall.empty() && !options.wall_max.empty())
+        throw Error(ExitCode::BadScene, "--wall-max: of what? give --wall displacement or --wall stress with it");
+    if (options.wall.empty()) return;
+    const bool stress = options.wall == "stress";
+    what.wall = stress ? WallQuantity::Stress : WallQuantity::Displacement;
+    if (!options.wall_max.empty())
+        what.wall_max = stress ? parse_pressure("--wall-max", options.wall_max) : parse_length("--wall-max", options.wall_max);
+}
+#endif
 
 ExitCode render(const Options& options)
 {
@@ -45,6 +59,7 @@ ExitCode render(const Options& options)
     what.height = height;
     what.first = range.first;
     what.last = range.second;
+    set_wall(options, what);
     std::string text;
     for (const auto& path : render_run(options.dir, what)) text += path.string() + "\n";
     print(text);
@@ -65,6 +80,11 @@ void add_render(CLI::App& app, Command& chosen)
     command->add_option("--size", options->size, "picture in pixels (default 1280x720)")->type_name("WxH");
     command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")
         ->type_name("A:B");
+    command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
+        ->check(CLI::IsMember({"displacement", "stress"}))
+        ->type_name("WHAT");
+    command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
+        ->type_name("1.5mm|80kPa");
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
 }
 

@@ -90,6 +90,9 @@ struct WireOutput {
     double time = 0;  // where it stands; of one that failed or was retired, where it stopped [s]
     bool at_rest = false, retired = false;
     Vec3 tip = Vec3::Zero();  // [m]
+    // Output::Contacts; contact/contact_patch.h
+    double contact_area = 0;          // sum over its contacts [m^2]
+    double contact_pressure_max = 0;  // of one of them [Pa]
     // Output::Shape
     std::vector<double> material_s;   // arc length from the tip along the unstressed wire [m]
     std::vector<double> radius;       // of the edge that begins there [m]

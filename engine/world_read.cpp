@@ -208,6 +208,21 @@ void read_walls(const World::Impl& s, unsigned parts, std::vector<WallOutput>& i
 
 }  // namespace
 
+namespace {
+
+void read_contacts(const World& world, Output& into)
+{
+    into.contacts = world.contacts();
+    for (WireOutput& wire : into.wires) wire.contact_area = wire.contact_pressure_max = 0;
+    for (const ContactRow& row : into.contacts) {
+        WireOutput& wire = into.wires[static_cast<std::size_t>(row.a.body)];
+        wire.contact_area += row.area;
+        wire.contact_pressure_max = std::max(wire.contact_pressure_max, row.pressure);
+    }
+}
+
+}  // namespace
+
 void World::read(Output& into, unsigned parts) const
 {
     into.time = time();
@@ -224,7 +239,7 @@ void World::read(Output& into, unsigned parts) const
         wire.tip = rod(w).pos(0);
         if (parts & Output::Shape) read_shape(rod(w), impl_->results[w].nodal_contact, wire);
     }
-    if (parts & Output::Contacts) into.contacts = contacts();
+    if (parts & Output::Contacts) read_contacts(*this, into);
     if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
         impl_->wall_shape = std::make_unique<WallShape>(*impl_->elastic_wall, impl_->setup.mesh);
     if (!(parts & (Output::Wall | Output::WallShape))) return;

@@ -1,6 +1,7 @@
 // What contact with quadrature points reports: its rows, and the choices it made.
 
 #include "contact/capsule.h"
+#include "contact/contact_patch.h"
 
 #include <fmt/format.h>
 
@@ -22,6 +23,9 @@ ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactSt
     row.rolling_moment = state.moment;
     row.stuck = state.flags & SEL_CONTACT_STUCK;
     row.length = quadrature_.models[point].length;
+    const ContactPatch patch = contact_patch(quadrature_.models[point], params_.normal_law, state.gap, state.normal_force);
+    row.area = patch.area;
+    row.pressure = patch.pressure;
     return row;
 }
 

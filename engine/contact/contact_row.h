@@ -24,7 +24,9 @@ struct ContactRow {
     Vec3 friction = Vec3::Zero();      // on a [N]
     double rolling_moment = 0;         // about the wire's tangent [N m]
     bool stuck = false;
-    double length = 0;  // metres of wire this contact stands for (0 for a pair of `layer`)
+    double length = 0;    // metres of wire this contact stands for (0 for a pair of `layer`)
+    double area = 0;      // that the wire lies on the wall with [m^2], contact/contact_patch.h (0 for a pair of `layer`)
+    double pressure = 0;  // normal force over area: mean across the wire [Pa]
 };
 
 }  // namespace seldinger

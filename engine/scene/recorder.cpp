@@ -25,7 +25,7 @@ constexpr std::string_view trace_header =
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
     "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_"
-    "pa,hand_work_j,outside_work_j,material_j,remesh_j,friction_loss_j,contact_loss_j,wall_work_j,damping_loss_j,scheme_loss_j,"
+    "pa,contact_area_m2,contact_pressure_max_pa,hand_work_j,outside_work_j,material_j,remesh_j,friction_loss_j,contact_loss_j,wall_work_j,damping_loss_j,scheme_loss_j,"
     "energy_open_j\n";
 
 /// Adds the time until its end to a sum.
@@ -180,6 +180,7 @@ unsigned Recorder::wants() const
     const unsigned contacts = yields_ ? Output::Contacts | Output::WallShape : Output::Contacts;
     return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
            (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
+           (has_wall_ && due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
            (yields_ && due(next, scene_.record_every) ? Output::Wall : Output::Numbers);
 }
 
@@ -220,7 +221,7 @@ void Recorder::write_row(const Output& now)
     trace_.append(row +
                   fmt::format(",{},{},{},{},{}", tally_.row_flags, csv(r.momentum.error().norm()), csv(tip.x()), csv(tip.y()),
                               csv(tip.z())) +
-                  wall_fields(now) + energy_fields(r.energy) + "\n");
+                  wall_fields(now) + patch_fields(now.wires[0]) + energy_fields(r.energy) + "\n");
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
 }
@@ -239,6 +240,13 @@ std::string Recorder::energy_fields(const EnergyLedger& e)
     for (const double v : {e.hand, e.outside, e.material, e.remesh, e.friction, e.contact, e.wall, e.damping, e.scheme, e.open()})
         fields += "," + csv(v);
     return fields;
+}
+
+std::string Recorder::patch_fields(const WireOutput& wire)
+{
+    tally_.contact_area_max = std::max(tally_.contact_area_max, wire.contact_area);
+    tally_.contact_pressure_max = std::max(tally_.contact_pressure_max, wire.contact_pressure_max);
+    return fmt::format(",{},{}", csv(wire.contact_area), csv(wire.contact_pressure_max));
 }
 
 void Recorder::write_wire_frame(const Output& now)
@@ -281,13 +289,15 @@ void Recorder::write_wire_table(const WireOutput& wire)
 
 void Recorder::write_contact_table(const Output& now)
 {
-    std::string table = "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m\n";
+    std::string table =
+        "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m,area_m2,pressure_pa\n";
     for (const ContactRow& c : now.contacts) {
         table += fmt::format("{},{}", c.a.element, c.b.element);
         for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
                                c.normal_force, c.friction.norm()})
             table += "," + csv(v);
-        table += fmt::format(",{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length));
+        table +=
+            fmt::format(",{},{},{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length), csv(c.area), csv(c.pressure));
     }
     write_file(dir_ / "contacts.csv", table);
 }

@@ -60,6 +60,7 @@ private:
     [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
     [[nodiscard]] std::string energy_fields(const EnergyLedger& energy);
+    [[nodiscard]] std::string patch_fields(const WireOutput& wire);
     void write_wire_table(const WireOutput& wire);
     void write_contact_table(const Output& now);
     [[nodiscard]] std::string csv(double value);

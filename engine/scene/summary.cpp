@@ -70,6 +70,8 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("energy_made_j", r.energy_made);
     number.set("overlap_max_m", tally.overlap_max);
     number.set("outside_max_m", tally.outside_max);
+    number.set("contact_area_max_m2", tally.contact_area_max);
+    number.set("contact_pressure_max_pa", tally.contact_pressure_max);
     out["newton_max"] = tally.newton_max;
     const EnergyLedger& e = r.energy;
     number.set("hand_work_j", e.hand);

@@ -28,6 +28,7 @@ struct RunTally {
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
     std::int64_t far_steps = 0;                                 // StepWallFar
     double wall_move_max = 0, wall_stress_max = 0;              // over the rows of trace.csv [m], [Pa]
+    double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
     StageTimes stages;  // sums [s]
     double record = 0;  // writing, summed [s]

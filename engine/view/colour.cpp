@@ -21,6 +21,8 @@ Rgb from_oklab(float lightness, float a, float b)
             -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
 }
 
+float share_of(double t) { return std::isfinite(t) ? std::clamp(static_cast<float>(t), 0.0f, 1.0f) : 0.0f; }
+
 }  // namespace
 
 Rgb rgb_from_hex(std::uint32_t hex)
@@ -43,9 +45,18 @@ float lightness(const Rgb& c)
     return 0.2104542553f * l + 0.7936177850f * m - 0.0040720468f * s;
 }
 
+Rgb wall_colour(double t)
+{
+    const float u = share_of(t);
+    const float light = 0.94f - 0.58f * u;
+    const float hue = (95.0f - 105.0f * u) * std::numbers::pi_v<float> / 180.0f;  // yellow, orange, red, purple
+    const float chroma = 0.02f + 0.10f * u + 0.36f * u * (1 - u);
+    return from_oklab(light, chroma * std::cos(hue), chroma * std::sin(hue));
+}
+
 Rgb force_colour(double t)
 {
-    const float u = std::isfinite(t) ? std::clamp(static_cast<float>(t), 0.0f, 1.0f) : 0.0f;
+    const float u = share_of(t);
     // lightness is linear in t; hue runs from 310 deg (violet) to 103 deg (yellow). Chroma stays below what sRGB can show, which
     // is 0.108 at the green-blue in the middle and more on both sides; a parabola under that limit leaves no edge in the scale.
     const float light = 0.36f + 0.56f * u;

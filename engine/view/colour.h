@@ -24,6 +24,10 @@ struct Rgb {
 /// force look equal and the order survives greyscale print. Violet - blue - green - yellow: no hue of tissue or of the wire.
 [[nodiscard]] Rgb force_colour(double t);
 
+/// The scale of a wall that has moved, t in 0 ... 1 (clamped): pale where nothing happens, then orange, red, dark purple. Even
+/// steps in Oklab, to a seventh, and its lightness falls linearly: it reads the same in grey and to whoever confuses hues.
+[[nodiscard]] Rgb wall_colour(double t);
+
 namespace palette {  // sRGB; used with rgb_from_hex
 inline constexpr std::uint32_t background_top = 0xfdfdfd, background_bottom = 0xdfe4ea;
 inline constexpr std::uint32_t tissue = 0xf2bba8;       // the lumen's far wall
@@ -31,6 +35,7 @@ inline constexpr std::uint32_t tissue_deep = 0xb0574b;  // the same at grazing v
 inline constexpr std::uint32_t glass = 0x97332e;        // the near wall's rim
 inline constexpr std::uint32_t wire = 0x15304f;         // blued steel
 inline constexpr std::uint32_t halo = 0xfff4ea;         // light line around wire and contacts
+inline constexpr std::uint32_t outline = 0x6f7b86;      // where a wall was that has moved
 inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7;
 }  // namespace palette
 

@@ -94,11 +94,26 @@ std::vector<Row> readings(const WireFrame& frame)
     return rows;
 }
 
+std::string wall_text(WallQuantity quantity, double value)
+{
+    return quantity == WallQuantity::Stress ? fmt::format("{:.3g} kPa", 1e-3 * value) : length_text(value);
+}
+
+Row wall_reading(const LegendFacts& facts)
+{
+    double most = 0;
+    for (const double v : facts.frame->wall.value) most = std::max(most, v);
+    return {facts.wall_scale.quantity == WallQuantity::Stress ? "largest stress" : "farthest move",
+            wall_text(facts.wall_scale.quantity, most)};
+}
+
 /// @return the y below the last row
 double draw_readings(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
 {
     const double unit = facts.layout.unit, size = 14 * unit;
-    for (const Row& row : readings(*facts.frame)) {
+    std::vector<Row> rows = readings(*facts.frame);
+    if (facts.wall_scale.top > 0) rows.push_back(wall_reading(facts));
+    for (const Row& row : rows) {
         y += 21 * unit;
         canvas.text(font, x, y, size, row.name, palette::faint_ink);
         canvas.text(font, x + width - Canvas::text_width(font, size, row.value), y, size, row.value, palette::ink);
@@ -124,30 +139,45 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
     return y;
 }
 
-void draw_force_scale(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
+/// A bar of colours with three labels under it.
+struct ColourBar {
+    std::string title, middle, top;
+    Rgb (*colour)(double);
+};
+
+void draw_colour_bar(Canvas& canvas, const Font& font, const ColourBar& bar, double unit, double x, double y, double width)
 {
-    const double unit = facts.layout.unit, size = 12 * unit, height = std::round(12 * unit);
+    const double size = 12 * unit, height = std::round(12 * unit);
     y += 26 * unit;
-    canvas.text(font, x, y, size, "contact force on the wire", palette::ink);
+    canvas.text(font, x, y, size, bar.title, palette::ink);
     // whole pixels: a column shared by two colours would be neither
     x = std::round(x), y = std::round(y + 8 * unit), width = std::round(width);
     for (int column = 0; column < static_cast<int>(width); ++column) {
-        const auto c = srgb_bytes(force_colour((column + 0.5) / width));
+        const auto c = srgb_bytes(bar.colour((column + 0.5) / width));
         canvas.fill(x + column, y, 1, height, (c[0] << 16) | (c[1] << 8) | c[2]);
     }
     canvas.frame(x, y, width, height, std::max(1.0, 0.8 * unit), palette::faint_ink, 0.8);
+    const std::string labels[] = {"0", bar.middle, bar.top};
     for (int k = 0; k <= 2; ++k) {
-        const std::string label = k == 0 ? "0" : force_text(0.5 * k * facts.force_scale);
-        const double at = x + 0.5 * k * width, wide = Canvas::text_width(font, size, label);
+        const double at = x + 0.5 * k * width, wide = Canvas::text_width(font, size, labels[k]);
         canvas.fill(at - (k == 2 ? unit : 0), y + height, unit, 4 * unit, palette::faint_ink);
-        canvas.text(font, at - 0.5 * k * wide, y + height + 17 * unit, size, label, palette::ink);
+        canvas.text(font, at - 0.5 * k * wide, y + height + 17 * unit, size, labels[k], palette::ink);
     }
+}
+
+ColourBar force_bar(double top) { return {"contact force on the wire", force_text(0.5 * top), force_text(top), force_colour}; }
+
+ColourBar wall_bar(const WallScale& scale)
+{
+    const char* title = scale.quantity == WallQuantity::Stress ? "von Mises stress of the wall" : "displacement of the wall";
+    return {title, wall_text(scale.quantity, 0.5 * scale.top),
+            (scale.beyond ? "\u2265 " : "") + wall_text(scale.quantity, scale.top), wall_colour};
 }
 
 }  // namespace
 
 double round_up_125(double value) { return round_up(value, {1, 2, 5}); }
-double round_force_up(double newton) { return round_up(newton, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }
+double round_force_up(double value) { return round_up(value, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }
 
 Layout lay_out_sheet(int width, int height, const Look& look)
 {
@@ -190,7 +220,8 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
     if (!layout.side_panel) width = std::min(260 * unit, layout.panel.x + layout.panel.width - x - 18 * unit);
     y = draw_readings(canvas, font, facts, x, y, width);
     y = draw_wire_key(canvas, font, facts, x, y);
-    if (facts.force_scale > 0) draw_force_scale(canvas, font, facts, x, y, width);
+    if (facts.wall_scale.top > 0) draw_colour_bar(canvas, font, wall_bar(facts.wall_scale), unit, x, y, width);
+    else if (facts.force_scale > 0) draw_colour_bar(canvas, font, force_bar(facts.force_scale), unit, x, y, width);
 }
 
 }  // namespace seldinger

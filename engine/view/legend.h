@@ -20,8 +20,8 @@ struct Layout {
 /// The smallest of 1, 2, 5 x 10^k that is not below `value` (> 0).
 [[nodiscard]] double round_up_125(double value);
 
-/// The same with more steps, for the top of the force scale: half of it must be round too, and little of it may lie idle.
-[[nodiscard]] double round_force_up(double newton);
+/// The same with more steps, for the top of a colour scale: half of it must be round too, and little of it may lie idle.
+[[nodiscard]] double round_force_up(double value);
 
 /// What the legend has to know about one picture.
 struct LegendFacts {
@@ -30,6 +30,7 @@ struct LegendFacts {
     Camera main_camera, inset_camera;
     bool inset = false;
     double force_scale = 0;  // [N] at the top of the scale; 0: no scale
+    WallScale wall_scale;    // top 0: the wall is not coloured
     double least_pixels = 3;
     bool widened = false;    // some wire was drawn wider than it is
     double wire_radius = 0;  // [m] at the tip's side, of the first wire

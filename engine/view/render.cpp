@@ -2,8 +2,8 @@
 #include "view/render.h"
 
 #include "core/error.h"
-#include "view/legend.h"
 #include "io/png_write.h"
+#include "view/legend.h"
 #include "view/run_folder.h"
 
 #include <fmt/format.h>
@@ -27,6 +27,15 @@ Range frames_asked(const RenderOptions& options, std::size_t count)
     return {static_cast<std::size_t>(options.first), static_cast<std::size_t>(options.last)};
 }
 
+WallScale wall_scale(const RunFolder& run, const std::filesystem::path& dir, const RenderOptions& options)
+{
+    const double most = largest_on_wall(run, dir, *options.wall);
+    // of a wall that never moved: something small, so that all of it has the colour of nothing
+    const double least = *options.wall == WallQuantity::Stress ? 1.0 : 1e-6;
+    const double top = options.wall_max > 0 ? options.wall_max : round_force_up(std::max(most, least));
+    return {*options.wall, top, most > top};
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options)
@@ -43,14 +52,19 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
         for (const WireLine& wire : frames.back().wires) reached.insert(reached.end(), wire.nodes.begin(), wire.nodes.end());
         for (const ContactMark& c : frames.back().contacts) strongest = std::max(strongest, c.force);
     }
+    const WallScale scale = options.wall ? wall_scale(run, dir, options) : WallScale{};
     Renderer renderer(options.width, options.height);
     renderer.set_wall(run.wall);
     renderer.aim(reached);
     if (strongest > 0) renderer.set_force_scale(round_force_up(strongest));
+    renderer.set_wall_scale(scale);
 
     std::vector<std::filesystem::path> written;
     for (std::size_t i = range.first; i <= range.last; ++i) {
-        renderer.draw(frames[i - range.first]);
+        WireFrame& frame = frames[i - range.first];
+        if (options.wall) frame.wall = read_moved_wall(run, i, *options.wall);
+        renderer.draw(frame);
+        frame.wall = {};  // large, and of no use any more
         written.push_back(dir / (options.first < 0 ? std::string("picture.png") : fmt::format("frame_{:06}.png", i)));
         write_png(written.back(), options.width, options.height, renderer.pixels());
     }

@@ -39,16 +39,35 @@ struct View {
 glm::vec3 to_glm(const Vec3& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}; }
 
 /// Area-weighted vertex normals; zero where a vertex has no triangle.
-std::vector<Vec3> vertex_normals(const WallMesh& mesh)
+std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices, const std::vector<std::array<std::int32_t, 3>>& triangles)
 {
-    std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-    for (const auto& t : mesh.triangles) {
-        const Vec3& a = mesh.vertices[t[0]];
-        const Vec3 area = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+    std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
+    for (const auto& t : triangles) {
+        const Vec3& a = vertices[t[0]];
+        const Vec3 area = (vertices[t[1]] - a).cross(vertices[t[2]] - a);
         for (int k : t) normals[k] += area;
     }
     for (Vec3& n : normals) n = n.squaredNorm() > 0 ? Vec3(n.normalized()) : Vec3::UnitZ();
     return normals;
+}
+
+constexpr GLsizei wall_stride = 7 * sizeof(float);
+constexpr Attribute wall_attributes[] = {{0, 3, 0}, {1, 3, 3 * sizeof(float)}, {2, 1, 6 * sizeof(float)}};
+
+/// Position, normal and share of the scale of every vertex. @param share  empty: 0
+std::vector<float> interleave(const std::vector<Vec3>& vertices, const std::vector<Vec3>& normals,
+                              const std::vector<float>& share, const Vec3& origin)
+{
+    std::vector<float> list(7 * vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const Vec3 p = vertices[i] - origin;
+        for (int k = 0; k < 3; ++k) {
+            list[7 * i + k] = static_cast<float>(p[k]);
+            list[7 * i + 3 + k] = static_cast<float>(normals[i][k]);
+        }
+        if (!share.empty()) list[7 * i + 6] = share[i];
+    }
+    return list;
 }
 
 double strongest(const WireFrame& frame)
@@ -88,8 +107,11 @@ struct Renderer::Impl {
     double force_scale = 0;  // of the picture being drawn [N]; 0: it has no contact force
     std::vector<std::uint8_t> pixels;
 
-    GlName background, wall, glass, solid, compose;  // programs
-    GlName empty_vao, wall_vao, solid_vao, wall_vertices, wall_indices;
+    WallScale wall_scale;
+    bool moved = false;  // the picture being drawn has a wall that has moved
+
+    GlName background, wall, glass, coloured, stained, solid, compose;  // programs
+    GlName empty_vao, wall_vao, moved_vao, solid_vao, wall_vertices, moved_vertices, wall_indices;
     GlName solid_colour, glass_sum, glass_through, depth, solid_frame, glass_frame;  // several samples per pixel
     GlName sheet, sheet_frame;                                                       // one
 
@@ -106,6 +128,7 @@ struct Renderer::Impl {
     void make_programs();
     void make_targets();
     void upload_wall();
+    void upload_moved(const MovedWall& now);
     [[nodiscard]] View main_view() const;
     [[nodiscard]] std::optional<View> inset_view(const WireFrame& frame) const;
     bool build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const;
@@ -114,7 +137,7 @@ struct Renderer::Impl {
     bool draw_opaque(const WireFrame& frame, const std::vector<View>& views);
     void draw_glass(const std::vector<View>& views);
     void draw_solid_pass(const Solids& body, const Solids& halo);
-    void draw_wall(const GlName& program, GLenum culled);
+    void draw_wall(const GlName& program, const GlName& vertices, GLenum culled);
     void compose_sheet();
     void read_back();
     void write_legend(const WireFrame& frame, const std::vector<View>& views, bool widened);
@@ -125,6 +148,8 @@ void Renderer::Impl::make_programs()
     background = make_program(shaders::cover_vertex, shaders::background_fragment);
     wall = make_program(shaders::wall_vertex, shaders::wall_fragment);
     glass = make_program(shaders::wall_vertex, shaders::glass_fragment);
+    coloured = make_program(shaders::wall_vertex, shaders::coloured_fragment);
+    stained = make_program(shaders::wall_vertex, shaders::stained_fragment);
     solid = make_program(shaders::solid_vertex, shaders::solid_fragment);
     compose = make_program(shaders::cover_vertex, shaders::compose_fragment);
     set_colour(background, "top", rgb_from_hex(palette::background_top));
@@ -132,8 +157,13 @@ void Renderer::Impl::make_programs()
     set_colour(wall, "tissue", rgb_from_hex(palette::tissue));
     set_colour(wall, "deep", rgb_from_hex(palette::tissue_deep));
     set_colour(glass, "glass", rgb_from_hex(palette::glass));
+    set_colour(stained, "line", rgb_from_hex(palette::outline));
+    for (int k = 0; k <= 32; ++k)
+        for (const GlName* program : {&coloured, &stained})
+            set_colour(*program, fmt::format("ramp[{}]", k).c_str(), wall_colour(k / 32.0));
     empty_vao = make_vertex_array();
     wall_vao = make_vertex_array();
+    moved_vao = make_vertex_array();
     solid_vao = make_vertex_array();
 }
 
@@ -175,21 +205,25 @@ void Renderer::Impl::upload_wall()
     origin = Vec3::Zero();
     for (const Vec3& v : mesh.vertices) origin += v;
     if (!mesh.vertices.empty()) origin /= static_cast<double>(mesh.vertices.size());
-    const std::vector<Vec3> normals = vertex_normals(mesh);
-    std::vector<float> interleaved(6 * mesh.vertices.size());
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-        const Vec3 p = mesh.vertices[i] - origin;
-        for (int k = 0; k < 3; ++k) {
-            interleaved[6 * i + k] = static_cast<float>(p[k]);
-            interleaved[6 * i + 3 + k] = static_cast<float>(normals[i][k]);
-        }
-    }
     if (mesh.triangles.empty()) return;
+    const std::vector<float> interleaved = interleave(mesh.vertices, vertex_normals(mesh.vertices, mesh.triangles), {}, origin);
     wall_vertices = make_buffer(static_cast<GLsizeiptr>(interleaved.size() * sizeof(float)), interleaved.data());
     wall_indices = make_buffer(static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(mesh.triangles[0])), mesh.triangles.data());
-    const Attribute attributes[] = {{0, 3, 0}, {1, 3, 3 * sizeof(float)}};
-    describe(wall_vao, wall_vertices, 6 * sizeof(float), attributes);
+    describe(wall_vao, wall_vertices, wall_stride, wall_attributes);
     glVertexArrayElementBuffer(wall_vao, wall_indices);
+}
+
+void Renderer::Impl::upload_moved(const MovedWall& now)
+{
+    moved = wall_scale.top > 0 && !now.vertices.empty() && !mesh.triangles.empty();
+    if (!moved) return;
+    SEL_ASSERT(now.vertices.size() == mesh.vertices.size() && now.value.size() == mesh.vertices.size());
+    std::vector<float> share(now.value.size());
+    for (std::size_t i = 0; i < share.size(); ++i) share[i] = static_cast<float>(now.value[i] / wall_scale.top);
+    const std::vector<float> interleaved = interleave(now.vertices, vertex_normals(now.vertices, mesh.triangles), share, origin);
+    moved_vertices = make_buffer(static_cast<GLsizeiptr>(interleaved.size() * sizeof(float)), interleaved.data());
+    describe(moved_vao, moved_vertices, wall_stride, wall_attributes);
+    glVertexArrayElementBuffer(moved_vao, wall_indices);
 }
 
 View Renderer::Impl::main_view() const
@@ -258,7 +292,8 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
         add_tube(halo, outline, rgb_from_hex(palette::halo), origin);
     }
     const double top = force_scale > 0 ? force_scale : 1;
-    for (const ContactMark& c : frame.contacts) {
+    const std::vector<ContactMark> none;  // on a coloured wall
+    for (const ContactMark& c : moved ? none : frame.contacts) {
         const double share = std::clamp(c.force / top, 0.0, 1.0), px = pixel(c.point) * unit * view.mark_scale;
         const Rgb colour = force_colour(share);
         const TubeStation ball = {c.point, (2.2 + 1.8 * share) * px, 12 * px};
@@ -284,19 +319,19 @@ void Renderer::Impl::use(const View& view)
     const glm::mat4 lens =
         glm::perspective(static_cast<float>(view.camera.fov_y), static_cast<float>(v.width) / static_cast<float>(v.height),
                          static_cast<float>(view.nearest), static_cast<float>(view.farthest));
-    for (const GlName* program : {&wall, &glass, &solid}) {
+    for (const GlName* program : {&wall, &glass, &coloured, &stained, &solid}) {
         set_matrix(*program, "view", look_at);
         set_matrix(*program, "projection", lens);
     }
 }
 
-void Renderer::Impl::draw_wall(const GlName& program, GLenum culled)
+void Renderer::Impl::draw_wall(const GlName& program, const GlName& vertices, GLenum culled)
 {
     if (mesh.triangles.empty()) return;
     glEnable(GL_CULL_FACE);
     glCullFace(culled);
     glUseProgram(program);
-    glBindVertexArray(wall_vao);
+    glBindVertexArray(vertices);
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.triangles.size()), GL_UNSIGNED_INT, nullptr);
 }
 
@@ -365,7 +400,7 @@ bool Renderer::Impl::draw_opaque(const WireFrame& frame, const std::vector<View>
         use(view);
         glDepthFunc(GL_LESS);
         glDepthMask(GL_TRUE);
-        draw_wall(wall, GL_BACK);
+        draw_wall(moved ? coloured : wall, moved ? moved_vao : wall_vao, GL_BACK);
         const bool wider = build_solids(frame, view, body, halo);
         if (&view == &views.front()) widened = wider;
         draw_solid_pass(body, halo);
@@ -389,7 +424,14 @@ void Renderer::Impl::draw_glass(const std::vector<View>& views)
     glBlendFunci(1, GL_ZERO, GL_ONE_MINUS_SRC_COLOR);
     for (const View& view : views) {
         use(view);
-        draw_wall(glass, GL_FRONT);
+        if (!moved) {
+            draw_wall(glass, wall_vao, GL_FRONT);
+            continue;
+        }
+        set_number(stained, "outline", 0.0f);
+        draw_wall(stained, moved_vao, GL_FRONT);
+        set_number(stained, "outline", 1.0f);
+        draw_wall(stained, wall_vao, GL_FRONT);
     }
 }
 
@@ -428,7 +470,8 @@ void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View
     facts.main_camera = camera;
     facts.inset = views.size() > 1;
     if (facts.inset) facts.inset_camera = views[1].camera;
-    facts.force_scale = force_scale;
+    facts.force_scale = moved ? 0 : force_scale;
+    if (moved) facts.wall_scale = wall_scale;
     facts.least_pixels = look.least_pixels;
     facts.widened = widened;
     if (!frame.wires.empty() && !frame.wires[0].radius.empty()) facts.wire_radius = frame.wires[0].radius[0];
@@ -470,6 +513,7 @@ void Renderer::aim(const std::vector<Vec3>& points)
 const Camera& Renderer::camera() const { return impl_->camera; }
 const Viewport& Renderer::main_view() const { return impl_->layout.main; }
 void Renderer::set_force_scale(double newton) { impl_->look.force_scale = newton; }
+void Renderer::set_wall_scale(const WallScale& scale) { impl_->wall_scale = scale; }
 const std::vector<std::uint8_t>& Renderer::pixels() const { return impl_->pixels; }
 int Renderer::width() const { return impl_->width; }
 int Renderer::height() const { return impl_->height; }
@@ -487,6 +531,7 @@ void Renderer::draw(const WireFrame& frame)
     r.force_scale = r.look.force_scale;
     if (!(r.force_scale > 0)) r.force_scale = strongest(frame) > 0 ? round_force_up(strongest(frame)) : 0;
 
+    r.upload_moved(frame.wall);
     std::vector<View> views = {r.main_view()};
     if (const auto inset = r.inset_view(frame)) views.push_back(*inset);
     r.draw_background();

@@ -26,10 +26,27 @@ struct ContactMark {
     double force = 0;            // [N] >= 0
 };
 
+/// What a wall that has moved is coloured by.
+enum class WallQuantity { Displacement, Stress };
+
+/// A wall where it has moved to.
+struct MovedWall {
+    std::vector<Vec3> vertices;  // of set_wall's mesh, in its order [m]; empty: it is where that has it, and not coloured
+    std::vector<double> value;   // there, [m] or [Pa]
+};
+
+/// How values become colours; the same for every picture that is to be compared.
+struct WallScale {
+    WallQuantity quantity = WallQuantity::Displacement;
+    double top = 0;       // of the scale [m] or [Pa]; 0: no moved wall is drawn
+    bool beyond = false;  // some wall of the run is beyond the top, and the legend says so
+};
+
 /// What changes from picture to picture. NaN: not known, and left out of the legend.
 struct WireFrame {
     std::vector<WireLine> wires;
     std::vector<ContactMark> contacts;
+    MovedWall wall;                                                // drawn when there is a scale for it (set_wall_scale)
     double time = std::numeric_limits<double>::quiet_NaN();        // [s]
     double inserted = std::numeric_limits<double>::quiet_NaN();    // [m]
     double hand_force = std::numeric_limits<double>::quiet_NaN();  // [N]
@@ -60,6 +77,9 @@ public:
     /// Where in the picture the camera's view lies: all of it without a legend.
     [[nodiscard]] const Viewport& main_view() const;
     void set_force_scale(double newton);
+    /// From now on moved walls are drawn, coloured, over a faint outline of where they were; contacts, whose colours mean
+    /// something else, are not.
+    void set_wall_scale(const WallScale& scale);
 
     void draw(const WireFrame& frame);
     /// The last picture: rows from the top, 3 bytes (sRGB) per pixel.

@@ -45,27 +45,35 @@ WallMesh read_wall(const fs::path& path)
     return mesh;
 }
 
-/// wire_000123.vtp lies beside contacts_000123.vtp.
-fs::path contacts_beside(const fs::path& wire)
+/// wire_000123.vtp lies beside contacts_000123.vtp and wall_000123.vtp.
+fs::path beside(const fs::path& wire, const char* stem)
 {
     std::string name = wire.filename().string();
     const std::size_t at = name.find("wire");
-    return at == std::string::npos ? fs::path() : wire.parent_path() / name.replace(at, 4, "contacts");
+    return at == std::string::npos ? fs::path() : wire.parent_path() / name.replace(at, 4, stem);
 }
 
-std::vector<FrameFile> read_frame_list(const fs::path& pvd)
+struct Listed {
+    double time;  // [s]
+    fs::path file;
+};
+
+std::vector<Listed> read_collection(const fs::path& pvd)
 {
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_file(pvd.c_str());
     if (!parsed) fail(pvd, std::string("not a ParaView collection (") + parsed.description() + ")");
+    std::vector<Listed> list;
+    for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet"))
+        list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / node.attribute("file").as_string()});
+    return list;
+}
+
+std::vector<FrameFile> read_frame_list(const fs::path& pvd)
+{
     std::vector<FrameFile> frames;
-    for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet")) {
-        FrameFile frame;
-        frame.time = node.attribute("timestep").as_double();
-        frame.wire = pvd.parent_path() / node.attribute("file").as_string();
-        frame.contacts = contacts_beside(frame.wire);
-        frames.push_back(frame);
-    }
+    for (const Listed& listed : read_collection(pvd))
+        frames.push_back({listed.time, listed.file, beside(listed.file, "contacts"), beside(listed.file, "wall")});
     if (frames.empty()) fail(pvd, "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
     return frames;
 }
@@ -157,7 +165,54 @@ std::vector<ContactMark> read_contacts(const fs::path& path)
     return marks;
 }
 
+std::vector<double> wall_values(const PolyData& data, WallQuantity quantity, const fs::path& path)
+{
+    std::vector<double> values(data.points.size());
+    if (quantity == WallQuantity::Stress) {
+        values = need(data, "stress", 1, path).values;
+    } else {
+        const PolyArray& moved = need(data, "displacement", 3, path);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = Vec3(moved.values[3 * i], moved.values[3 * i + 1], moved.values[3 * i + 2]).norm();
+    }
+    for (const double v : values)
+        if (!std::isfinite(v)) fail(path, "a value on the wall is not finite");
+    return values;
+}
+
 }  // namespace
+
+MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity)
+{
+    const fs::path& path = run.frames.at(index).wall;
+    if (path.empty() || !fs::exists(path))
+        fail(path, "frame " + std::to_string(index) +
+                       " of wire.pvd has no wall beside it; run with [output] contacts_every = wire_every");
+    const PolyData data = read_poly_data(path);
+    if (data.points.size() != run.wall.vertices.size())
+        fail(path, fmt::format("has {} points, vessel.vtp has {}", data.points.size(), run.wall.vertices.size()));
+    MovedWall now;
+    now.value = wall_values(data, quantity, path);
+    now.vertices.reserve(data.points.size());
+    for (const auto& p : data.points) {
+        now.vertices.push_back(to_vec3(p));
+        if (!now.vertices.back().allFinite()) fail(path, "a point of the wall is not finite");
+    }
+    return now;
+}
+
+double largest_on_wall(const RunFolder& run, const fs::path& dir, WallQuantity quantity)
+{
+    const fs::path pvd = dir / "wall.pvd";
+    if (run.wall.vertices.empty() || !fs::exists(pvd))
+        fail(dir,
+             "no wall.pvd in it: its wall is rigid or was not recorded, so there is nothing to colour; run the scene with "
+             "--set vessel.wall=elastic ([output] contacts_every above 0)");
+    double most = 0;
+    for (const Listed& listed : read_collection(pvd))
+        for (const double v : wall_values(read_poly_data(listed.file), quantity, listed.file)) most = std::max(most, v);
+    return most;
+}
 
 RunFolder read_run_folder(const fs::path& dir)
 {

@@ -13,6 +13,7 @@ struct FrameFile {
     double time = 0;                 // [s]
     std::filesystem::path wire;      // wire_######.vtp
     std::filesystem::path contacts;  // contacts_######.vtp; may be absent
+    std::filesystem::path wall;      // wall_######.vtp; may be absent
 };
 
 /// One row of trace.csv, as far as it is shown.
@@ -28,6 +29,13 @@ struct RunFolder {
 
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file
 [[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& dir);
+
+/// The wall where it had moved to in a frame. @throws Error BadFile: nothing recorded beside that frame, or damaged
+[[nodiscard]] MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity);
+
+/// The largest value in any wall_*.vtp of the run, whichever frames are drawn: reads them all.
+/// @throws Error BadFile: the run recorded no wall that yields, or a damaged file
+[[nodiscard]] double largest_on_wall(const RunFolder& run, const std::filesystem::path& dir, WallQuantity quantity);
 
 /// @throws Error BadFile: the frame's file is missing or damaged
 [[nodiscard]] WireFrame read_frame(const RunFolder& run, std::size_t index);

@@ -23,13 +23,16 @@ void main() { colour = vec4(mix(bottom, top, smoothstep(0.0, 1.0, place.y)), 1.0
 inline constexpr const char* wall_vertex = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;  // into the lumen
+layout(location = 2) in float value;  // 0 ... 1 of the wall's scale
 uniform mat4 view, projection;
 out vec3 view_position, view_normal;
+out float share;
 void main()
 {
     vec4 p = view * vec4(position, 1.0);
     view_position = p.xyz;
     view_normal = mat3(view) * normal;
+    share = value;
     gl_Position = projection * p;
 }
 )";
@@ -51,6 +54,44 @@ void main()
     vec3 half_way = normalize(eye + normalize(vec3(-0.55, 0.65, 0.55)));
     float sheen = 0.05 * pow(max(dot(n, half_way), 0.0), 24.0);
     colour = vec4(base * light + sheen, 1.0);
+}
+)";
+
+// The same coloured by a quantity: shaded so little that its colours are the legend's. [wall_colour at even steps]
+inline constexpr const char* coloured_fragment = R"(#version 450 core
+in vec3 view_position, view_normal;
+in float share;
+uniform vec3 ramp[33];
+out vec4 colour;
+void main()
+{
+    vec3 n = normalize(view_normal), eye = normalize(-view_position);
+    float facing = clamp(dot(n, eye), 0.0, 1.0), at = 32.0 * clamp(share, 0.0, 1.0);
+    int step = min(int(at), 31);
+    colour = vec4(mix(ramp[step], ramp[step + 1], at - step) * (0.62 + 0.38 * facing), 1.0);
+}
+)";
+
+// The near wall coloured: where little happens it is glass, where much does it is stained. And, outline 1, the rim of where it
+// was.
+inline constexpr const char* stained_fragment = R"(#version 450 core
+in vec3 view_position, view_normal;
+in float share;
+uniform vec3 ramp[33];
+uniform vec3 line;
+uniform float outline;
+layout(location = 0) out vec4 sum;
+layout(location = 1) out float cover;
+void main()
+{
+    vec3 n = -normalize(view_normal), eye = normalize(-view_position);
+    float facing = clamp(dot(n, eye), 0.0, 1.0), at = 32.0 * clamp(share, 0.0, 1.0);
+    int step = min(int(at), 31);
+    vec3 own = mix(ramp[step], ramp[step + 1], at - step) * (0.7 + 0.3 * facing);
+    float rim = pow(1.0 - facing, 3.0), was = 0.75 * (1.0 - smoothstep(0.10, 0.30, facing));
+    float alpha = mix(clamp(0.02 + 0.6 * clamp(share, 0.0, 1.0) + 0.35 * rim, 0.0, 0.9), was, outline);
+    sum = vec4(alpha * mix(own, line, max(outline, 0.35 * rim)), alpha);
+    cover = alpha;
 }
 )";
 

@@ -156,25 +156,30 @@ Eigen::Matrix3d Shell::law() const
 
 Strain Shell::strain(const ShellPoint& q, std::span<const double> displacement) const
 {
-    Vec3 u1 = Vec3::Zero(), u2 = u1;
-    Eigen::Vector3d db = Eigen::Vector3d::Zero();
+    // of each component: derivatives along e1, e2, second ones 11, 22; those of 12 beside them
+    Eigen::Vector4d sum[3] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
+    Vec3 sum12 = Vec3::Zero();
     for (const Weight& w : weights(q)) {
         const Eigen::Map<const Vec3> d(displacement.data() + 3 * w.vertex);
-        u1 += w.n_1 * d, u2 += w.n_2 * d;
-        const double across = d.dot(q.normal);
-        db += across * Eigen::Vector3d(w.n_11, w.n_22, 2 * w.n_12);
+        const Eigen::Map<const Eigen::Vector4d> four(&w.n_1);
+        for (int k = 0; k < 3; ++k) sum[k] += d[k] * four;
+        sum12 += w.n_12 * d;
     }
-    return join(q, {q.e1.dot(u1), q.e2.dot(u2), q.e1.dot(u2) + q.e2.dot(u1)}, db);
+    const auto derivative = [&](int which) { return Vec3(sum[0][which], sum[1][which], sum[2][which]); };
+    const Vec3 u1 = derivative(0), u2 = derivative(1);
+    return join(q, {q.e1.dot(u1), q.e2.dot(u2), q.e1.dot(u2) + q.e2.dot(u1)},
+                {q.normal.dot(derivative(2)), q.normal.dot(derivative(3)), 2 * q.normal.dot(sum12)});
 }
 
-Eigen::Vector3d Shell::membrane_strain(std::int32_t triangle, std::span<const double> displacement) const
+Eigen::Vector3d Shell::strains_of(std::size_t first, std::span<const double> displacement,
+                                  std::span<Strain, per_triangle> at) const
 {
-    const ShellPoint* q = points_.data() + per_triangle * static_cast<std::size_t>(triangle);
-    const ShellPoint& last = q[per_triangle - 1];
+    const ShellPoint *q = points_.data() + first, &last = q[per_triangle - 1];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double area = 0;
     for (std::size_t k = 0; k < per_triangle; ++k) {
-        sum += q[k].area * turn_strain(q[k], last) * strain(q[k], displacement).head<3>();
+        at[k] = strain(q[k], displacement);
+        sum += q[k].area * (turn_strain(q[k], last) * at[k].head<3>());
         area += q[k].area;
     }
     return sum / area;

@@ -105,7 +105,9 @@ private:
     /// Of one control vertex at one point: value, derivatives along e1, e2 [1/m], covariant second derivatives [1/m^2].
     struct Weight {
         std::int32_t vertex;
-        double n, n_1, n_2, n_11, n_22, n_12;
+        double n;
+        double n_1, n_2, n_11, n_22;  // side by side: read as four lanes
+        double n_12;
     };
     void add_point(std::int32_t triangle, double u, double v, double share);
     void find_spreads();
@@ -117,8 +119,10 @@ private:
     }
     /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
     [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
-    /// Mean membrane strain of a triangle, in the frame of its last point.
-    [[nodiscard]] Eigen::Vector3d membrane_strain(std::int32_t triangle, std::span<const double> displacement) const;
+    /// Strains at the four points of a triangle, of which `first` is the first.
+    /// @return their mean membrane strain, in the frame of the last one
+    Eigen::Vector3d strains_of(std::size_t first, std::span<const double> displacement,
+                               std::span<Eigen::Matrix<double, 6, 1>, 4> at) const;
     template <class Add>
     void add_elastic(std::span<const ShellPoint> points, const Add& add) const;
     template <class Add>

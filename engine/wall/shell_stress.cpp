@@ -3,6 +3,7 @@
 #include "wall/shell.h"
 #include "wall/shell_strain.h"
 
+#include <array>
 #include <cmath>
 
 namespace seldinger {
@@ -24,13 +25,14 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     const Eigen::Matrix3d h = law();
     const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
     Energy e;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-        const ShellPoint& q = points_[k];
-        if (k % per_triangle == 0) mean = membrane_strain(q.triangle, displacement);
-        const Eigen::Vector3d bent = strain(q, displacement).tail<3>();
-        e.membrane += 0.5 * q.area * c * mean.dot(h * mean);
-        e.bending += 0.5 * q.area * d * bent.dot(h * bent);
+    std::array<Strain, per_triangle> at;
+    for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
+        const Eigen::Vector3d mean = strains_of(first, displacement, at);
+        for (std::size_t k = 0; k < per_triangle; ++k) {
+            const Eigen::Vector3d bent = at[k].tail<3>();
+            e.membrane += 0.5 * points_[first + k].area * c * mean.dot(h * mean);
+            e.bending += 0.5 * points_[first + k].area * d * bent.dot(h * bent);
+        }
     }
     return e;
 }
@@ -41,22 +43,26 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     SEL_ASSERT(displacement.size() == 3 * vertices);
     const Eigen::Matrix3d h = law();
     ShellStress out;
-    out.membrane.reserve(points_.size()), out.bending.reserve(points_.size());
+    out.membrane.resize(points_.size()), out.bending.resize(points_.size());
     out.mises_inner.assign(vertices, 0), out.mises_outer.assign(vertices, 0);
     std::vector<double> area(vertices, 0);
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-        const ShellPoint &q = points_[k], &last = points_[k / per_triangle * per_triangle + per_triangle - 1];
-        if (k % per_triangle == 0) mean = membrane_strain(q.triangle, displacement);
-        out.membrane.push_back(h * turn_strain(last, q) * mean);
-        out.bending.push_back(spec_.thickness / 2 * (h * strain(q, displacement).tail<3>()));
-        const double inner = mises(out.membrane.back() - out.bending.back()),
-                     outer = mises(out.membrane.back() + out.bending.back());
-        const double share[3] = {1 - q.u - q.v, q.u, q.v};
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto v = static_cast<std::size_t>(surface_.control().triangles[static_cast<std::size_t>(q.triangle)][c]);
-            const double weight = share[c] * q.area;
-            area[v] += weight, out.mises_inner[v] += weight * inner, out.mises_outer[v] += weight * outer;
+    for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
+        std::array<Strain, per_triangle> at;
+        const Eigen::Vector3d mean = strains_of(first, displacement, at);
+        const ShellPoint& last = points_[first + per_triangle - 1];
+        const auto& corners = surface_.control().triangles[static_cast<std::size_t>(last.triangle)];
+        for (std::size_t k = 0; k < per_triangle; ++k) {
+            const ShellPoint& q = points_[first + k];
+            const Eigen::Vector3d membrane = h * (turn_strain(last, q) * mean),
+                                  bending = spec_.thickness / 2 * (h * at[k].tail<3>());
+            out.membrane[first + k] = membrane, out.bending[first + k] = bending;
+            const double inner = mises(membrane - bending), outer = mises(membrane + bending);
+            const double share[3] = {1 - q.u - q.v, q.u, q.v};
+            for (std::size_t c = 0; c < 3; ++c) {
+                const auto v = static_cast<std::size_t>(corners[c]);
+                const double weight = share[c] * q.area;
+                area[v] += weight, out.mises_inner[v] += weight * inner, out.mises_outer[v] += weight * outer;
+            }
         }
     }
     for (std::size_t v = 0; v < vertices; ++v) out.mises_inner[v] /= area[v], out.mises_outer[v] /= area[v];

@@ -92,6 +92,28 @@ void write_run(const fs::path& dir, int frames)
     write_text(dir / "trace.csv", "step,time_s,inserted_m,hand_force_n\n0,0,0,0\n100,0.1,0.01,0.2\n");
 }
 
+/// Beside frame k the tube has moved by k times a bump of 0.5 mm about x = 0, with stresses of k times 20 kPa there.
+void write_moved_walls(const fs::path& dir, int frames)
+{
+    const WallMesh mesh = straight_tube(0.006, 0.1);
+    std::string list = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\"><Collection>\n";
+    for (int k = 0; k < frames; ++k) {
+        std::vector<Vec3> now = mesh.vertices, moves;
+        std::string stress;
+        for (Vec3& p : now) {
+            const double share = k * std::exp(-std::pow(p.x() / 0.01, 2));
+            moves.push_back({0, 0, 0.5e-3 * share});
+            stress += fmt::format("{} ", 2e4 * share);
+            p += moves.back();
+        }
+        write_text(dir / fmt::format("wall_{:06}.vtp", k),
+                   poly_data(now.size(), points_xml(now) + "<PointData>" + array("Float64", "displacement", 3, numbers(moves)) +
+                                             array("Float64", "stress", 1, stress) + "</PointData>\n"));
+        list += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"wall_{:06}.vtp\"/>\n", 0.1 * k, k);
+    }
+    write_text(dir / "wall.pvd", list + "</Collection></VTKFile>\n");
+}
+
 /// True when the pictures could be drawn; false, and the test case skipped, where this machine cannot.
 bool render_or_skip(const fs::path& dir, const RenderOptions& options, std::vector<fs::path>& written)
 {
@@ -188,6 +210,58 @@ TEST_SUITE("view/render")
         std::vector<fs::path> written;
         if (!render_or_skip(dir.path, options, written)) return;
         CHECK(fs::file_size(written[0]) > 500);
+    }
+
+    TEST_CASE("property: a coloured frame is the same alone and in a series, and its scale is the one asked for")
+    {
+        const TemporaryFolder dir;
+        write_run(dir.path, 3);
+        // the same wire and contacts in all: camera and force scale, which go by what is drawn, do not differ
+        for (int k = 1; k < 3; ++k)
+            for (const char* stem : {"wire", "contacts"})
+                fs::copy_file(dir.path / fmt::format("{}_000000.vtp", stem), dir.path / fmt::format("{}_{:06}.vtp", stem, k),
+                              fs::copy_options::overwrite_existing);
+        write_moved_walls(dir.path, 3);
+        RenderOptions options;
+        options.width = 800, options.height = 450;
+        options.first = 0, options.last = 2;
+        std::vector<fs::path> written;
+        for (const WallQuantity what : {WallQuantity::Displacement, WallQuantity::Stress}) {
+            options.wall = what, options.wall_max = 0;
+            options.first = 0;
+            if (!render_or_skip(dir.path, options, written)) return;
+            const std::string series = file_bytes(dir.path / "frame_000001.png"),
+                              last = file_bytes(dir.path / "frame_000002.png");
+            CHECK(series != last);
+            options.first = options.last = 1;
+            REQUIRE(render_or_skip(dir.path, options, written));
+            CHECK(file_bytes(written[0]) == series);
+            // the largest of the run is 1 mm and 40 kPa, round numbers: asked for, they change nothing; half of them does
+            options.wall_max = what == WallQuantity::Stress ? 4e4 : 1e-3;
+            REQUIRE(render_or_skip(dir.path, options, written));
+            CHECK(file_bytes(written[0]) == series);
+            options.wall_max /= 2;
+            REQUIRE(render_or_skip(dir.path, options, written));
+            CHECK(file_bytes(written[0]) != series);
+            options.first = 0, options.last = 2;
+        }
+    }
+
+    TEST_CASE("regression: a wall that cannot be coloured is named, with what to do")
+    {
+        const TemporaryFolder dir;
+        write_run(dir.path, 2);
+        RenderOptions options;
+        options.wall = WallQuantity::Displacement;
+        check_refused(dir.path, options, ExitCode::BadFile, "--set vessel.wall=elastic");
+        write_moved_walls(dir.path, 2);
+        fs::remove(dir.path / "vessel.vtp");
+        check_refused(dir.path, options, ExitCode::BadFile, "nothing to colour");
+        write_vessel(dir.path);
+        write_text(dir.path / "wall_000000.vtp", poly_data(1, points_xml({{0, 0, 0}})));
+        check_refused(dir.path, options, ExitCode::BadFile, "displacement");
+        options.wall = WallQuantity::Stress;
+        check_refused(dir.path, options, ExitCode::BadFile, "stress");
     }
 
     TEST_CASE("regression: what is missing or damaged is named")

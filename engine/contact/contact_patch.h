@@ -1,0 +1,40 @@
+#pragma once
+// How much of the wall a wire lies on at a contact point, and with what pressure.
+//
+// A wire of radius r that overlaps a flat wall by delta meets it in the chord
+//
+//     b = 2 sqrt(delta (2 r - delta))     [m],   delta at most r
+//
+// across, so that a sample that stands for the length l of wire and bears the normal force F lies on the area b l [m^2] with the
+// mean pressure F / (b l) [Pa]. In the middle of the chord the pressure of the wall's own bed (D6b) is half as much again: k_f
+// delta against 2/3 k_f delta. The wire's round tip meets it in a disc of diameter b: area pi b^2 / 4, pressure of the bed's
+// middle twice the mean.
+//
+// delta is the overlap of the accepted state where the law sinks in (hunt-crossley, lankarani-nikravesh). Laws that let nothing
+// in (augmented, constraint, impulse, barrier) have no overlap to go by: delta is then the depth at which the wall's own bed
+// would carry the force, not hardened, as rolling resistance reckons it too (D10), and area and pressure are those of the same
+// wire on that bed.
+//
+// Where it ends. The wall is flat across the wire: in a lumen of radius R the bed's chord is longer by 1/sqrt(1 - r/R), 2 % for a
+// 0.035 inch wire in an aorta, 10 % for r/R = 1/6, and a wire as thick as its lumen has none. The wall's surface beside the wire
+// stays where it was (a bed, not a half space), which is what the law itself has; a wall that yields as a shell does so in
+// series, with delta its local overlap. delta under half a micrometre is below what a surface's roughness leaves of this picture.
+
+#include "math/vec3.h"
+#include "shared/contact_types.h"
+
+namespace seldinger {
+
+struct ContactPatch {
+    double area = 0;      // [m^2]
+    double pressure = 0;  // mean [Pa]
+};
+
+/// Width of the chord [m]; 0 for a gap. @param depth  overlap [m]  @param radius  of the wire [m]
+[[nodiscard]] double overlap_width(double depth, double radius);
+
+/// Of one contact point. @param model  of its quadrature point; `length` 0: the tip's point law
+/// @param normal_law  SEL_NORMAL_*  @param gap  [m]  @param force  normal [N]; 0: nothing
+[[nodiscard]] ContactPatch contact_patch(const QuadratureModel& model, uint normal_law, double gap, double force);
+
+}  // namespace seldinger
