@@ -27,7 +27,8 @@ AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "
         "carina": "tip off the middle / lumen", "whip": "tip curvature [1/m]", "buckling": "tube / wire radius",
         "ratio": "shaft / tip stiffness", "stenosis": "throat / wire radius", "septum": "septum / wire radius",
         "offset": "distance from origin [m]", "strokes": "strokes per second", "fold": "turning per edge [°]",
-        "twist": "turning per edge [rad]", "alternating": "side load [N]"}
+        "twist": "turning per edge [rad]", "alternating": "side load [N]",
+        "soft-wall": "modulus / nominal", "snug": "bending stiffness / nominal"}
 SCALE = {"speed": 100.0}
 
 

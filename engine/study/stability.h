@@ -1,6 +1,6 @@
 #pragma once
 // The stability map: where in (step, one other parameter) each method holds and how it fails where it does not. A map is one of
-// the failure rows F1 ... F17 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
+// the failure rows F1 ... F19 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
 // one method and judged by study/classify.h.
 
 #include "study/classify.h"
@@ -92,7 +92,7 @@ struct CellReference {
                                             const CellReference& reference, const std::filesystem::path& folder,
                                             double wall_limit, const std::function<bool()>& stop = {});
 
-/// Why a method has no place in a map ("the scene has no vessel to touch", "not available yet"); empty when it has. `folder`
+/// Why a method has no place in a map ("the scene has no vessel to touch"); empty when it has. `folder`
 /// holds the map's meshes.
 [[nodiscard]] std::string why_not_in(const StabilityMap& map, const Model& method, const std::filesystem::path& folder);
 

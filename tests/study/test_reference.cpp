@@ -80,7 +80,7 @@ TEST_SUITE("study/reference")
         const double order = std::log2(at(reference.moved[1], Observable::Tip) / at(reference.moved[2], Observable::Tip));
         CHECK(order == about(1.0).epsilon(0.15));  // of successive differences
         // one more halving moves the tip by less than the uncertainty
-        const ModelRun finer = run_model(scene, refined(from(11, 5e-4, 4).coarsest, 4), plan);
+        const ModelRun finer = run_model(scene, refined(from(11, 5e-4, 4), 4), plan);
         const Errors left = trajectory_errors(reference.values, finer.trajectory);
         CHECK(at(left.rms, Observable::Tip) < at(reference.uncertainty, Observable::Tip));
     }

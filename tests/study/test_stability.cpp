@@ -82,7 +82,7 @@ TEST_SUITE("study/stability")
                     CHECK(scene.duration > 0);
                 }
         }
-        for (int row = 1; row <= 17; ++row) CHECK(rows.find(" F" + std::to_string(row) + " ") != std::string::npos);
+        for (int row = 1; row <= 19; ++row) CHECK(rows.find(" F" + std::to_string(row) + " ") != std::string::npos);
         std::sort(names.begin(), names.end());
         CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
         CHECK(default_method().name == "default");
