@@ -106,7 +106,7 @@ const TrialRun* TrialRuns::measure(const Model& model)
 {
     if (const auto found = known_.find(label(model)); found != known_.end() && found->second.complete) return &found->second;
     RunPlan plan = plan_;
-    plan.wall_limit = std::max(least_patience, seconds_left_());
+    plan.wall_limit = std::max({least_patience, seconds_left_(), plainly_dear * shortest_});
     return run(model, plan, "whole");
 }
 

@@ -360,7 +360,8 @@ private:
     // ---- what was left out
     // ------------------------------------------------------------------------------------------------------
 
-    /// The wall that was not chosen, elastic or rigid, at the nodes and steps of the chosen model: run to its end.
+    /// The wall that was not chosen, elastic or rigid, at the nodes and steps of the chosen model: run to its end, budget or not,
+    /// since the reason for the choice comes of it.
     void look_at_wall(TrialRuns& trials)
     {
         if (!wall_.yields() || !result_.touches) return;
@@ -373,7 +374,7 @@ private:
         Model other = chosen.model;
         other.elastic_wall = !wall.elastic;
         other.wall_edge.reset();
-        if (may_go_on() && why_not(other, scene_.scene).empty()) {
+        if (why_not(other, scene_.scene).empty()) {
             tell("the other wall");
             const TrialRun* trial = trials.measure(other);
             if (trial && trial->complete) {
