@@ -249,7 +249,8 @@ private:
             return false;
         }
         const double step_seconds = trial->seconds * coarse.dt.value_or(1);
-        constexpr double cheaper_yet = 10;  // fewer nodes, one Newton step, at the very best
+        // fewer nodes, one Newton step, at the very best; a rigid wall takes a twentieth of one that yields
+        const double cheaper_yet = wall_.yields() ? 100 : 10;
         if (step_seconds * goals_.rate < cheaper_yet) return true;
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so "
                                                    "that {:.2g} a second is about the most",
