@@ -87,7 +87,7 @@ Model model_of(const Scene& scene)
     model.friction = scene.contact.friction;
     model.rolling = scene.contact.rolling;
     model.elastic_wall = scene.vessel.elastic;
-    if (scene.vessel.elastic) model.wall_edge = scene.vessel.wall_edge;
+    model.wall_edge = scene.vessel.wall_edge;
     model.precision = scene.contact.precision;
     return model;
 }
