@@ -99,7 +99,7 @@ def main():
             if name not in known:
                 sys.exit(f"plot_stability.py: no {what} \"{name}\" in {options.table}; there are: {'; '.join(sorted(known))}")
 
-    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(1.0 + 1.75 * len(methods), 0.8 + 1.75 * len(maps)))
+    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(max(5.0, 1.0 + 1.75 * len(methods)), 0.8 + 1.75 * len(maps)))
     for row, name in enumerate(maps):
         values = sorted({key[2] for key in cells if key[0] == name})
         steps = sorted({key[3] for key in cells if key[0] == name})
