@@ -86,6 +86,27 @@ void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan,
     write_file(file, write_scene(scene, folder));
 }
 
+/// Why the wall is what it is, from what was measured.
+std::string wall_reason(const Plan& plan, const PlanGoals& goals)
+{
+    const WallChoice& wall = *plan.wall;
+    const auto off = [&] {
+        return fmt::format("{} and the hand force by {}", length(wall.other_tip),
+                           percent(wall.other_force / plan.reference.force_scale));
+    };
+    if (wall.elastic) {
+        const std::string text = fmt::format("elastic, edge {}: ", length(wall.edge));
+        return text + (wall.other_known
+                           ? fmt::format("a rigid wall puts the tip wrong by {}, at {:.2g} x the cost", off(), wall.cost_ratio)
+                           : "beside a rigid wall this does not come to its end");
+    }
+    std::string text = fmt::format("rigid: the wall would move {}", length(wall.move));
+    if (wall.move <= goals.tolerance) text += ", below the tolerance";
+    if (wall.other_known)
+        text += fmt::format("; an elastic one is {:.2g} x the cost, with its tip wrong by {}", wall.cost_ratio, off());
+    return text;
+}
+
 Json model_json(const Plan& plan, const PlannedModel& m, const std::filesystem::path& file)
 {
     const Band shape = shape_band(plan, m), force = force_band(plan, m);
@@ -102,6 +123,7 @@ Json model_json(const Plan& plan, const PlannedModel& m, const std::filesystem::
         json["normal"] = word_of(normal_words, s.contact.normal);
         json["friction"] = word_of(friction_words, s.contact.friction);
         json["rolling"] = s.contact.rolling;
+        if (plan.wall) json["wall"] = word_of(wall_words, s.vessel.elastic);
     }
     json["error_m"] = m.error;
     json["error_low_m"] = shape.low;
@@ -196,6 +218,7 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
         if (goals.rate > 0)
             text += fmt::format("  head-room {:.3g}: {:.4g} steps a second are possible where it is slowest, {:g} were asked\n",
                                 1 / plan.chosen->slowest, steps_per_second(*plan.chosen), goals.rate);
+        if (plan.wall) text += fmt::format("  wall     {}\n", wall_reason(plan, goals));
         text += omissions(plan);
     }
     if (plan.status != PlanStatus::Planned) {
@@ -222,6 +245,19 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     if (plan.status != PlanStatus::Planned) {
         if (plan.accurate) json["accurate"] = model_json(plan, *plan.accurate, files.accurate);
         if (plan.fast) json["fast"] = model_json(plan, *plan.fast, files.fast);
+    }
+    if (plan.wall) {
+        const WallChoice& wall = *plan.wall;
+        json["wall"] = {{"chosen", word_of(wall_words, wall.elastic)},
+                        {"edge_m", wall.edge},
+                        {"move_m", wall.move},
+                        {"beyond_linear", wall.far},
+                        {"other_known", wall.other_known},
+                        {"other_cost_ratio", wall.cost_ratio},
+                        {"other_tip_error_m", wall.other_tip},
+                        {"other_error_m", wall.other_error},
+                        {"other_force_error", wall.other_force / plan.reference.force_scale},
+                        {"reason", wall_reason(plan, goals)}};
     }
     json["left_out"] = Json::array();
     for (const Omission& o : plan.left_out)

@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 
 # family -> (marker, size); what is varied
 MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120), "published best": ("*", 150),
-           "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "precision": ("H", 34), "explicit": ("X", 34)}
+           "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "wall": (">", 40), "precision": ("H", 34), "explicit": ("X", 34)}
 BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
 BEST = "#f08080"  # the published method at its best
 CLOCKS = {"wall": "wall time", "cpu": "processor time"}
@@ -157,7 +157,7 @@ def legend_entries(rows):
     families = {row["family"] for row in rows}
     entries = [dot(BLUE, "o", "newton, uniform nodes"), dot(ORANGE, "o", "linearised, uniform nodes"), dot(BLUE, "D", "adaptive nodes")]
     named = [("trapezoid", BLUE, "P", "trapezoid"), ("detection", BLUE, "^", "other detection"), ("friction", BLUE, "s", "other friction law"),
-             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("spin", BLUE, "8", "spin angles always solved for"),
+             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("wall", BLUE, ">", "other wall"), ("spin", BLUE, "8", "spin angles always solved for"),
              ("precision", BLUE, "H", "float32 contact"), ("explicit", BROWN, "X", "explicit")]
     entries += [dot(colour, marker, label) for family, colour, marker, label in named if family in families]
     entries += [dot(colour, marker, name) for name, (marker, colour) in BASELINES.items() if name in families]

@@ -27,7 +27,8 @@ AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "
         "carina": "tip off the middle / lumen", "whip": "tip curvature [1/m]", "buckling": "tube / wire radius",
         "ratio": "shaft / tip stiffness", "stenosis": "throat / wire radius", "septum": "septum / wire radius",
         "offset": "distance from origin [m]", "strokes": "strokes per second", "fold": "turning per edge [°]",
-        "twist": "turning per edge [rad]", "alternating": "side load [N]"}
+        "twist": "turning per edge [rad]", "alternating": "side load [N]",
+        "soft-wall": "modulus / nominal", "snug": "bending stiffness / nominal"}
 SCALE = {"speed": 100.0}
 
 
@@ -43,7 +44,8 @@ def read_table(path):
     cells = {}
     for row in rows:  # the last of a cell's rows stands
         cells[row["map"], row["method"], float(row["value"]), float(row["dt_s"])] = row["outcome"]
-    return cells
+    far = {(row["map"], row["method"], float(row["value"]), float(row["dt_s"])) for row in rows if int(row.get("wall_far_steps") or 0) > 0}
+    return cells, far
 
 
 def ordered(items):
@@ -57,7 +59,7 @@ def short(number):
     return f"{number:.2g}" if abs(number) < 100 else f"{number:.0f}"
 
 
-def draw_panel(axes, cells, name, method, values, steps):
+def draw_panel(axes, cells, far, name, method, values, steps):
     there = False
     for x, value in enumerate(values):
         for y, step in enumerate(steps):
@@ -67,6 +69,8 @@ def draw_panel(axes, cells, name, method, values, steps):
             there = True
             colour, letter, _ = OUTCOMES[outcome]
             axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, edgecolor="white", linewidth=0.8))
+            if (name, method, value, step) in far:
+                letter += "~"
             axes.text(x, y, letter, ha="center", va="center", fontsize=7, color="#222222")
     axes.set_xlim(-0.5, len(values) - 0.5)
     axes.set_ylim(-0.5, len(steps) - 0.5)
@@ -87,7 +91,7 @@ def main():
     parser.add_argument("--methods", help="only these, in this order, separated by semicolons")
     parser.add_argument("--name", default="stability", metavar="STEM")
     options = parser.parse_args()
-    cells = read_table(options.table)
+    cells, far = read_table(options.table)
     maps = options.maps.split(",") if options.maps else ordered(key[0] for key in cells)
     methods = options.methods.split(";") if options.methods else ordered(key[1] for key in cells)
     for wanted, known, what in ((maps, {k[0] for k in cells}, "map"), (methods, {k[1] for k in cells}, "method")):
@@ -95,13 +99,13 @@ def main():
             if name not in known:
                 sys.exit(f"plot_stability.py: no {what} \"{name}\" in {options.table}; there are: {'; '.join(sorted(known))}")
 
-    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(1.0 + 1.75 * len(methods), 0.8 + 1.75 * len(maps)))
+    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(max(5.0, 1.0 + 1.75 * len(methods)), 0.8 + 1.75 * len(maps)))
     for row, name in enumerate(maps):
         values = sorted({key[2] for key in cells if key[0] == name})
         steps = sorted({key[3] for key in cells if key[0] == name})
         for column, method in enumerate(methods):
             axes = grid[row][column]
-            draw_panel(axes, cells, name, method, values, steps)
+            draw_panel(axes, cells, far, name, method, values, steps)
             axes.set_xlabel(AXES.get(name, name), fontsize=7)
             if column == 0:
                 axes.set_ylabel(f"{name}\nstep [ms]", fontsize=7)
@@ -112,6 +116,8 @@ def main():
     seen = set(cells[key] for key in cells if key[0] in maps and key[1] in methods)
     legend = [Patch(facecolor=colour, edgecolor="#888888", label=f"{letter}  {words}")
               for outcome, (colour, letter, words) in OUTCOMES.items() if outcome in seen]
+    if any(key[0] in maps and key[1] in methods for key in far):
+        legend.append(Patch(facecolor="white", edgecolor="#888888", label="~  wall beyond its linear theory"))
     figure.legend(handles=legend, loc="upper center", ncols=len(legend), fontsize=7, frameon=False)
     figure.tight_layout(rect=(0, 0, 1, 1 - 0.3 / figure.get_figheight()))
     out = options.o or (options.table if options.table.is_dir() else options.table.parent)

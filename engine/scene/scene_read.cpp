@@ -3,7 +3,6 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "scene/availability.h"
 #include "scene/toml_set.h"
 
 #include <fmt/format.h>
@@ -386,7 +385,6 @@ Scene read_scene_text(const std::string& text, const std::filesystem::path& file
         fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
     }
     for (const std::string& entry : overrides) apply_override(root, entry);
-    refuse_what_is_not_built(root);
     return read_root(root, file);
 }
 

@@ -53,9 +53,9 @@ ChartModel planned_model(const ChartOptions& options, const Scene& scene)
     return entry;
 }
 
-std::vector<ChartModel> models_for(const ChartOptions& options, const Scene& scene)
+std::vector<ChartModel> models_for(const ChartOptions& options, const Scene& scene, const WallEdges& walls)
 {
-    std::vector<ChartModel> models = chart_models(scene, options.quick, options.baselines);
+    std::vector<ChartModel> models = chart_models(scene, options.quick, options.baselines, walls);
     if (!options.planned.empty()) models.insert(models.begin(), planned_model(options, scene));
     return models;
 }
@@ -159,6 +159,7 @@ public:
         } else {
             const auto folder = store_.folder() / chart_.benchmark.name / ("reference-" + scene_key(study_.scene, plan_));
             make_folder(folder);
+            refine_wall(chart_.benchmark.refinement);
             Refiner refiner(study_, chart_.benchmark.refinement, plan_, chart_.benchmark.window, folder);
             PerObservable wanted;
             wanted.fill(std::numeric_limits<double>::infinity());
@@ -181,12 +182,20 @@ public:
     /// @return how many models there are to run
     int choose_models()
     {
-        for (ChartModel& model : models_for(options_, study_.scene))
+        for (ChartModel& model : models_for(options_, study_.scene, wall_edges(study_.setup)))
             (model.refused.empty() ? models_ : chart_.refused).push_back(std::move(model));
         return static_cast<int>(models_.size());
     }
 
 private:
+    void refine_wall(Refinement& how) const
+    {
+        const WallEdges walls = wall_edges(study_.setup);
+        if (!walls.yields()) return;
+        how.coarsest.wall_edge = walls.of_level(0, 1);
+        how.least_wall_edge = walls.least;
+    }
+
     const ChartOptions& options_;
     RunStore& store_;
     SceneChart& chart_;
@@ -224,7 +233,10 @@ ChartResult make_chart(const ChartOptions& options)
         chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
         if (options.reference_limit > 0) chart.benchmark.refinement.wall_limit = options.reference_limit;
-        for (const ChartModel& model : models_for(options, scenes.back())) result.runs_wanted += model.refused.empty();
+        // a wall that yields has models that go by its vessel's mesh
+        const WallEdges walls =
+            scenes.back().vessel.elastic ? wall_edges(load_study_scene(scenes.back(), options.device).setup) : WallEdges{};
+        for (const ChartModel& model : models_for(options, scenes.back(), walls)) result.runs_wanted += model.refused.empty();
         result.scenes.push_back(std::move(chart));
     }
     RunStore store(options.dir);

@@ -116,11 +116,9 @@ void add_contact_choices(Collection& models, const Scene& scene, bool quick)
     add_choice(models, "detection", detection_words, &Model::detection, own.detection);
     add_choice(models, "friction", friction_words, &Model::friction, own.friction, " friction");
     add_choice(models, "normal law", normal_words, &Model::normal, own.normal);
-    Model rolling = basis(usual_nodes, 1 * ms), elastic = rolling;
+    Model rolling = basis(usual_nodes, 1 * ms);
     rolling.rolling = !own.rolling;
     models.add("rolling", own.rolling ? "no rolling" : "rolling", rolling);
-    elastic.elastic_wall = true;
-    models.add("wall", "elastic wall", elastic);
     if (quick) return;
     for (const auto& word : detection_words) {
         if (word.value == own.detection) continue;
@@ -128,6 +126,30 @@ void add_contact_choices(Collection& models, const Scene& scene, bool quick)
         model.detection = word.value;
         models.add("detection", std::string(word.word) + " · lin", model);
     }
+}
+
+/// Beside a rigid wall, what a wall that yields would do; beside one that yields, rigid and coarser ones.
+void add_walls(Collection& models, const Scene& scene, bool quick, const WallEdges& walls)
+{
+    const auto add = [&](bool elastic, double edge, double dt) {
+        Model model = basis(usual_nodes, dt);
+        model.elastic_wall = elastic;
+        if (edge > 0) model.wall_edge = edge;
+        const std::string word = edge > 0  ? fmt::format("wall edge {:.3g} mm", 1e3 * edge)
+                                 : elastic ? "elastic wall"
+                                           : "rigid wall";
+        models.add("wall", dt == 1 * ms ? word : fmt::format("{} · {}", word, step_name(dt)), model);
+    };
+    add(!scene.vessel.elastic, 0, 1 * ms);
+    if (!walls.yields()) return;
+    add(false, 0, frame);
+    const std::vector<double> edges = walls.trials();
+    for (const double edge : edges) {
+        if (edge == walls.own) continue;
+        add(true, edge, 1 * ms);
+        if (!quick || edge == edges.front()) add(true, edge, frame);
+    }
+    if (!quick) add(true, walls.of_level(2, 1.5), 1 * ms);
 }
 
 void add_adaptive(Collection& models, bool quick)
@@ -199,7 +221,8 @@ double explicit_step(const WireSpec& wire, int nodes)
     return 0.25 * 2 / fastest;
 }
 
-std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines)
+std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines,
+                                     const WallEdges& walls)
 {
     const bool touches = scene.vessel.shape != VesselShape::None;
     constexpr auto newton = Scheme::Newton, linearised = Scheme::Linearised;
@@ -222,6 +245,7 @@ std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::
     if (touches) {
         add_published(models, scene, quick);
         add_contact_choices(models, scene, quick);
+        add_walls(models, scene, quick, walls);
     } else {
         add_swinging(models, quick);
         add_explicit(models, scene.wire, {25});

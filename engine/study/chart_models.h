@@ -3,6 +3,7 @@
 // together, the published method, and the baselines.
 
 #include "study/simulation.h"
+#include "study/wall_edges.h"
 
 #include <string>
 #include <vector>
@@ -18,7 +19,9 @@ struct ChartModel {
 
 /// In the order in which they are worth running: an interrupted chart has the most telling ones.
 /// @param scene  a scene without a vessel has no detection, laws or friction to vary
-[[nodiscard]] std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines);
+/// @param walls  of a scene whose wall yields: rigid and coarser ones are compared with it
+[[nodiscard]] std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::vector<Baseline>& baselines,
+                                                   const WallEdges& walls = {});
 
 /// The longest step with which an explicit scheme can stay stable [s]: a quarter of 2 / omega of the fastest of axial, torsional
 /// and bending waves on edges of this many nodes. A quarter: a fed wire's base edge shrinks to half.

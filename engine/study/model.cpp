@@ -52,6 +52,7 @@ Scene apply(const Model& model, Scene scene)
     if (model.friction) scene.contact.friction = *model.friction;
     if (model.rolling) scene.contact.rolling = *model.rolling;
     if (model.elastic_wall) scene.vessel.elastic = *model.elastic_wall;
+    if (model.wall_edge) scene.vessel.wall_edge = *model.wall_edge;
     if (model.precision) scene.contact.precision = *model.precision;
     if (model.restitution) scene.contact.restitution = *model.restitution;
     if (model.linear_stiffness) {
@@ -86,6 +87,7 @@ Model model_of(const Scene& scene)
     model.friction = scene.contact.friction;
     model.rolling = scene.contact.rolling;
     model.elastic_wall = scene.vessel.elastic;
+    model.wall_edge = scene.vessel.wall_edge;
     model.precision = scene.contact.precision;
     return model;
 }
@@ -112,6 +114,7 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
     if (model.friction) set("contact.friction", word_of(friction_words, *model.friction));
     if (model.rolling) set("contact.rolling", *model.rolling);
     if (model.elastic_wall) set("vessel.wall", word_of(wall_words, *model.elastic_wall));
+    if (model.wall_edge) set("vessel.wall_edge_m", *model.wall_edge);
     if (model.precision) set("contact.precision", word_of(precision_words, *model.precision));
     if (model.restitution) set("contact.restitution", *model.restitution);
     if (model.linear_stiffness) set("contact.stiffness", *model.linear_stiffness), set("contact.exponent", 1);
@@ -136,6 +139,8 @@ std::string label(const Model& model)
     if (model.friction) add(std::string(word_of(friction_words, *model.friction)) + " friction");
     if (model.rolling) add(*model.rolling ? "rolling" : "no rolling");
     if (model.elastic_wall) add(*model.elastic_wall ? "elastic wall" : "rigid wall");
+    if (model.wall_edge)
+        add(*model.wall_edge > 0 ? fmt::format("wall edge {:.3g} mm", 1e3 * *model.wall_edge) : "wall edge chosen");
     if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
     if (model.restitution) add(fmt::format("restitution {:g}", *model.restitution));
     if (model.linear_stiffness) add(fmt::format("wall {:.3g} N/m^2", *model.linear_stiffness));
@@ -148,8 +153,8 @@ std::string label(const Model& model)
 
 std::string why_not(const Model& model, const Scene& scene)
 {
-    const bool touches =
-        model.detection || model.normal || model.friction || model.rolling || model.elastic_wall || model.precision;
+    const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall ||
+                         model.wall_edge || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
     try {
         // the scene reader is the one place that knows what goes together and what is built

@@ -24,6 +24,7 @@ struct Model {
     std::optional<FrictionLaw> friction;
     std::optional<bool> rolling;
     std::optional<bool> elastic_wall;
+    std::optional<double> wall_edge;  // of its control mesh [m]
     std::optional<Precision> precision;
     // what the published method leaves open, and is searched for its best (study/published.h)
     std::optional<double> restitution;        // [-]
@@ -31,7 +32,7 @@ struct Model {
     std::optional<double> stretch_stiffness;  // EA of the whole wire [N]
     std::optional<double> damping_mass;       // [1/s]
     std::optional<double> radius;             // of the whole wire [m]
-    std::optional<bool> spin;  // false: spin angles left out of steps whose equations hold without them
+    std::optional<bool> spin;                 // false: spin angles left out of steps whose equations hold without them
 };
 
 /// The scene under the model. A baseline's name changes nothing here: the simulation that it names reads the same scene.
@@ -47,8 +48,8 @@ struct Model {
 /// Its choices in words, e.g. "101 nodes, 1 ms, newton, capsule"; its name when it has one.
 [[nodiscard]] std::string label(const Model& model);
 
-/// Why this build cannot run the model in the scene, in one sentence; empty when it can. What the scene reader refuses
-/// (scene/availability.cpp among it) is refused here in the same words.
+/// Why this build cannot run the model in the scene, in one sentence; empty when it can. What the scene reader refuses is refused
+/// here in the same words.
 [[nodiscard]] std::string why_not(const Model& model, const Scene& scene);
 
 /// What this build can run in `scene`, one choice at a time, in the contract's order.

@@ -1,6 +1,8 @@
 // Refines a scene level by level until two movements bound the error that is left, or says that they do not.
 #include "study/plan_reference.h"
 
+#include "study/wall_edges.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -18,7 +20,7 @@ constexpr double cost_growth = edge_refinement * step_refinement;
 // what rounding and the solver's tolerance move [m], [N]
 constexpr double shape_noise = 1e-8, force_noise = 1e-6;
 
-Model level_model(const Scene& scene, const RunPlan& plan, int level, bool trapezoid)
+Model level_model(const Scene& scene, const WallEdges& wall, const RunPlan& plan, int level, bool trapezoid)
 {
     const bool is_static = scene.integrator.scheme == Scheme::Static;
     Model model;
@@ -27,6 +29,7 @@ Model level_model(const Scene& scene, const RunPlan& plan, int level, bool trape
     model.scheme = is_static ? Scheme::Static : Scheme::Newton;
     model.tolerance = std::min(scene.integrator.tolerance, IntegratorSpec{}.tolerance);
     if (scene.vessel.shape != VesselShape::None) model.detection = Detection::Swept;
+    if (wall.yields()) model.wall_edge = wall.of_level(level, edge_refinement);
     if (is_static) return model;
     model.trapezoid = trapezoid;
     // whole parts of the sampled interval, so that what is asked for is what is run
@@ -69,6 +72,114 @@ bool judge(PlanReference& reference, const ReferenceGoals& goals)
            (!judges_force || at(reference.uncertainty, Observable::HandForce) <= std::max(force_goal, force_noise));
 }
 
+/// Runs one level after another; what each says goes into the reference.
+class Levels {
+public:
+    Levels(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store, const std::string& name,
+           const std::function<void(const std::string&)>& progress)
+        : scene_(scene), plan_(plan), goals_(goals), store_(store), name_(name), progress_(progress), limited_(plan)
+    {
+    }
+
+    PlanReference refine()
+    {
+        run_levels();
+        if (reference_.converges && !reference_.stopped) bound_wall();
+        return std::move(reference_);
+    }
+
+private:
+    /// Ends when the reference is good enough, or nothing more can be run.
+    void run_levels()
+    {
+        const Scene& scene = scene_.scene;
+        // what touches nothing is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
+        bool trapezoid = !is_static() && scene.vessel.shape == VesselShape::None && !scene.integrator.conserve;
+        int broken = 0;
+        for (int level = 0; level < most_levels; ++level) {
+            const Model model = level_model(scene, wall_, plan_, level, trapezoid);
+            if (level > 0 && !goals_.affordable(cost_growth * last_seconds_)) {
+                reference_.out_of_budget = true;
+                return;
+            }
+            Trajectory values;
+            const std::optional<RunRecord> run = get(model, values);
+            if (!run) return;
+            if (!sound(*run)) {
+                // a coarse one may break where a finer one does not
+                reference_.failures.push_back(
+                    fmt::format("{}: {} after {:.3g} s", label(model),
+                                run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)),
+                                run->simulated));
+                reference_.levels.clear();
+                reference_.moved.clear();
+                if (trapezoid && ++broken == trapezoid_failures) trapezoid = false, level = -1;
+                continue;
+            }
+            take_in(model, *run, std::move(values));
+            if (judge(reference_, goals_)) return;
+        }
+    }
+
+    /// Nothing when it was stopped, or took longer than there is time.
+    std::optional<RunRecord> get(const Model& model, Trajectory& values)
+    {
+        if (progress_) progress_(fmt::format("reference: {}", label(model)));
+        if (goals_.seconds_left) limited_.wall_limit = goals_.seconds_left();
+        const std::optional<RunRecord> run = store_.get(name_, scene_, model, limited_, {}, &values);
+        reference_.stopped = !run;
+        if (!run) return {};
+        reference_.out_of_budget = run->over_limit;
+        if (run->over_limit) return {};
+        last_seconds_ = run->cost.wall * std::max(run->simulated, is_static() ? 1.0 : 0.0);
+        return run;
+    }
+
+    void take_in(const Model& model, const RunRecord& run, Trajectory values)
+    {
+        if (!reference_.levels.empty()) reference_.moved.push_back(trajectory_errors(reference_.values, values).rms);
+        reference_.values = std::move(values);
+        reference_.levels.push_back(model);
+        reference_.model = model;
+        reference_.jitters = run.outcome == Outcome::Jitter;
+        reference_.contacts = std::max(reference_.contacts, run.contacts);
+        reference_.wall_move = run.wall_move;
+        reference_.wall_far = run.wall_far_steps > 0;
+    }
+
+    /// Movements do not tell what the control mesh is wrong by once it is refined no further.
+    void bound_wall()
+    {
+        if (!wall_.yields() || reference_.levels.size() < 2) return;
+        Model coarser = reference_.model;
+        const double edge = *coarser.wall_edge, before = reference_.levels[reference_.levels.size() - 2].wall_edge.value_or(edge);
+        constexpr double rounding = 1e-9;
+        if (before >= edge_refinement * edge * (1 - rounding)) return;
+        coarser.wall_edge = edge_refinement * edge;
+        Trajectory values;
+        const std::optional<RunRecord> run = get(coarser, values);
+        if (!run || !sound(*run)) {
+            reference_.converges = false;
+            return;
+        }
+        const Errors moved = trajectory_errors(values, reference_.values);
+        for (std::size_t k = 0; k < reference_.uncertainty.size(); ++k) reference_.uncertainty[k] += moved.rms[k];
+    }
+
+    [[nodiscard]] bool is_static() const { return scene_.scene.integrator.scheme == Scheme::Static; }
+
+    const StudyScene& scene_;
+    const RunPlan& plan_;
+    const ReferenceGoals& goals_;
+    RunStore& store_;
+    const std::string& name_;
+    const std::function<void(const std::string&)>& progress_;
+    RunPlan limited_;
+    WallEdges wall_ = wall_edges(scene_.setup);
+    double last_seconds_ = 0;
+    PlanReference reference_;
+};
+
 }  // namespace
 
 double error_left(const std::vector<double>& moved)
@@ -96,51 +207,7 @@ bool falls(const std::vector<double>& moved, double noise)
 PlanReference refine_scene(const StudyScene& scene, const RunPlan& plan, const ReferenceGoals& goals, RunStore& store,
                            const std::string& name, const std::function<void(const std::string&)>& progress)
 {
-    PlanReference reference;
-    double last_seconds = 0;
-    // what touches nothing is smooth in time: second order, unless that breaks off. With contact the trapezoid rule rings
-    const bool is_static = scene.scene.integrator.scheme == Scheme::Static;
-    bool trapezoid = !is_static && scene.scene.vessel.shape == VesselShape::None && !scene.scene.integrator.conserve;
-    RunPlan limited = plan;
-    int broken = 0;
-    for (int level = 0; level < most_levels; ++level) {
-        const Model model = level_model(scene.scene, plan, level, trapezoid);
-        if (level > 0 && !goals.affordable(cost_growth * last_seconds)) {
-            reference.out_of_budget = true;
-            return reference;
-        }
-        if (progress) progress(fmt::format("reference: {}", label(model)));
-        Trajectory values;
-        if (goals.seconds_left) limited.wall_limit = goals.seconds_left();
-        const std::optional<RunRecord> run = store.get(name, scene, model, limited, {}, &values);
-        if (!run) {
-            reference.stopped = true;
-            return reference;
-        }
-        if (run->over_limit) {
-            reference.out_of_budget = true;
-            return reference;
-        }
-        last_seconds = run->cost.wall * std::max(run->simulated, scene.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
-        if (!sound(*run)) {
-            // a coarse one may break where a finer one does not
-            reference.failures.push_back(fmt::format(
-                "{}: {} after {:.3g} s", label(model),
-                run->outcome == Outcome::Hold ? "did not finish" : std::string(seldinger::name(run->outcome)), run->simulated));
-            reference.levels.clear();
-            reference.moved.clear();
-            if (trapezoid && ++broken == trapezoid_failures) trapezoid = false, level = -1;
-            continue;
-        }
-        if (!reference.levels.empty()) reference.moved.push_back(trajectory_errors(reference.values, values).rms);
-        reference.values = std::move(values);
-        reference.levels.push_back(model);
-        reference.model = model;
-        reference.jitters = run->outcome == Outcome::Jitter;
-        reference.contacts = std::max(reference.contacts, run->contacts);
-        if (judge(reference, goals)) return reference;
-    }
-    return reference;
+    return Levels(scene, plan, goals, store, name, progress).refine();
 }
 
 }  // namespace seldinger

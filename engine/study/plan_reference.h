@@ -13,6 +13,9 @@ namespace seldinger {
 /// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k: edges converge with order 2 and steps with order 1 (backward Euler;
 /// where there is no vessel the trapezoid rule, with order 2), so that both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
+// A wall that yields has its control mesh refined like the wire's edges, from twice the scene's own edge on, as far as memory is
+// (wall_edges.h). What the finest mesh is wrong by is then bounded by one more run, with the edge that comes before it: second
+// order, so that as much is left as that moves.
 
 struct PlanReference {
     Trajectory values;
@@ -22,6 +25,8 @@ struct PlanReference {
     PerObservable uncertainty{};       // bound of the finest level's own error [SI]
     double force_scale = 0;            // rms of the hand force, 1 mN at least [N]
     int contacts = 0;                  // at most
+    double wall_move = 0;              // of the finest level: farthest that the wall goes [m]; 0 of a rigid one
+    bool wall_far = false;             // and that is beyond what its linear theory is good for
     bool jitters = false;              // the finest level's hand force does
     bool converges = false;            // the movements fall
     bool out_of_budget = false, stopped = false;

@@ -1,6 +1,7 @@
 // Walks the grid of nodes and steps, exchanges one choice at a time for a cheaper one, and keeps what still meets the goals.
 #include "study/plan_search.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -84,6 +85,15 @@ public:
         }
         if (!trial || !trial->meets) return;
         if (trial->seconds < worth_it * cost || trial->error < room * error) optimise(family, place, walks);
+    }
+
+    /// Whether a family is cheaper than the winner at a place, and leaves room for coarser ones.
+    bool take_at_once(const Model& family, Place place, double limit)
+    {
+        if (!best_ || ended_ || !can_run(family)) return false;
+        const double cost = best_->seconds;
+        const TrialRun* trial = look(family, place);
+        return trial && trial->meets && trial->seconds < worth_it * cost && trial->error < room * limit;
     }
 
     /// The winner with something left out, where that is no dearer and changes nothing.
@@ -239,10 +249,40 @@ std::string not_vouched_for(const Model& model, const Scene& scene, bool touches
     return {};
 }
 
-std::vector<Choice> choices_in(const Scene& scene)
+namespace {
+
+std::string edges_of(double edge) { return fmt::format("control edges of {:.3g} mm", 1e3 * edge); }
+
+/// The wall rigid, or on a coarser control mesh. A model without an edge has the scene's own, the last of `walls`.
+void add_walls(std::vector<Choice>& all, const std::vector<double>& walls)
+{
+    if (walls.empty()) return;
+    const double own = walls.back();
+    const auto make_rigid = [](Model& m) { m.elastic_wall = false, m.wall_edge.reset(); };
+    const auto undo_rigid = [](Model& m) {
+        if (m.elastic_wall == false) m.elastic_wall = true;
+    };
+    all.push_back({"a rigid wall", "the elastic wall", make_rigid, undo_rigid, true, true, true});
+    for (const double edge : walls) {
+        const auto make = [=](Model& m) {
+            if (!m.elastic_wall.value_or(true) || m.wall_edge.value_or(own) >= edge) return;
+            m.wall_edge = edge;
+            if (edge == own) m.wall_edge.reset();
+        };
+        const auto undo = [=](Model& m) {
+            if (m.wall_edge == edge) m.wall_edge.reset();
+        };
+        all.push_back({edges_of(edge), edges_of(own), make, undo, true, false, true});
+    }
+}
+
+}  // namespace
+
+std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls)
 {
     const ContactSpec& own = scene.contact;
     std::vector<Choice> all;
+    add_walls(all, walls);
     all.push_back(
         exchange("one Newton step per step", "converged Newton steps", &Model::scheme, Scheme::Linearised, Scheme::Newton));
     all.back().needs_contact = false;
@@ -256,8 +296,6 @@ std::vector<Choice> choices_in(const Scene& scene)
     if (scene.integrator.spins == Spins::Kept)
         all.push_back({"spin angles left out where they do nothing", "spin angles always", [](Model& m) { m.spin = false; },
                        [](Model& m) { m.spin.reset(); }, false});
-    if (scene.vessel.elastic)
-        all.push_back(exchange("a rigid wall", "the elastic wall", &Model::elastic_wall, false, true, true));
     if (own.friction != FrictionLaw::Smooth && own.friction != FrictionLaw::None)
         all.push_back(
             exchange("friction smooth in velocity", "friction that sticks", &Model::friction, FrictionLaw::Smooth, own.friction));
@@ -282,19 +320,30 @@ std::vector<Choice> choices_in(const Scene& scene)
     return all;
 }
 
-SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches, TrialRunSource& trials,
+SearchResult search_models(const Scene& scene, const Model& from, const SearchGrid& grid, bool touches, TrialRunSource& trials,
                            const std::function<bool()>& may_go_on)
 {
     Search search(grid, trials, may_go_on, &scene, touches);
+    Model start = from;
     Place place = search.place_of(start);
     const TrialRun* first = search.look(start, place);
     while (first && !first->meets && (place.step > 0 || place.node > 0)) {
         place = {std::max(0, place.node - 2), std::max(0, place.step - 2)};
         first = search.look(start, place);
     }
+    if (first && !first->meets && !grid.walls.empty() && grid.finest_wall > 0) {
+        start.wall_edge = grid.finest_wall;
+        first = search.look(start, place);
+    }
+    const std::vector<Choice> choices = choices_in(scene, grid.walls);
+    for (const Choice& choice : choices) {
+        if (!choice.of_wall || !touches || !first || !first->meets) continue;
+        Model other = start;
+        choice.make(other);
+        if (search.take_at_once(other, place, trials.limit())) start = other;
+    }
     if (first && first->meets) search.optimise(start, place, false);
 
-    const std::vector<Choice> choices = choices_in(scene);
     // Twice: a choice that did not pay before another was made may pay after it. Along staircases only then: a choice can save
     // half of every later trial, a walk hardly more than a fifth, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {

@@ -5,6 +5,8 @@
 // A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
 // error grows with the step and with the edges, so the places that meet the goals end in a staircase: the search goes down to a
 // corner of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
+// A wall that yields is tried first of all, rigid and on coarser control meshes, at the place where the search begins: it makes
+// every step several times as dear, so that what it is decides what all later trials cost.
 
 #include "study/plan_trials.h"
 
@@ -19,6 +21,9 @@ namespace seldinger {
 struct SearchGrid {
     std::vector<int> nodes;
     std::vector<double> steps;  // [s]; empty: static
+    std::vector<double>
+        walls;               // control edges of a wall that yields, coarse to fine, the scene's own last [m]; empty: it is rigid
+    double finest_wall = 0;  // the reference's: where nothing meets the goals at a start on a coarser one [m]
 };
 
 /// Neighbours are a factor of 1.3 apart at most, where there are whole numbers of edges and of steps in an interval between.
@@ -32,10 +37,12 @@ struct Choice {
     std::function<void(Model&)> make, undo;
     bool needs_contact = true;
     bool leaves_out = false;  // leaves a part of the physics out: made where that changes nothing, even if it saves nothing
+    bool of_wall = false;     // what the wall is: tried before the search goes down to coarser places
 };
 
 /// Choices that this build can make in the scene, the likeliest to pay first.
-[[nodiscard]] std::vector<Choice> choices_in(const Scene& scene);
+/// @param walls  as SearchGrid::walls
+[[nodiscard]] std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls = {});
 
 /// Why no plan may choose a model, although it can be run; empty: it may. A trial shows that a model went through the scene once.
 /// What vouches for the run after it is that every step's equations are solved and that its energy adds up
@@ -48,9 +55,9 @@ struct SearchResult {
     bool complete = true;       // false: ended by `may_go_on` or a stop
 };
 
-/// @param start  families begin here: a model that meets the goals, at a place of the grid or between two
+/// @param from  families begin here: a model that meets the goals, at a place of the grid or between two
 /// @param may_go_on  asked before every trial
-[[nodiscard]] SearchResult search_models(const Scene& scene, const Model& start, const SearchGrid& grid, bool touches,
+[[nodiscard]] SearchResult search_models(const Scene& scene, const Model& from, const SearchGrid& grid, bool touches,
                                          TrialRunSource& trials, const std::function<bool()>& may_go_on);
 
 /// The most accurate model whose trial takes at most `seconds` per simulated second with steps of at most `longest_step`;

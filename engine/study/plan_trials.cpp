@@ -32,7 +32,7 @@ CostRule::CostRule(int device_index)
 }
 
 TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
-               const CostRule& cost, RunStore& store, std::function<double()> seconds_left)
+                     const CostRule& cost, RunStore& store, std::function<double()> seconds_left)
     : scene_(scene),
       plan_(plan),
       reference_(reference),
@@ -75,6 +75,7 @@ TrialRun TrialRuns::judge(const Model& model, const RunRecord& run, const Trajec
     trial.seconds = cost_.seconds(run.cost.wall, run.cost.cpu);
     const Errors errors = trajectory_errors(values, reference_.values);
     trial.error = at(errors.rms, Observable::Shape);
+    trial.tip_error = at(errors.rms, Observable::Tip);
     trial.force_error = at(errors.rms, Observable::HandForce);
     trial.worst = at(errors.worst, Observable::Shape);
     if (!run.complete) {  // as if it were right from there on
@@ -95,16 +96,29 @@ const TrialRun* TrialRuns::look_at(const Model& model)
 {
     const std::string key = label(model);
     if (const auto found = known_.find(key); found != known_.end()) return &found->second;
-    Trajectory values;
     double shape_sum = 0, force_sum = 0;
     RunPlan plan = watched(shape_sum, force_sum);
     plan.wall_limit = std::min(std::max(least_patience, seconds_left_()), std::max(least_patience, plainly_dear * shortest_));
-    const std::optional<RunRecord> run = store_.get(name_, scene_, model, plan, {}, &values);
+    return run(model, plan, name_);
+}
+
+const TrialRun* TrialRuns::measure(const Model& model)
+{
+    if (const auto found = known_.find(label(model)); found != known_.end() && found->second.complete) return &found->second;
+    RunPlan plan = plan_;
+    plan.wall_limit = std::max({least_patience, seconds_left_(), plainly_dear * shortest_});
+    return run(model, plan, "whole");
+}
+
+const TrialRun* TrialRuns::run(const Model& model, const RunPlan& plan, const std::string& name)
+{
+    Trajectory values;
+    const std::optional<RunRecord> run = store_.get(name, scene_, model, plan, {}, &values);
     if (!run) {
         stopped_ = true;
         return nullptr;
     }
-    const TrialRun& trial = known_[key] = judge(model, *run, values);
+    const TrialRun& trial = known_[label(model)] = judge(model, *run, values);
     if (trial.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
     return &trial;
 }

@@ -23,6 +23,7 @@ struct TrialRun {
     bool too_dear = false;  // broken off because it took many times as long as one that meets the goals, or the budget ended
     bool meets = false;     // sound, and within the goals by more than the reference's uncertainty
     double error = 0, worst = 0;  // shape [m]; of a trial that was broken off a lower bound
+    double tip_error = 0;         // [m]
     double force_error = 0;       // [N]
     double seconds = 0;           // of computation per simulated second (static: per solution)
     int nodes = 0;
@@ -56,9 +57,11 @@ public:
     /// @param plan  samples and stop, as the reference was run
     /// @param seconds_left  of the budget: a trial that takes longer is broken off [s]
     TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanReference& reference, const PlanGoals& goals,
-           const CostRule& cost, RunStore& store, std::function<double()> seconds_left);
+              const CostRule& cost, RunStore& store, std::function<double()> seconds_left);
 
     [[nodiscard]] const TrialRun* look_at(const Model& model) override;
+    /// The same, run to its end however wrong it is: what a choice costs can only be told then.
+    [[nodiscard]] const TrialRun* measure(const Model& model);
     /// Times a complete trial again, median of so many runs; replaces its `seconds`. @return slowest sampled interval [s/s]; 0
     /// when stopped
     double time_again(const Model& model, int repeats);
@@ -69,6 +72,7 @@ public:
 
 private:
     [[nodiscard]] RunPlan watched(double& shape_sum, double& force_sum) const;
+    [[nodiscard]] const TrialRun* run(const Model& model, const RunPlan& plan, const std::string& name);
     [[nodiscard]] TrialRun judge(const Model& model, const RunRecord& run, const Trajectory& values) const;
 
     const StudyScene& scene_;

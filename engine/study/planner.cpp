@@ -2,6 +2,7 @@
 #include "study/planner.h"
 
 #include "study/plan_search.h"
+#include "study/wall_edges.h"
 
 #include "core/error.h"
 
@@ -30,6 +31,7 @@ public:
         : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(options.trials)
     {
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
+        wall_ = wall_edges(scene.setup);
         check_goals();
         const double duration = scene.scene.duration;
         const double samples =
@@ -165,7 +167,7 @@ private:
         const double longest = is_static_ ? 0 : goals_.rate > 0 ? std::min(longest_step, 1 / goals_.rate) : longest_step;
         TrialRuns trials(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(trials)) return out_of_reach(trials);
-        const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
+        const SearchGrid grid = grid_up_to(longest);
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             tell(fmt::format("trial run {}", ++looked));
             return may_go_on();
@@ -182,14 +184,28 @@ private:
         if (!best) return stop_with(PlanStatus::Interrupted, "interrupted");
         if (goals_.rate > 0 && best->slowest > 1) return too_slow(*best, trials, grid);
         result_.chosen = best;
-        look_at_omissions(trials, grid);
+        look_at_wall(trials);
+        look_at_omissions(trials);
         result_.trials = static_cast<int>(trials.all().size());
         if (trials.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
+    }
+
+    [[nodiscard]] SearchGrid grid_up_to(double longest) const
+    {
+        SearchGrid grid = search_grid(result_.reference, plan_.interval, longest);
+        grid.walls = wall_.trials();
+        grid.finest_wall = result_.reference.model.wall_edge.value_or(0);
+        return grid;
     }
 
     /// What could be run here and may not be chosen.
     void note_what_is_not_tried()
     {
+        if (result_.reference.wall_far)
+            result_.notes.push_back(fmt::format(
+                "the wall moves by {}, more than a fifth of the lumen's radius: beyond what its linear theory is good "
+                "for, whatever the model",
+                as_length(result_.reference.wall_move)));
         for (const Choice& choice : choices_in(scene_.scene)) {
             if (choice.needs_contact && !result_.touches) continue;
             Model model = starting_model();
@@ -218,6 +234,7 @@ private:
     Model as_trial(Model model) const
     {
         model.tolerance.reset();
+        if (model.wall_edge.value_or(0) >= wall_.own) model.wall_edge.reset();  // no coarser than `run` has it
         if (model.trapezoid == scene_.scene.integrator.newmark) model.trapezoid.reset();
         return model;
     }
@@ -232,7 +249,8 @@ private:
             return false;
         }
         const double step_seconds = trial->seconds * coarse.dt.value_or(1);
-        constexpr double cheaper_yet = 10;  // fewer nodes, one Newton step, at the very best
+        // fewer nodes, one Newton step, at the very best; a rigid wall takes a twentieth of one that yields
+        const double cheaper_yet = wall_.yields() ? 100 : 10;
         if (step_seconds * goals_.rate < cheaper_yet) return true;
         stop_with(PlanStatus::NotBoth, fmt::format("no model reaches {:g} steps a second here: a step of {} takes {:.3g} us, so "
                                                    "that {:.2g} a second is about the most",
@@ -244,7 +262,7 @@ private:
     void out_of_reach(TrialRuns& trials)
     {
         if (trials.stopped()) return;
-        const SearchGrid grid = search_grid(result_.reference, plan_.interval, longest_step);
+        const SearchGrid grid = grid_up_to(longest_step);
         const auto go_on = [&] { return may_go_on(); };
         const SearchResult found = search_models(scene_.scene, starting_model(), grid, result_.touches, trials, go_on);
         result_.search_complete = found.complete;
@@ -343,18 +361,48 @@ private:
     // ---- what was left out
     // ------------------------------------------------------------------------------------------------------
 
-    void look_at_omissions(TrialRuns& trials, const SearchGrid& grid)
+    /// The wall that was not chosen, elastic or rigid, at the nodes and steps of the chosen model: run to its end, budget or not,
+    /// since the reason for the choice comes of it.
+    void look_at_wall(TrialRuns& trials)
+    {
+        if (!wall_.yields() || !result_.touches) return;
+        const PlannedModel& chosen = *result_.chosen;
+        WallChoice wall;
+        wall.elastic = chosen.scene.vessel.elastic;
+        wall.move = result_.reference.wall_move;
+        wall.far = result_.reference.wall_far;
+        wall.edge = wall.elastic ? chosen.model.wall_edge.value_or(wall_.own) : wall_.own;
+        Model other = chosen.model;
+        other.elastic_wall = !wall.elastic;
+        other.wall_edge.reset();
+        if (why_not(other, scene_.scene).empty()) {
+            tell("the other wall");
+            const TrialRun* trial = trials.measure(other);
+            if (trial && trial->complete) {
+                wall.other_known = true;
+                wall.cost_ratio = trial->seconds / chosen.seconds;
+                wall.other_tip = trial->tip_error, wall.other_error = trial->error, wall.other_force = trial->force_error;
+            }
+            if (trial && wall.elastic) result_.left_out.push_back(omission("a rigid wall instead", *trial));
+        }
+        result_.wall = wall;
+    }
+
+    [[nodiscard]] Omission omission(const std::string& what, const TrialRun& trial) const
+    {
+        return {what, trial.seconds / result_.chosen->seconds, trial.error, trial.force_error, trial.complete, trial.too_dear};
+    }
+
+    void look_at_omissions(TrialRuns& trials)
     {
         const PlannedModel chosen = *result_.chosen;
         const auto add = [&](const std::string& what, const Model& model) {
             if (label(model) == label(chosen.model) || !may_go_on() || !why_not(model, scene_.scene).empty()) return;
             tell("left out: " + what);
             const TrialRun* trial = trials.look_at(model);
-            if (!trial) return;
-            result_.left_out.push_back(
-                {what, trial->seconds / chosen.seconds, trial->error, trial->force_error, trial->complete, trial->too_dear});
+            if (trial) result_.left_out.push_back(omission(what, *trial));
         };
-        for (const Choice& choice : choices_in(scene_.scene)) {
+        for (const Choice& choice : choices_in(scene_.scene, wall_.trials())) {
             if (choice.needs_contact && !result_.touches) continue;
             Model made = chosen.model;
             choice.make(made);
@@ -372,7 +420,6 @@ private:
             finer.dt = *finer.dt / 2;
             add(fmt::format("half the step ({:.3g} ms)", 1e3 * *finer.dt), finer);
         }
-        (void)grid;
     }
 
     const StudyScene& scene_;
@@ -382,6 +429,7 @@ private:
     RunStore store_;
     RunPlan plan_;
     Plan result_;
+    WallEdges wall_;
     bool is_static_ = false;
     Clock::time_point start_ = Clock::now();
 };

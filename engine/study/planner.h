@@ -9,8 +9,8 @@
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
 // (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.
 
-#include "study/plan_trials.h"
 #include "study/plan_reference.h"
+#include "study/plan_trials.h"
 
 #include <functional>
 #include <optional>
@@ -51,6 +51,17 @@ struct Omission {
     bool too_dear = false;              // it was not run to its end because it took many times as long
 };
 
+/// What the chosen model makes of a wall that yields, and what the other choice does at its nodes and steps.
+struct WallChoice {
+    bool elastic = true;
+    double edge = 0;                                         // of the control mesh, of the elastic one of the two [m]
+    double move = 0;                                         // farthest that the wall goes in the reference [m]
+    bool far = false;                                        // beyond its linear theory
+    bool other_known = false;                                // the other choice came to its end
+    double cost_ratio = 1;                                   // of the other over the chosen
+    double other_tip = 0, other_error = 0, other_force = 0;  // rms [m], [m], [N]
+};
+
 enum class PlanStatus {
     Planned,         // `chosen` meets what was asked
     NotBoth,         // nothing meets tolerance and rate; nearest on each side in `accurate` and `fast`, where there are any
@@ -68,6 +79,7 @@ struct Plan {
     std::optional<PlannedModel> accurate;  // the cheapest that meets the tolerance (or the most accurate), whatever its rate
     std::optional<PlannedModel> fast;      // the most accurate that meets the rate
     std::vector<Omission> left_out;
+    std::optional<WallChoice> wall;  // of a scene whose wall yields and is touched
     std::vector<std::string> notes;  // one sentence each
     bool touches = false;            // the wire met the wall
     bool search_complete = true;     // false: the budget ended it

@@ -14,16 +14,18 @@ namespace {
 // millinewton is what the hand-force's 20 ms mean scatters by on a wire at rest.
 constexpr PerObservable noise = {1e-8, 1e-8, 1e-6, 1e-6, 1e-6};
 
+constexpr double wall_refinement = 1.5;
 constexpr double cost_of_a_level = 4;  // twice the nodes, twice the steps
 
 }  // namespace
 
-Model refined(const Model& coarsest, int level)
+Model refined(const Refinement& how, int level)
 {
-    Model model = coarsest;
+    Model model = how.coarsest;
     const int factor = 1 << level;
-    model.nodes = (coarsest.nodes.value_or(101) - 1) * factor + 1;
-    model.dt = coarsest.dt.value_or(1e-3) / factor;
+    model.nodes = (model.nodes.value_or(101) - 1) * factor + 1;
+    model.dt = model.dt.value_or(1e-3) / factor;
+    if (model.wall_edge) model.wall_edge = std::max(how.least_wall_edge, *model.wall_edge / std::pow(wall_refinement, level));
     model.name = fmt::format("reference {}", level);
     return model;
 }
@@ -71,7 +73,7 @@ bool Refiner::add_level()
         return true;
     }
     if (level > 0 && spent_ + cost_of_a_level * last_wall_ > how_.wall_limit && level >= how_.least_levels) return false;
-    const ModelRun run = run_model(scene_, refined(how_.coarsest, level), plan_, baselines_);
+    const ModelRun run = run_model(scene_, refined(how_, level), plan_, baselines_);
     last_wall_ = (plan_.processor_time ? run.cost.cpu : run.cost.wall) *
                  std::max(run.simulated, scene_.scene.integrator.scheme == Scheme::Static ? 1.0 : 0.0);
     spent_ += last_wall_;
@@ -134,9 +136,10 @@ const Reference& Refiner::refine_to(const PerObservable& wanted)
         judge();
     }
     if (failure_.empty() && reference_.levels > 0) {
-        const Model finest = refined(how_.coarsest, reference_.levels - 1);
+        const Model finest = refined(how_, reference_.levels - 1);
         reference_.note =
             fmt::format("{} levels, the finest with {} nodes and {:.3g} ms", reference_.levels, *finest.nodes, 1e3 * *finest.dt);
+        if (finest.wall_edge) reference_.note += fmt::format(", control edges of {:.3g} mm", 1e3 * *finest.wall_edge);
     }
     return reference_;
 }

@@ -135,6 +135,7 @@ private:
             const StepReport report = simulation_->step(h);
             clock_.stop();
             result_.simulated = from + static_cast<double>(k) * h;
+            result_.wall_far_steps += (report.flags & StepWallFar) != 0;
             if (!watch_.after_step(*simulation_, report, result_.simulated)) {
                 result_.failed_at = result_.simulated;
                 return false;
@@ -162,6 +163,7 @@ private:
         average_.write(sample);
         result_.nodes = std::max(result_.nodes, now.nodes);
         result_.contacts = std::max(result_.contacts, now.contacts);
+        result_.wall_move = std::max(result_.wall_move, simulation_->wall_move());
         result_.trajectory.samples.push_back(std::move(sample));
     }
 

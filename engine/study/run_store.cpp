@@ -12,9 +12,10 @@ namespace seldinger {
 namespace {
 
 const std::vector<std::string> columns = {
-    "scene",       "scene_key",    "model",        "settings",    "outcome",      "complete",  "over_limit",  "failed_at_s",
-    "simulated_s", "wall_limit_s", "wall_s_per_s", "wall_lowest", "wall_highest", "repeats",   "cpu_s_per_s", "cpu_lowest",
-    "cpu_highest", "nodes",        "contacts",     "steps",       "jitter",       "overlap_m", "outside_m",   "mean_iterations"};
+    "scene",       "scene_key",   "model",           "settings",     "outcome",       "complete",     "over_limit",
+    "failed_at_s", "simulated_s", "wall_limit_s",    "wall_s_per_s", "wall_lowest",   "wall_highest", "repeats",
+    "cpu_s_per_s", "cpu_lowest",  "cpu_highest",     "nodes",        "contacts",      "steps",        "jitter",
+    "overlap_m",   "outside_m",   "mean_iterations", "wall_move_m",  "wall_far_steps"};
 constexpr std::size_t key_columns = 4;
 
 std::string hex(const std::string& text) { return fmt::format("{:016x}", fnv1a(text.data(), text.size())); }
@@ -39,11 +40,27 @@ ResultTable::Row row_of(const ResultTable::Row& keys, const RunRecord& r)
     ResultTable::Row row = keys;
     const auto put = [&row](double value) { row.push_back(csv_number(value)); };
     row.emplace_back(name(r.outcome));
-    for (const double value :
-         {r.complete ? 1.0 : 0.0, r.over_limit ? 1.0 : 0.0, r.failed_at, r.simulated, r.wall_limit, r.cost.wall, r.cost.lowest,
-          r.cost.highest, static_cast<double>(r.cost.repeats), r.cost.cpu, r.cost.cpu_lowest, r.cost.cpu_highest,
-          static_cast<double>(r.nodes), static_cast<double>(r.contacts), static_cast<double>(r.readings.steps), r.readings.jitter,
-          r.readings.overlap, r.readings.outside, r.readings.mean_iterations})
+    for (const double value : {r.complete ? 1.0 : 0.0,
+                               r.over_limit ? 1.0 : 0.0,
+                               r.failed_at,
+                               r.simulated,
+                               r.wall_limit,
+                               r.cost.wall,
+                               r.cost.lowest,
+                               r.cost.highest,
+                               static_cast<double>(r.cost.repeats),
+                               r.cost.cpu,
+                               r.cost.cpu_lowest,
+                               r.cost.cpu_highest,
+                               static_cast<double>(r.nodes),
+                               static_cast<double>(r.contacts),
+                               static_cast<double>(r.readings.steps),
+                               r.readings.jitter,
+                               r.readings.overlap,
+                               r.readings.outside,
+                               r.readings.mean_iterations,
+                               r.wall_move,
+                               static_cast<double>(r.wall_far_steps)})
         put(value);
     return row;
 }
@@ -61,6 +78,7 @@ RunRecord record_of(const ResultTable::Row& row)
     r.cost.repeats = static_cast<int>(next()), r.cost.cpu = next(), r.cost.cpu_lowest = next(), r.cost.cpu_highest = next();
     r.nodes = static_cast<int>(next()), r.contacts = static_cast<int>(next()), r.readings.steps = static_cast<long>(next());
     r.readings.jitter = next(), r.readings.overlap = next(), r.readings.outside = next(), r.readings.mean_iterations = next();
+    r.wall_move = next(), r.wall_far_steps = static_cast<long>(next());
     return r;
 }
 
@@ -72,6 +90,7 @@ RunRecord record_of(const ModelRun& run, const RunPlan& plan)
     r.complete = run.complete, r.over_limit = run.over_limit;
     r.failed_at = run.failed_at, r.simulated = run.simulated, r.wall_limit = plan.wall_limit;
     r.nodes = run.nodes, r.contacts = run.contacts;
+    r.wall_move = run.wall_move, r.wall_far_steps = run.wall_far_steps;
     r.readings = run.verdict.readings;
     return r;
 }

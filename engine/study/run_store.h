@@ -22,6 +22,8 @@ struct RunRecord {
     double failed_at = 0, simulated = 0;  // [s]
     double wall_limit = 0;                // under which it was run [s]
     int nodes = 0, contacts = 0;
+    double wall_move = 0;  // [m]
+    long wall_far_steps = 0;
     FailureReadings readings;          // steps, jitter, overlap, outside, iterations are kept
     std::filesystem::path trajectory;  // where its observables are
 };

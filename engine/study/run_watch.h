@@ -8,9 +8,8 @@ namespace seldinger {
 
 class RunWatch {
 public:
-    /// @param scene  as run. Where it puts work in by ways that are not metered here (springs, dead moments, loads or moving
-    /// holds
-    ///               elsewhere than at tip and base) energy is not judged
+    /// @param scene  as run. Where work is put in by ways that are not metered here (springs, dead moments, loads or moving holds
+    ///               elsewhere than at tip and base, a wall that yields) energy is judged by the engine's own audit alone
     /// @param limits  radius 0 or infinite: the wire's own
     RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, bool end_on_blow_up, const Simulation& start);
 

@@ -31,6 +31,8 @@ public:
         return points;
     }
 
+    double wall_move() const override { return world_.setup().vessel.elastic ? world_.wall_readings().move_max : 0; }
+
     std::vector<ForceAt> contact_forces() const override
     {
         const ConstRodView rod = world_.rod(0);
@@ -57,6 +59,7 @@ WorldSetup StudyScene::setup_under(const Model& model) const
     WorldSetup made = setup;
     made.integrator = changed.integrator;
     made.vessel.elastic = changed.vessel.elastic;
+    made.vessel.wall_edge = changed.vessel.wall_edge;
     made.wires.front().wire = changed.wire;
     made.wires.front().contact = changed.contact;
     return made;

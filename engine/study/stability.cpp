@@ -197,9 +197,10 @@ CellResult run_stability_cell(const StabilityMap& map, const Model& method, doub
     limits.static_indentation = reference.indentation;
     limits.jitter = map.hand_is_steady ? limits.jitter + reference.honest_jitter(dt) : std::numeric_limits<double>::infinity();
     const ModelRun run = run_cell(scene, in_map(map, method), limits, wall_limit, stop);
-    return {run.verdict,    std::min(2 * reference.indentation, scene.wire.shaft.radius),
-            limits.jitter,  run.simulated,
-            run.over_limit, run.stopped};
+    return {run.verdict,       std::min(2 * reference.indentation, scene.wire.shaft.radius),
+            limits.jitter,     run.simulated,
+            run.over_limit,    run.stopped,
+            run.wall_far_steps};
 }
 
 std::string why_not_in(const StabilityMap& map, const Model& method, const std::filesystem::path& folder)

@@ -1,6 +1,6 @@
 #pragma once
 // The stability map: where in (step, one other parameter) each method holds and how it fails where it does not. A map is one of
-// the failure rows F1 ... F17 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
+// the failure rows F1 ... F19 as a small scene with one thing varied; a cell is that scene at one step and one value, run with
 // one method and judged by study/classify.h.
 
 #include "study/classify.h"
@@ -62,6 +62,7 @@ struct CellResult {
     double simulated = 0;      // [s]; less than asked when the run broke off
     bool over_limit = false;   // took longer than the limit and was ended
     bool stopped = false;      // by `stop`: says nothing
+    long wall_far_steps = 0;   // in which a wall that yields was beyond what its linear theory is good for
     /// What was seen to fail; "unfinished" where nothing had failed when the limit ended it: no run that did not end has held.
     [[nodiscard]] const char* outcome() const { return over_limit && verdict.held() ? "unfinished" : name(verdict.outcome); }
 };
@@ -92,7 +93,7 @@ struct CellReference {
                                             const CellReference& reference, const std::filesystem::path& folder,
                                             double wall_limit, const std::function<bool()>& stop = {});
 
-/// Why a method has no place in a map ("the scene has no vessel to touch", "not available yet"); empty when it has. `folder`
+/// Why a method has no place in a map ("the scene has no vessel to touch"); empty when it has. `folder`
 /// holds the map's meshes.
 [[nodiscard]] std::string why_not_in(const StabilityMap& map, const Model& method, const std::filesystem::path& folder);
 

@@ -11,6 +11,17 @@ namespace {
 /// A short tube scene whose wire is on the wall within its two samples.
 std::string touching_scene() { return tube_scene(0.07); }
 
+/// The same with a wall that yields.
+std::string soft_scene(double youngs, double support)
+{
+    std::string text = touching_scene();
+    const std::string triangles = "triangles = 2000\n";
+    return text.replace(text.find(triangles), triangles.size(),
+                        triangles + fmt::format("wall = \"elastic\"\nyoungs_pa = {:e}\nsupport_pa_m = {:e}\nthickness_m = 5e-4\n"
+                                                "wall_edge_m = 0.002\n",
+                                                youngs, support));
+}
+
 nlohmann::json plan_of(const AppResult& result)
 {
     CAPTURE(result.err);
@@ -92,6 +103,52 @@ TEST_SUITE("apps/plan")
         const AppResult run = run_app(folder, "run deep/er/p.toml -o out");
         CAPTURE(run.err);
         CHECK(run.code == 0);
+    }
+
+    TEST_CASE("property: where a wall that yields hardly moves it is planned rigid, with the reason, and that scene runs")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", soft_scene(1e6, 1e6));
+        const AppResult result = run_plan(folder, "t.toml --tolerance 0.5mm --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result), wall = plan["wall"];
+        CHECK(wall["chosen"] == "rigid");
+        CHECK(plan["chosen"]["wall"] == "rigid");
+        CHECK(wall["move_m"].get<double>() > 0);
+        CHECK(wall["move_m"].get<double>() < 0.5e-3);
+        CHECK(wall["reason"].get<std::string>().find("rigid: the wall would move") == 0);
+        CHECK(wall["reason"].get<std::string>().find("below the tolerance; an elastic one is") != std::string::npos);
+        CHECK(wall["other_known"] == true);
+        CHECK(plan["left_out"].dump().find("the elastic wall") != std::string::npos);
+        CHECK_FALSE(seldinger::read_scene(folder.path / "planned.toml").vessel.elastic);
+        CHECK(run_app(folder, "run planned.toml -o out").code == 0);
+    }
+
+    TEST_CASE("property: where it is too soft for that it is planned elastic, and what a rigid one is wrong by is said")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", soft_scene(1e5, 1e5));
+        const AppResult result = run_plan(folder, "t.toml --tolerance 0.1mm --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result), wall = plan["wall"];
+        CHECK(wall["chosen"] == "elastic");
+        CHECK(plan["chosen"]["error_high_m"].get<double>() <= 0.1e-3);
+        REQUIRE(wall["other_known"] == true);
+        CHECK(wall["other_error_m"].get<double>() > 0.1e-3);  // run to its end, however wrong
+        const auto reason = wall["reason"].get<std::string>();
+        CHECK(reason.find("elastic, edge ") == 0);
+        CHECK(reason.find("a rigid wall puts the tip wrong by") != std::string::npos);
+        const auto& left_out = plan["left_out"];
+        const auto rigid =
+            std::find_if(left_out.begin(), left_out.end(), [](const auto& o) { return o["what"] == "a rigid wall instead"; });
+        REQUIRE(rigid != left_out.end());
+        CHECK((*rigid)["error_m"] == wall["other_error_m"]);
+        CHECK(seldinger::read_scene(folder.path / "planned.toml").vessel.elastic);
+        const AppResult run = run_app(folder, "run planned.toml -o out");
+        REQUIRE(run.code == 0);
+        CHECK(summary_of(folder.path / "out")["wall_vertices"].get<int>() > 0);
     }
 
     TEST_CASE(

@@ -157,4 +157,33 @@ TEST_SUITE("study/chart_models")
         // edges of 2.5 mm, where bending makes 4 sqrt(B / rho A) / h^2 = 32,100 rad/s against 2 c / h = 40,100
         CHECK(explicit_step(scene.wire, 41) == doctest::Approx(0.25 * 2 / 40100).epsilon(0.01).scale(0));
     }
+
+    TEST_CASE_FIXTURE(ChartFixture,
+                      "property: beside a wall that yields stand a rigid one and coarser ones; beside a rigid one, elastic")
+    {
+        Scene scene = read_scene(options.scenes[0]);
+        scene.vessel.shape = VesselShape::Tube;
+        scene.vessel.radius = 0.005;
+        scene.vessel.length = 0.1;
+        scene.vessel.triangles = 1000;
+        const auto walls_of = [&](const WallEdges& edges) {
+            std::vector<ChartModel> walls;
+            for (const ChartModel& model : chart_models(scene, true, {}, edges))
+                if (model.family == "wall") walls.push_back(model);
+            return walls;
+        };
+        const auto beside_rigid = walls_of({});
+        REQUIRE(beside_rigid.size() == 1);
+        CHECK(beside_rigid[0].model.name == "elastic wall");
+        CHECK(beside_rigid[0].refused == "");
+        scene.vessel.elastic = true;
+        const auto beside_elastic = walls_of({0.002, 0.001});
+        std::set<std::string> names;
+        for (const ChartModel& model : beside_elastic) {
+            CHECK(model.refused == "");
+            names.insert(model.model.name);
+        }
+        CHECK(names == std::set<std::string>{"rigid wall", "rigid wall · 16.7 ms", "wall edge 4 mm", "wall edge 4 mm · 16.7 ms",
+                                             "wall edge 2.8 mm"});
+    }
 }

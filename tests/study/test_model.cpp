@@ -45,6 +45,8 @@ Model everything_else()
     model.normal = NormalLaw::LankaraniNikravesh;
     model.friction = FrictionLaw::Sign;
     model.rolling = true;
+    model.elastic_wall = true;
+    model.wall_edge = 0.003;
     return model;
 }
 
@@ -61,7 +63,7 @@ TEST_SUITE("study/model")
         const Scene by_text = read_scene_text(tube_scene, "tube.toml", texts);
         by_model.wire_every = by_text.wire_every;  // how often frames are written follows from the step on reading
         by_model.contacts_every = by_text.contacts_every;
-        CHECK(texts.size() == 12);  // eleven choices; the trapezoid is two keys
+        CHECK(texts.size() == 14);  // thirteen choices; the trapezoid is two keys
         CHECK(write_scene(by_model, ".") == write_scene(by_text, "."));
         CHECK(write_scene(by_model, ".") != write_scene(scene, "."));
         CHECK(write_scene(apply(Model{}, scene), ".") == write_scene(scene, "."));

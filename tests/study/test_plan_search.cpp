@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -234,6 +235,80 @@ TEST_SUITE("study/plan_search")
         REQUIRE(found.best);
         CHECK(found.best->detection == Detection::Capsule);
         CHECK(found.best->rolling == false);
+    }
+
+    TEST_CASE("property: a wall that yields is rigid where that meets the goals, on a coarser mesh where only that does")
+    {
+        Scene scene = small_scene();
+        scene.vessel.elastic = true;
+        SearchGrid grid = search_grid(reference_with(577, 2.6e-4), 0.1, 1.0 / 30);
+        grid.walls = {8e-3, 5.6e-3, 4e-3};
+        grid.finest_wall = 2e-3;
+        const double limit = 2e-4;
+        double rigid_error = 0, edge_error = 0;  // of a rigid wall; of an edge of 4 mm, going with its square
+        Law law;
+        law.share = [](const Model& m) {
+            const double edge = m.wall_edge.value_or(4e-3);
+            return (m.elastic_wall == false ? 1.0 : 2 + 2 * std::pow(4e-3 / edge, 2)) * (m.nodes == 0 ? 100.0 : 1.0);
+        };
+        law.extra_error = [&](const Model& m) {
+            return m.elastic_wall == false ? rigid_error : edge_error * std::pow(m.wall_edge.value_or(4e-3) / 4e-3, 2);
+        };
+        const auto search = [&](Model start) {
+            MadeUpTrialRuns trials(law, limit);
+            const SearchResult found = search_models(scene, start, grid, true, trials, always);
+            for (const Model& model : trials.models()) CHECK((model.elastic_wall.value_or(true) || !model.wall_edge));
+            REQUIRE(found.best);
+            CHECK(trials.look_at(*found.best)->error <= limit);
+            return *found.best;
+        };
+        Model start = start_model(385, 2.6e-4);
+        start.wall_edge = 2.7e-3;
+        CHECK(search(start).elastic_wall == false);
+        rigid_error = 1;
+        CHECK(search(start).wall_edge == 8e-3);
+        edge_error = 0.3 * limit;  // four times as much at 8 mm, twice at 5.6
+        CHECK(search(start).wall_edge == 5.6e-3);
+        edge_error = 0.6 * limit;
+        const Model own = search(start);
+        CHECK(own.elastic_wall.value_or(true));
+        CHECK_FALSE(own.wall_edge);  // as `run` has it
+        edge_error = 3 * limit;      // at 4 mm nothing meets them
+        start.wall_edge.reset();
+        CHECK(search(start).wall_edge == 2e-3);
+    }
+
+    TEST_CASE("property: what is left out of a wall is named once, and a rigid one leaves nothing to choose")
+    {
+        Scene scene = small_scene();
+        const auto of_wall = [](const std::vector<Choice>& all) {
+            return std::count_if(all.begin(), all.end(), [](const Choice& choice) { return choice.of_wall; });
+        };
+        CHECK(of_wall(choices_in(scene)) == 0);
+        scene.vessel.elastic = true;
+        const std::vector<double> walls = {8e-3, 5.6e-3, 4e-3};
+        const std::vector<Choice> all = choices_in(scene, walls);
+        CHECK(of_wall(all) == 4);
+        CHECK(all.front().of_wall);  // first: it decides what every later trial costs
+        // of the choices that are made already, those whose way back leads elsewhere: what a plan lists as left out
+        const auto left_out = [&](const Model& chosen) {
+            std::vector<std::string> names;
+            for (const Choice& choice : all) {
+                Model made = chosen, undone = chosen;
+                choice.make(made);
+                choice.undo(undone);
+                if (choice.of_wall && label(made) == label(chosen) && label(undone) != label(chosen))
+                    names.push_back(choice.fuller);
+            }
+            return names;
+        };
+        Model model;
+        CHECK(left_out(model).empty());
+        model.elastic_wall = false;
+        CHECK(left_out(model) == std::vector<std::string>{"the elastic wall"});
+        model.elastic_wall.reset();
+        model.wall_edge = 8e-3;
+        CHECK(left_out(model) == std::vector<std::string>{"control edges of 4 mm"});
     }
 
     TEST_CASE("property: choices that do not go together are never tried together, whichever was made first")

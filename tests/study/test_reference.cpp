@@ -80,9 +80,21 @@ TEST_SUITE("study/reference")
         const double order = std::log2(at(reference.moved[1], Observable::Tip) / at(reference.moved[2], Observable::Tip));
         CHECK(order == about(1.0).epsilon(0.15));  // of successive differences
         // one more halving moves the tip by less than the uncertainty
-        const ModelRun finer = run_model(scene, refined(from(11, 5e-4, 4).coarsest, 4), plan);
+        const ModelRun finer = run_model(scene, refined(from(11, 5e-4, 4), 4), plan);
         const Errors left = trajectory_errors(reference.values, finer.trajectory);
         CHECK(at(left.rms, Observable::Tip) < at(reference.uncertainty, Observable::Tip));
+    }
+
+    TEST_CASE("property: the control mesh of a wall that yields is refined with the wire, as far as its least edge")
+    {
+        Refinement how = from(11, 5e-4, 4);
+        CHECK_FALSE(refined(how, 2).wall_edge);
+        how.coarsest.wall_edge = 9e-3;
+        how.least_wall_edge = 3e-3;
+        CHECK(refined(how, 0).wall_edge == 9e-3);
+        CHECK(*refined(how, 2).wall_edge == about(4e-3).epsilon(1e-12));
+        CHECK(refined(how, 3).wall_edge == 3e-3);
+        CHECK(refined(how, 3).nodes == 81);
     }
 
     TEST_CASE("property: refinement ends when it is good enough, and finished levels are taken from the folder")

@@ -82,7 +82,7 @@ TEST_SUITE("study/stability")
                     CHECK(scene.duration > 0);
                 }
         }
-        for (int row = 1; row <= 17; ++row) CHECK(rows.find(" F" + std::to_string(row) + " ") != std::string::npos);
+        for (int row = 1; row <= 19; ++row) CHECK(rows.find(" F" + std::to_string(row) + " ") != std::string::npos);
         std::sort(names.begin(), names.end());
         CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
         CHECK(default_method().name == "default");
@@ -100,12 +100,23 @@ TEST_SUITE("study/stability")
         covers("triangles", 0.1, 20);
         covers("bending", 1e-7, 1e-2);
         covers("friction", 0, 1);
+        covers("soft-wall", 1e-2, 1e2);
+        covers("snug", 1, 100);
         CHECK(stability_steps(false).front() <= 1e-4);
         CHECK(stability_steps(false).back() >= 0.033);
         // the scene that a cell runs says so itself
         CHECK(stability_scene(map_named("bending"), 1e-7, 1e-3, 1, ".").wire.shaft.bend_stiffness == about(1e-7));
         CHECK(stability_scene(map_named("stiffness"), 1e3, 1e-3, 1, ".").vessel.youngs == about(1e9));
         CHECK(stability_scene(map_named("friction"), 1, 1e-3, 1, ".").contact.mu_sliding == about(1.0));
+        const VesselSpec soft = stability_scene(map_named("soft-wall"), 1, 1e-3, 1, ".").vessel;  // a thoracic aorta's wall
+        CHECK(soft.elastic);
+        CHECK(soft.youngs == about(0.4e6));
+        CHECK(soft.thickness == about(0.82e-3));
+        const Scene snug = stability_scene(map_named("snug"), 100, 1e-3, 1, ".");
+        CHECK(snug.vessel.elastic);
+        CHECK(snug.vessel.youngs == about(1e5));
+        CHECK(snug.wire.shaft.bend_stiffness == about(1e-2));
+        CHECK(snug.vessel.radius == about(1.2 * snug.wire.shaft.radius));
     }
 
     // at 20 the facets of the inner wall meet at 30 degrees; with samples a radius apart the hand's force ripples by a third
@@ -140,6 +151,21 @@ TEST_SUITE("study/stability")
         const CellResult published = run("published");
         CHECK(published.verdict.outcome > Outcome::Overlap);  // it passes the wall
         CHECK(published.verdict.readings.outside > 0);
+    }
+
+    TEST_CASE("property: beside an aorta's wall that yields the default holds at steps of a display, and presses no deeper")
+    {
+        const StabilityMap& map = map_named("soft-wall");
+        const CellReference reference = cell_reference(map, 1, ".");
+        CHECK(reference.indentation > 0);
+        CHECK(reference.indentation < 4.4e-4);  // where the wall has moved to, not where it was: below the wire's radius
+        for (const double dt : {1.0 / 60, 1.0 / 30}) {
+            CAPTURE(dt);
+            const CellResult result = run_stability_cell(map, default_method(), dt, 1, reference, ".", 60);
+            CHECK(std::string(result.outcome()) == "hold");
+            CHECK(result.verdict.readings.touching > 10);
+            CHECK(result.verdict.readings.outside == 0);
+        }
     }
 
     TEST_CASE("property: a cell that runs out of its budget is unfinished, never hold; one that is stopped says nothing")

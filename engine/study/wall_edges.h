@@ -1,0 +1,24 @@
+#pragma once
+// Which control edges of a wall that yields a study tries, and how fine its reference may go (docs/wall.md).
+
+#include "engine.h"
+
+#include <vector>
+
+namespace seldinger {
+
+struct WallEdges {
+    double own = 0;    // what `run` takes: the scene's, or the one that is chosen where it gives none [m]; 0: the wall is rigid
+    double least = 0;  // the finest that is run: some 6,000 vertices, or `own` where that is finer [m]
+
+    [[nodiscard]] bool yields() const { return own > 0; }
+    /// Edges worth trying, longest first: multiples of `own`, down to it.
+    [[nodiscard]] std::vector<double> trials() const;
+    /// Of level k of a reference, twice `own` at first and refined by `ratio`: as far as `least`.
+    [[nodiscard]] double of_level(int level, double ratio) const;
+};
+
+/// @param setup  with its vessel's mesh. A wall that is rigid has no edges
+[[nodiscard]] WallEdges wall_edges(const WorldSetup& setup);
+
+}  // namespace seldinger
