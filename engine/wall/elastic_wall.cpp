@@ -177,6 +177,11 @@ double farthest_move(const LoopSurface& surface, std::span<const double> w)
 WallReadings read_wall(const ElasticWall& wall, std::span<const double> displaced, double work, std::vector<double>* stress)
 {
     WallReadings now;
+    if (std::all_of(displaced.begin(), displaced.end(), [](double move) { return move == 0; })) {  // it has not been touched yet
+        now.loss = work;
+        if (stress) stress->assign(displaced.size() / 3, 0.0);
+        return now;
+    }
     now.move_max = farthest_move(wall.surface(), displaced);
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
