@@ -59,7 +59,7 @@ void check_state(World::Impl& state, double dt, StepReport& report)
             if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
                 note(state, report, w, StepNonFinite);
         if (needs_audit(state, w, dt)) audit_outside(state, w);
-        if (state.yielding && state.yielding->move_under(state.system_of[w]) > state.elastic_wall->largest_move())
+        if (state.yielding && state.yielding->move_share(state.system_of[w]) > 1)
             note(state, report, w, StepWallFar);
         if (state.results[w].contact.outside > 0) note(state, report, w, StepWallPenetration);
     }

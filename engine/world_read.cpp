@@ -247,7 +247,7 @@ void World::read(Output& into, unsigned parts) const
     if (!impl_->yielding) return;
     // a step looks under its wires only: loads may have moved the wall elsewhere
     for (int w = 0; w < wire_count(); ++w)
-        if (into.walls[static_cast<std::size_t>(system_of(w))].readings.move_max > impl_->elastic_wall->largest_move())
+        if (into.walls[static_cast<std::size_t>(system_of(w))].readings.move_share > 1)
             into.wires[static_cast<std::size_t>(w)].report.flags |= StepWallFar;
 }
 

@@ -9,6 +9,13 @@ namespace seldinger {
 
 namespace {
 
+// Of how far the wall has gone: nodes that may be as far from where it was and touch it. The largest is that of some place; twice
+// as much nothing has gone since it was noted.
+constexpr double farthest_factor = 2;
+
+// |G| up to which what moves is carried back by it. Linear theory ends far below, and 1 + G is singular from 1 on.
+constexpr double steepest = 0.5;
+
 double length_from(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
 
 /// 1 up to `full`, 0 from `none` on, smooth between.
@@ -39,7 +46,7 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     const WallFoot last = feet_[node];
     feet_[node] = {};
     Clear& clear = clear_[node];
-    if (clear.distance - length_from(x, clear.at) > none) return;
+    if (clear.distance - length_from(x, clear.at) > none + farthest_factor * wall.farthest()) return;
     LoopFoot foot;
     if (last.triangle >= 0 && length_from(x, Vec3(last.node)) < 0.5 * wall_.edge()) {
         foot.triangle = static_cast<std::int32_t>(last.triangle);
@@ -48,30 +55,35 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     }
     wall_.surface().closest(x, foot);
     clear = {x, foot.distance};
-    station.at = x;
-    station.distance = foot.distance;
-    const double share = fade(foot.distance, full, none);
+    wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);
+    LoopStencil& s = station.weights;
+    Vec3 move = Vec3::Zero(), along_u = Vec3::Zero(), along_v = Vec3::Zero();
+    for (int k = 0; k < s.size && !wall.still(); ++k) {
+        const Vec3 w = wall.now(s.vertex[k]);
+        move += s.n[k] * w;
+        along_u += s.n_u[k] * w;
+        along_v += s.n_v[k] * w;
+    }
+    // from the wall where it has gone: a wire that has pushed it away touches it still
+    const Vec3 from_wall = x - move - foot.position;
+    station.distance = foot.rim ? from_wall.norm() : std::abs(from_wall.dot(foot.normal));
+    const double share = fade(station.distance, full, none);
     if (share == 0) return;
     feet_[node] = {{x.x(), x.y(), x.z()}, foot.u, foot.v, foot.triangle};
     station.near = true;
+    station.at = x;
     station.row = -1;
-    wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);
-    LoopStencil& s = station.weights;
+    station.start = share * move;
+    along_u *= share;
+    along_v *= share;
     for (int k = 0; k < s.size; ++k) s.n[k] *= share;
-    Vec3 along_u = Vec3::Zero(), along_v = Vec3::Zero();
-    station.start = Vec3::Zero();
-    for (int k = 0; k < s.size && !wall.still(); ++k) {
-        const Vec3 w = wall.now(s.vertex[k]);
-        station.start += s.n[k] * w;
-        along_u += share * s.n_u[k] * w;
-        along_v += share * s.n_v[k] * w;
-    }
     // u_,u and u_,v against the dual base of the two tangents
     const double uu = foot.tangent_u.squaredNorm(), uv = foot.tangent_u.dot(foot.tangent_v), vv = foot.tangent_v.squaredNorm();
     const double det = uu * vv - uv * uv;
     const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
                dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
-    const Mat3 slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
+    Mat3 slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
+    if (const double size = slope.norm(); size > steepest) slope *= steepest / size;
     station.back = wall.still() ? Mat3(Mat3::Identity()) : Mat3((Mat3::Identity() + slope).inverse());
 }
 

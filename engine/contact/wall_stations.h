@@ -28,7 +28,7 @@ struct WallStation {
     Mat3 back = Mat3::Identity();  // (1 + G)^-1
     Vec3 at = Vec3::Zero();        // x0 [m]
     Vec3 start = Vec3::Zero();     // U at the start of the step [m]
-    double distance = 0;           // of x0 from the wall [m]
+    double distance = 0;           // of x0 from the wall where that has gone [m]
     int row = -1;                  // among those that touch, or may
 };
 

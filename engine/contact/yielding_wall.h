@@ -70,8 +70,8 @@ public:
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
     /// The wire's arrays as the wall sees them where it has not moved, into what contact was made with.
     void carry_back(RodArrays& rods, int wire);
-    /// Farthest that the wall has moved under a wire of this system [m].
-    [[nodiscard]] double move_under(int system) const;
+    /// Farthest that the wall has moved under a wire of this system, of what linear theory is good for there [-].
+    [[nodiscard]] double move_share(int system) const;
 
 private:
     struct System;

@@ -195,8 +195,10 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         given.resize(now.force.size());
         now.linear.times_w(now.force, given);
         system.pushed.clear();
+        double farthest = 0;
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
             const Vec3 f = -Eigen::Map<const Vec3>(&now.force[3 * k]);
+            farthest = std::max(farthest, Eigen::Map<const Vec3>(&now.u[3 * k]).norm());
             if (f.isZero(0)) continue;
             const WallStation& station = system.stations[system.rows[k]];
             for (int a = 0; a < station.weights.size; ++a)
@@ -204,7 +206,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
             const Vec3 end = Eigen::Map<const Vec3>(&system.u_free[3 * k]) - Eigen::Map<const Vec3>(&given[3 * k]);
             system.dynamics.work += f.dot(end - station.start);
         }
-        system.dynamics.end_step(system.pushed);
+        system.dynamics.end_step(system.pushed, farthest);
     });
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -213,13 +215,14 @@ std::vector<double> YieldingWall::displacement(int system) const { return system
 
 double YieldingWall::work(int system) const { return systems_[system]->dynamics.work; }
 
-double YieldingWall::move_under(int system) const
+double YieldingWall::move_share(int system) const
 {
-    double most2 = 0;
+    double most = 0;
     const System& s = *systems_[system];
-    for (std::size_t k = 0; 3 * k < s.trial().u.size(); ++k)
-        most2 = std::max(most2, Eigen::Map<const Vec3>(&s.trial().u[3 * k]).squaredNorm());
-    return std::sqrt(most2);
+    for (std::size_t k = 0; 3 * k < s.trial().u.size() && k < s.rows.size(); ++k)
+        most = std::max(most,
+                        Eigen::Map<const Vec3>(&s.trial().u[3 * k]).norm() / wall_.largest_move(s.stations[s.rows[k]].weights));
+    return most;
 }
 
 void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 namespace seldinger {
 
@@ -89,6 +90,20 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
     return to;
 }
 
+/// Of the lumen at a place of its wall: of the inscribed sphere that comes nearest to it. A plane is as wide as it is long; where
+/// no sphere is known there is no limit.
+double lumen_radius(const WallModel& wall, const Vec3& place)
+{
+    const Centreline& axis = wall.centreline;
+    if (wall.spec.shape == VesselShape::Plane) return wall.spec.size / 2;
+    double radius = std::numeric_limits<double>::infinity(), nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < axis.points.size(); ++i) {
+        const double apart = (place - axis.points[i]).norm() - axis.radius[i];
+        if (apart < nearest) nearest = apart, radius = axis.radius[i];
+    }
+    return radius;
+}
+
 }  // namespace
 
 ElasticWall::ElasticWall(const WallModel& wall)
@@ -102,9 +117,21 @@ ElasticWall::ElasticWall(const WallModel& wall)
     shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
     compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
     load_ = loads_on(*surface_, *shell_, wall.spec.loads);
-    const bool plane = wall.spec.shape == VesselShape::Plane || !std::isfinite(wall.typical_lumen_radius);
-    largest_move_ = 0.2 * (plane ? wall.spec.size / 2 : wall.typical_lumen_radius);
+    const auto vertices = static_cast<std::int32_t>(surface_->control().vertices.size());
+    limits_.resize(static_cast<std::size_t>(vertices));
+    for (std::int32_t v = 0; v < vertices; ++v) surface_->limit_of_vertex(v, limits_[static_cast<std::size_t>(v)]);
+    for (const Vec3& p : surface_->control().vertices) largest_move_.push_back(0.2 * lumen_radius(wall, p));
     made_in_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double ElasticWall::largest_move(const LoopStencil& place) const
+{
+    double sum = 0, weight = 0;
+    for (int k = 0; k < place.size; ++k) {
+        sum += place.n[k] * largest_move_[static_cast<std::size_t>(place.vertex[k])];
+        weight += place.n[k];
+    }
+    return weight > 0 ? sum / weight : sum;
 }
 
 WallMechanics ElasticWall::mechanics() const
@@ -149,14 +176,16 @@ double move_at(const LoopStencil& at, std::span<const double> w)
 }
 
 /// Of control vertices' limits, and of places between them about the one that has gone farthest.
-double farthest_move(const LoopSurface& surface, std::span<const double> w)
+/// @param share  of what linear theory allows, at control vertices
+double farthest_move(const ElasticWall& wall, std::span<const double> w, double& share)
 {
+    const LoopSurface& surface = wall.surface();
     LoopStencil at;
     double most = 0;
     std::int32_t farthest = -1;
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(surface.control().vertices.size()); ++v) {
-        surface.limit_of_vertex(v, at);
-        const double move = move_at(at, w);
+        const double move = move_at(wall.limit(v), w);
+        share = std::max(share, move / wall.largest_move(wall.limit(v)));
         if (move > most) most = move, farthest = v;
     }
     constexpr int parts = 6;
@@ -182,7 +211,7 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
         if (stress) stress->assign(displaced.size() / 3, 0.0);
         return now;
     }
-    now.move_max = farthest_move(wall.surface(), displaced);
+    now.move_max = farthest_move(wall, displaced, now.move_share);
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
     for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];

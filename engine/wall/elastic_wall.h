@@ -36,8 +36,10 @@ public:
     [[nodiscard]] double off() const { return off_; }
     /// Why it is that long, in words.
     [[nodiscard]] const std::string& edge_reason() const { return edge_reason_; }
-    /// Linear theory is good up to here: a fifth of the lumen's radius [m].
-    [[nodiscard]] double largest_move() const { return largest_move_; }
+    /// How far a place of the wall may go, by control vertices: linear theory is good to a fifth of the lumen's radius there [m].
+    [[nodiscard]] double largest_move(const LoopStencil& place) const;
+    /// Limit of the surface at a control vertex.
+    [[nodiscard]] const LoopStencil& limit(std::int32_t vertex) const { return limits_[static_cast<std::size_t>(vertex)]; }
     [[nodiscard]] WallMechanics mechanics() const;
     /// C/h = kept M + B, B = left A - kept K_p, of a step of h > 0 (wall/wall_dynamics.h).
     struct MemorySplit {
@@ -55,7 +57,9 @@ private:
     std::unique_ptr<Shell> shell_;
     std::unique_ptr<WallCompliance> compliance_;
     std::vector<double> load_;
-    double edge_ = 0, off_ = 0, largest_move_ = 0, made_in_ = 0;
+    std::vector<double> largest_move_;  // [V]
+    std::vector<LoopStencil> limits_;   // [V]
+    double edge_ = 0, off_ = 0, made_in_ = 0;
     std::string edge_reason_;
 };
 

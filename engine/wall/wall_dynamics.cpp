@@ -82,6 +82,7 @@ void WallDynamics::next_block()
     if (done > 0) start_ = displacement();
     std::vector<double>& y = scratch_;
     y.assign(start_.size(), 0.0);
+    farthest_ = std::sqrt(3.0) * largest(start_);
     const bool moved = h_ > 0 && largest(start_) > 0;
     if (moved) {
         wall_.add_memory_force(h_, start_, y);
@@ -130,8 +131,9 @@ Vec3 WallDynamics::free(std::int32_t vertex) const
     return s_ * now(vertex) + at(memory_, vertex) + double(step_) * at(change_, vertex) + loaded;
 }
 
-void WallDynamics::end_step(std::span<const Push> pushed)
+void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
 {
+    farthest_ = std::max(farthest_, farthest);
     for (const std::int32_t v : touched_)
         for (int c = 0; c < 3; ++c) pushed_[3 * static_cast<std::size_t>(v) + c] *= s_;
     for (const Push& push : pushed) {
@@ -190,6 +192,7 @@ void WallDynamics::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
         if (touched_[k] < (k > 0 ? touched_[k - 1] + 1 : 0) || touched_[k] >= vertices)
             throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
     for (auto* list : {&start_, &memory_, &change_, &pushed_}) take_bytes(bytes, end, list->data(), list->size());
+    farthest_ = std::sqrt(3.0) * largest(start_);
     keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
     step_ = counts[0], steps_ = counts[1];
     forget();

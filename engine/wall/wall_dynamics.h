@@ -37,12 +37,15 @@ public:
     [[nodiscard]] Vec3 now(std::int32_t vertex) const;
     /// Where it would be at the end of the step with no force on it [m].
     [[nodiscard]] Vec3 free(std::int32_t vertex) const;
-    /// The step is over. @param pushed  control vertices and the forces on them [N]
+    /// How far some place of it had gone when that was noted last; elsewhere it may be a little farther [m].
+    [[nodiscard]] double farthest() const { return farthest_; }
+    /// The step is over. @param pushed  control vertices and the forces on them [N]  @param farthest  that it has been seen to go
+    /// [m]
     struct Push {
         std::int32_t vertex;
         Vec3 force;
     };
-    void end_step(std::span<const Push> pushed);
+    void end_step(std::span<const Push> pushed, double farthest = 0);
 
     /// All control vertices [3V] [m]; one solve.
     [[nodiscard]] std::vector<double> displacement() const;
@@ -67,7 +70,7 @@ private:
     bool still_ = true;
     // the block
     double h_ = -1;
-    double s_ = 0;
+    double s_ = 0, farthest_ = 0;
     std::int32_t step_ = 0, steps_ = 1;        // done, in all
     double keep_ = 1, ahead_ = 0, slope_ = 0;  // w = keep w_0 + ahead (y + load) + slope dy + M^-1 F
     std::vector<double> start_;                // w_0 [3V]

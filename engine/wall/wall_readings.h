@@ -17,6 +17,7 @@ struct WallMechanics {
 
 struct WallReadings {
     double move_max = 0;    // farthest that any place of it has gone [m]
+    double move_share = 0;  // farthest, of what linear theory is good for there: a fifth of the lumen's radius [-]
     double energy = 0;      // stored in shell, tissue and against pressure [J]
     double loss = 0;        // to damping since the beginning, that of the time scheme included [J]
     double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces [Pa]
