@@ -16,11 +16,11 @@ TestSetup pushed_wire(bool elastic)
 {
     TestSetup setup;
     setup.gravity = Vec3(0, 0, -9.81);
-    setup.vessel.shape = VesselShape::BentTube;
+    setup.vessel.shape = VesselShape::Arc;
     setup.vessel.radius = 0.004;
     setup.vessel.bend_radius = 0.03;
-    setup.vessel.straight = 0.02;
-    setup.vessel.bend_angle = 1.5;
+    setup.vessel.lead_in = setup.vessel.lead_out = 0.02;
+    setup.vessel.angle = 1.5;
     setup.vessel.triangles = 4000;
     setup.vessel.elastic = elastic;
     setup.vessel.youngs = 0.3e6;
@@ -34,6 +34,7 @@ TestSetup pushed_wire(bool elastic)
     wire.wire.shaft.stretch_stiffness = 1e4;
     wire.wire.nodes = 41;
     wire.feed.on = true;
+    wire.feed.point = Vec3(0.001, 0, 0);
     wire.feed.keys = {{0, 0.03, 0}, {1, 0.05, 0.5}};
     setup.wires.push_back(wire);
     WorldSetup made = setup;
