@@ -22,7 +22,7 @@ def main():
     parser.add_argument("--csv", default="bench/results/validation/wall_hard.csv")
     options = parser.parse_args()
     os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
-    command = [options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
+    command = ["stdbuf", "-oL", options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
     bad = rows = 0
     with open(options.csv, "w", newline="") as file, subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         table = csv.writer(file)
