@@ -2,6 +2,7 @@
 """The failure suite's rows beside walls that yield, as a table.
 
     wall_hard.py [--tests build/tests/seldinger_tests] [--csv bench/results/validation/wall_hard.csv]
+                 [--rows PREFIX]
 
 Runs the table of tests/failure/test_elastic_walls.cpp: walls of 0.1 and 1 MPa, 0.8 mm, in tissue of 1e6 Pa/m; distances are to the wall where it has
 moved to. A row whose outcome is no hold, or that is outside, makes the exit status 1.
@@ -20,13 +21,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tests", default="build/tests/seldinger_tests")
     parser.add_argument("--csv", default="bench/results/validation/wall_hard.csv")
+    parser.add_argument("--rows", help="only those whose name begins so; the others of the table stay")
     options = parser.parse_args()
     os.makedirs(os.path.dirname(options.csv) or ".", exist_ok=True)
-    command = [options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
+    command = ["stdbuf", "-oL", options.tests, "--source-file=*test_elastic_walls.cpp", "--test-case=table:*", "--no-skip", "--no-intro"]
+    kept = []
+    if options.rows and os.path.exists(options.csv):
+        with open(options.csv, newline="") as file:
+            kept = [row for row in list(csv.reader(file))[1:] if not row[0].startswith(options.rows)]
+    environment = {**os.environ, **({"SELDINGER_ROWS": options.rows} if options.rows else {})}
     bad = rows = 0
-    with open(options.csv, "w", newline="") as file, subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        table = csv.writer(file)
+    with open(options.csv, "w", newline="") as file, subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        table = csv.writer(file, lineterminator="\n")
         table.writerow(COLUMNS)
+        table.writerows(kept)
         for line in process.stdout:
             if "row;" not in line:
                 continue
