@@ -18,7 +18,8 @@ WireProblem::WireProblem(int capacity, const IntegratorSpec& spec)
       damping_(spec.damping_stiffness > 0 ? RodDofs::count(capacity) : 0),
       start_frames_(spec.conserve ? capacity : 0),
       turned_(capacity),
-      kept_reference_(reference_count * capacity)
+      kept_reference_(reference_count * capacity),
+      scratch_(2 * RodDofs::count(capacity))
 {
 }
 
@@ -196,8 +197,8 @@ void WireProblem::add_stiffness_damping(BandRows& tangent) const
 StepLosses WireProblem::losses() const
 {
     StepLosses losses;
-    thread_local std::vector<double> force;
-    force.assign(static_cast<std::size_t>(size()), 0.0);
+    const std::span<double> force = std::span(scratch_).first(static_cast<std::size_t>(size()));
+    std::fill(force.begin(), force.end(), 0.0);
     add_elastic(rod, clamps, frames, force, nullptr, HessianMode::None);
     for (int i = 0; i < size(); ++i) losses.strain_work += force[i] * (q.trial[i] - q.start[i]);
     for (int i = 0; i < size(); ++i) {
@@ -206,7 +207,7 @@ StepLosses WireProblem::losses() const
     }
     losses.damping = mass_damping_.work(time, q);
     if (damping_stiffness_ == 0) return losses;
-    std::vector<double> velocity(force.size());
+    const std::span<double> velocity = std::span(scratch_).subspan(force.size(), force.size());
     for (int i = 0; i < size(); ++i) velocity[i] = damping_stiffness_ * time.mean_velocity(q, i);
     damping_.multiply(velocity, force);
     for (int i = 0; i < size(); ++i) losses.damping += force[i] * (q.trial[i] - q.start[i]);

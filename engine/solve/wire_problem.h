@@ -130,8 +130,9 @@ private:
     BandMatrix damping_;            // K_0
     RodFrames start_frames_;        // conserving: of q_0
     bool start_usable_ = true;
-    std::vector<double> turned_;          // [capacity] conserving: turn of each edge's frame over the step [rad]
-    std::vector<double> kept_reference_;  // [reference_count * capacity]
+    std::vector<double> turned_;           // [capacity] conserving: turn of each edge's frame over the step [rad]
+    std::vector<double> kept_reference_;   // [reference_count * capacity]
+    mutable std::vector<double> scratch_;  // of losses()
 };
 
 }  // namespace seldinger

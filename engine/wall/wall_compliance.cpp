@@ -14,7 +14,9 @@ namespace seldinger {
 
 namespace {
 
-constexpr std::size_t factors_kept = 4;  // a step, its halves, and equilibrium
+// A step, its nine halves, and equilibrium: a step in a narrow place goes up and down all of them. Fewer where they are large.
+constexpr std::size_t factors_kept = 12, factors_least = 4;
+constexpr std::size_t factor_bytes_kept = std::size_t{1} << 30;
 
 /// A on each axis.
 SparseMatrix on_three_axes(const SparseMatrix& a)
@@ -113,8 +115,13 @@ std::shared_ptr<const WallFactor> WallCompliance::factor(double h) const
     made->vertex_count_ = vertex_count();
     made->columns_.resize(static_cast<std::size_t>(vertex_count()));
     made->seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (kept_.size() == factors_kept) kept_.erase(kept_.begin());
     kept_.push_back(std::move(made));
+    const auto bytes = [&] {
+        std::size_t sum = 0;
+        for (const auto& factor : kept_) sum += factor->bytes();
+        return sum;
+    };
+    while (kept_.size() > factors_kept || (kept_.size() > factors_least && bytes() > factor_bytes_kept)) kept_.erase(kept_.begin());
     return kept_.back();
 }
 
@@ -123,6 +130,17 @@ void WallFactor::solve(std::span<double> rhs, WallSolveWork& work) const { chole
 void WallFactor::solve(std::span<double> rhs_a, std::span<double> rhs_b, WallSolveWork& work) const
 {
     cholesky_.solve(rhs_a, rhs_b, work.x);
+}
+
+std::size_t WallFactor::bytes() const
+{
+    return sizeof(double) * (entries() + static_cast<std::size_t>(3 * solved_columns() * vertex_count_));
+}
+
+long WallFactor::solved_columns() const
+{
+    const std::lock_guard lock(guard_);
+    return 3 * static_cast<long>(std::count_if(columns_.begin(), columns_.end(), [](const auto& c) { return c != nullptr; }));
 }
 
 std::span<const double> WallFactor::columns(std::int32_t vertex) const
@@ -146,12 +164,9 @@ WallCounts WallCompliance::counts() const
     const std::lock_guard lock(guard_);
     WallCounts all;
     for (const auto& factor : kept_) {
-        const std::lock_guard of_factor(factor->guard_);
-        const auto solved =
-            std::count_if(factor->columns_.begin(), factor->columns_.end(), [](const auto& c) { return c != nullptr; });
         all.factor_seconds += factor->factor_seconds();
-        all.columns += 3 * static_cast<long>(solved);
-        all.bytes += sizeof(double) * (factor->entries() + static_cast<std::size_t>(9 * solved * factor->vertex_count_));
+        all.columns += factor->solved_columns();
+        all.bytes += factor->bytes();
     }
     return all;
 }

@@ -31,6 +31,9 @@ public:
     [[nodiscard]] double step() const { return h_; }
     [[nodiscard]] double factor_seconds() const { return seconds_; }
     [[nodiscard]] std::size_t entries() const { return cholesky_.entries(); }
+    /// Columns of the inverse that are known, and what they and the factor take.
+    [[nodiscard]] long solved_columns() const;
+    [[nodiscard]] std::size_t bytes() const;
 
 private:
     friend class WallCompliance;
@@ -59,7 +62,7 @@ public:
     [[nodiscard]] const SparseMatrix& stiffness() const { return stiffness_; }
     [[nodiscard]] const SparseMatrix& damping() const { return damping_; }
 
-    /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, as long as somebody holds them.
+    /// Factor of K + C/h; h = 0: K alone (equilibrium). The last few step lengths are kept, and as long as somebody holds them.
     /// Throws Error when the matrix is not positive definite: the wall could fly away, or the pressure buckles it.
     [[nodiscard]] std::shared_ptr<const WallFactor> factor(double h) const;
     [[nodiscard]] WallCounts counts() const;

@@ -206,8 +206,8 @@ TEST_SUITE("apps/bad_input")
     {
         const ScratchFolder folder;
         folder.write("s.toml", free_scene(2.0, 1));
-        // no file may grow beyond 64 KiB: 2000 rows of some 250 bytes do, a frame of 21 nodes and the checkpoint do not
-        const AppResult result = run_app(folder, "run s.toml -o D --quiet", "ulimit -f 64 &&");
+        // no file may grow beyond 128 KiB: 2000 rows of some 700 bytes do, a frame of 21 nodes and the checkpoint do not
+        const AppResult result = run_app(folder, "run s.toml -o D --quiet", "ulimit -f 128 &&");
         CAPTURE(result.err);
         CHECK(result.code == 3);
         CHECK(result.error_lines() == 1);
