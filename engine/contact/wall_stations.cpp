@@ -9,9 +9,9 @@ namespace seldinger {
 
 namespace {
 
-// Of how far the wall has gone: nodes that may be as far from where it was and touch it. The largest is that of some place; twice
-// as much nothing has gone since it was noted.
-constexpr double farthest_factor = 2;
+// Of how far the wall has gone: nodes may be as far from where it was and touch it. The largest is that of the places that were
+// looked at; no other has gone much farther.
+constexpr double farthest_factor = 1.25;
 
 // |G| up to which what moves is carried back by it. Linear theory ends far below, and 1 + G is singular from 1 on.
 constexpr double steepest = 0.5;
@@ -46,7 +46,8 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     const WallFoot last = feet_[node];
     feet_[node] = {};
     Clear& clear = clear_[node];
-    if (clear.distance - length_from(x, clear.at) > none + farthest_factor * wall.farthest()) return;
+    const double reach = none + farthest_factor * wall.farthest();
+    if (clear.distance - length_from(x, clear.at) > reach) return;
     LoopFoot foot;
     if (last.triangle >= 0 && length_from(x, Vec3(last.node)) < 0.5 * wall_.edge()) {
         foot.triangle = static_cast<std::int32_t>(last.triangle);
@@ -55,6 +56,7 @@ void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, doub
     }
     wall_.surface().closest(x, foot);
     clear = {x, foot.distance};
+    if (foot.distance > reach) return;
     wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);
     LoopStencil& s = station.weights;
     Vec3 move = Vec3::Zero(), along_u = Vec3::Zero(), along_v = Vec3::Zero();

@@ -291,8 +291,7 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     }
 }
 
-void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent,
-                          bool /*symmetric*/) const
+void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> residual, BandedSolver* tangent, bool symmetric) const
 {
     System& system = of(unknowns.wires.front());
     const WallTrial& now = system.trial();
@@ -308,7 +307,10 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
         const int by = unknowns.map.first(unknowns.rod_of(wire)) - RodDofs::position(rods_.node_begin(wire) - system.first_node);
         for (const auto& [unknown, value] : now.linear.e_transposed.row(k)) residual[unknown + by] += value * z[k];
     }
-    if (tangent) linearise(system, &unknowns, tangent->condensed);  // from the tangents of add(), symmetric or not
+    if (!tangent) return;
+    // what add() has just asked contact for is what was said at the evaluation, but for a symmetric tangent
+    if (!symmetric && system.wires.size() == 1) tangent->condensed.take(now.linear, unknowns.map.first(0));
+    else linearise(system, &unknowns, tangent->condensed);
 }
 
 bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire) && open_way(of(wire), wire) == 1; }

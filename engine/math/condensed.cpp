@@ -123,6 +123,15 @@ void Condensed::close()
     }
 }
 
+void Condensed::take(const Condensed& other, int shift)
+{
+    const double own = accuracy;
+    *this = other;
+    accuracy = own;
+    for (SparseRows* rows : {&e_transposed, &f})
+        for (SparseRows::Entry& entry : rows->entries()) entry.unknown += shift;
+}
+
 // ---- parts ----
 
 void Condensed::times_w(std::span<const double> v, std::span<double> wv) const

@@ -37,6 +37,9 @@ public:
     /// All rows are there.
     void close();
 
+    /// The same with the band's unknowns counted from another place.
+    void take(const Condensed& other, int shift);
+
     // ---- the whole, by x alone ----
     /// y -= E (I + W D)^-1 W F x: what the m unknowns take off a product with B.
     void add_product(std::span<const double> x, std::span<double> y) const;
