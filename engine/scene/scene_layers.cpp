@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 namespace seldinger {
@@ -74,15 +75,18 @@ void lay_under(Layer& upper, Layer&& lower)
     upper.has_preset |= lower.has_preset;
 }
 
-/// Up to three names, the most alike first.
+/// The names that begin like that; where none does, the three most alike.
 std::vector<std::string> nearest_names(const std::string& name)
 {
-    std::vector<std::string> names = instrument_names();
-    // what the name begins is nearer than any slip of the pen
-    const auto far = [&](const std::string& other) { return other.starts_with(name) ? 0 : edit_distance(name, other); };
-    std::stable_sort(names.begin(), names.end(), [&](const auto& a, const auto& b) { return far(a) < far(b); });
-    names.resize(std::min<std::size_t>(names.size(), 3));
-    return names;
+    const std::vector<std::string> all = instrument_names();
+    std::vector<std::string> near;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(near), [&](const auto& other) { return other.starts_with(name); });
+    if (!near.empty()) return near;
+    near = all;
+    std::stable_sort(near.begin(), near.end(),
+                     [&](const auto& a, const auto& b) { return edit_distance(name, a) < edit_distance(name, b); });
+    near.resize(std::min<std::size_t>(near.size(), 3));
+    return near;
 }
 
 /// [wire] of the instrument that `preset` names.
@@ -149,6 +153,13 @@ void note_preset(LayeredScene& whole, const std::string& name)
     if (!known) whole.notes.emplace_back("wire.preset", name);
 }
 
+void note_include(LayeredScene& whole, const std::string& file)
+{
+    const auto known = std::find_if(whole.notes.begin(), whole.notes.end(), [](const auto& n) { return n.first == "include"; });
+    if (known == whole.notes.end()) whole.notes.emplace_back("include", file);
+    else known->second += ", " + file;
+}
+
 Layer read_layer(const std::string& text, const fs::path& file, Chain& chain, LayeredScene& whole);
 
 Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, LayeredScene& whole)
@@ -167,7 +178,7 @@ Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, L
     } catch (const Error& error) {
         fail_at(item.source(), "include", fmt::format("{}; paths start at the folder of the file that includes", error.what()));
     }
-    whole.notes.emplace_back("include", *item.value<std::string>());
+    note_include(whole, *item.value<std::string>());
     return read_layer(text, file, longer, whole);
 }
 

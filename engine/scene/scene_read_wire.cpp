@@ -164,22 +164,22 @@ void read_sections(const TableReader& t, Scene& scene)
 /// The wall of a catheter has some thickness everywhere.
 void check_lumen(const TableReader& t, WireSpec& wire)
 {
-    t.number("lumen_radius_m", wire.lumen_radius, not_negative);
-    double thinnest = wire.shaft.radius;
+    double lumen = 0, thinnest = wire.shaft.radius;
+    t.number("lumen_radius_m", lumen, not_negative);
     for (const WireSectionRange& range : wire.sections) thinnest = std::min(thinnest, range.section.radius);
-    if (wire.lumen_radius >= thinnest)
+    if (lumen >= thinnest)
         t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", thinnest));
+    wire.lumen_radius = lumen;
 }
 
 }  // namespace
 
 void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
 {
-    const TableReader t(table, "wire",
-                        {"length_m",  "radius_m",   "lumen_radius_m", "density",    "nodes",        "min_edge_m", "max_edge_m",
-                         "youngs_pa", "poisson",    "bend_nm2",       "twist_nm2",  "stretch_n",    "mu_static",  "mu_sliding",
-                         "curvature", "place",      "rest",           "spin_rad_s", "velocity_m_s", "section",    "edge_error_m",
-                         "preset"});
+    const TableReader t(table, "wire", {"length_m",     "radius_m",   "density",        "nodes",    "min_edge_m", "max_edge_m",
+                                        "edge_error_m", "youngs_pa",  "poisson",        "bend_nm2", "twist_nm2",  "stretch_n",
+                                        "mu_static",    "mu_sliding", "curvature",      "place",    "rest",       "velocity_m_s",
+                                        "spin_rad_s",   "section",    "lumen_radius_m", "preset"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))
