@@ -1,14 +1,12 @@
-// Finds the assets folder (environment, beside the build, installed, source tree) and runs plot scripts with Debian's python3.
+// Runs plot scripts with Debian's python3.
 #include "assets.h"
-
-#include "core/error.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <spawn.h>
 #include <sys/wait.h>
-#include <cstdlib>
+#include <filesystem>
 
 extern char** environ;
 
@@ -38,23 +36,6 @@ int run_program(const std::vector<std::string>& words)
 }
 
 }  // namespace
-
-fs::path assets_folder()
-{
-    std::vector<fs::path> places;
-    std::error_code unreadable;
-    if (const char* named = std::getenv("SELDINGER_ASSETS")) places.emplace_back(named);
-    const fs::path program = fs::read_symlink("/proc/self/exe", unreadable).parent_path();
-    if (!program.empty())
-        places.insert(places.end(), {program.parent_path() / "assets", program.parent_path() / "share" / "seldinger"});
-    places.emplace_back(SEL_SOURCE_ASSETS);
-    for (const fs::path& place : places)
-        if (fs::exists(place / "scenes")) return place;
-    throw Error(ExitCode::BadFile,
-                fmt::format("the program's scenes were not found beside it; set SELDINGER_ASSETS to the project's "
-                            "folder \"assets\" (looked in {})",
-                            places.front().string()));
-}
 
 bool draw_with(const std::string& script, const std::vector<std::string>& arguments)
 {

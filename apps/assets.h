@@ -1,15 +1,12 @@
 #pragma once
-// The files that come with the program: scenes and plot scripts.
+// The plot scripts that come with the program.
 
-#include <filesystem>
+#include "core/assets.h"
+
 #include <string>
 #include <vector>
 
 namespace seldinger::apps {
-
-/// $SELDINGER_ASSETS, else beside the build folder, where it was installed, or in the source tree. @throws Error BadFile, none is
-/// there
-[[nodiscard]] std::filesystem::path assets_folder();
 
 /// Runs a plot script of the assets with Debian's python3, whose matplotlib it needs. Results are there without pictures too:
 /// whatever is missing is one line on stderr with the command that draws them later.

@@ -22,6 +22,7 @@ void add_batch(CLI::App& app, Command& chosen);
 void add_check(CLI::App& app, Command& chosen);
 void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
+void add_instruments(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
 void add_chart(CLI::App& app, Command& chosen);
 void add_stability(CLI::App& app, Command& chosen);

@@ -34,6 +34,7 @@ int run_command_line(int argc, char** argv)
     add_check(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
+    add_instruments(app, chosen);
     add_devices(app, chosen);
     add_chart(app, chosen);
     add_stability(app, chosen);

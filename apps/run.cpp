@@ -1,4 +1,4 @@
-// seldinger run SCENE.toml [-o DIR] [--set ...] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--json]
+// seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--json]
 
 #include "commands.h"
 #include "run_loop.h"
@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <optional>
 
 namespace seldinger::apps {
 
@@ -27,6 +28,7 @@ void add_run(CLI::App& app, Command& chosen)
     struct Options {
         std::filesystem::path scene;
         RunOptions run;
+        std::optional<std::string> wire;
         bool resume = false, overwrite = false, json = false;
     };
     auto options = std::make_shared<Options>();
@@ -36,6 +38,7 @@ void add_run(CLI::App& app, Command& chosen)
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")
         ->allow_extra_args(false);
+    run->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     add_limits(*run, options->run.time_limit, options->run.device);
@@ -44,6 +47,7 @@ void add_run(CLI::App& app, Command& chosen)
     run->callback([options, &chosen] {
         chosen = [options] {
             RunOptions& what = options->run;
+            if (options->wire) what.overrides.push_back("wire.preset=" + *options->wire);
             if (options->resume) what.use = FolderUse::Resume;
             if (options->overwrite) what.use = FolderUse::Overwrite;
             if (what.dir.empty()) what.dir = options->scene.stem().string() + "-run";

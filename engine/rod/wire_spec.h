@@ -52,6 +52,7 @@ enum class CurvatureMeasure { Angle, Tangent };
 
 struct WireSpec {
     double length = 0;                          // whole wire [m]
+    double lumen_radius = 0;                    // of a catheter or a sheath, below the shaft's radius [m]; 0: solid
     int nodes = 0;                              // number over the whole length; 0 = adaptive
     double min_edge = 0.001, max_edge = 0.010;  // adaptive only [m]
     CurvatureMeasure curvature = CurvatureMeasure::Angle;

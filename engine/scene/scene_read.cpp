@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
-#include "scene/toml_set.h"
+#include "scene/scene_layers.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -378,14 +378,10 @@ void check_times(const TableReader& t, std::string_view key, const std::vector<s
 
 Scene read_scene_text(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides)
 {
-    toml::table root;
-    try {
-        root = toml::parse(text, file.string());
-    } catch (const toml::parse_error& error) {
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
-    }
-    for (const std::string& entry : overrides) apply_override(root, entry);
-    return read_root(root, file);
+    LayeredScene layers = layer_scene(text, file, overrides);
+    Scene scene = read_root(layers.root, file);
+    scene.notes.insert(scene.notes.begin(), layers.notes.begin(), layers.notes.end());
+    return scene;
 }
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides)

@@ -149,14 +149,37 @@ void refuse_placement(const TableReader& t)
         t.fail("rest", "a fed wire is not placed; use rest_curvature_1_m in [[wire.section]], or take [feed] out");
 }
 
+void read_sections(const TableReader& t, Scene& scene)
+{
+    const toml::node* sections = t.node("section");
+    if (!sections) return;
+    if (!sections->is_array()) t.fail("section", "expected tables [[wire.section]]; write two brackets");
+    int index = 0;
+    for (const toml::node& item : *sections->as_array()) {
+        if (!item.is_table()) t.fail("section", "expected tables [[wire.section]]");
+        read_section(*item.as_table(), fmt::format("wire.section.{}", index++), scene);
+    }
+}
+
+/// The wall of a catheter has some thickness everywhere.
+void check_lumen(const TableReader& t, WireSpec& wire)
+{
+    double lumen = 0, thinnest = wire.shaft.radius;
+    t.number("lumen_radius_m", lumen, not_negative);
+    for (const WireSectionRange& range : wire.sections) thinnest = std::min(thinnest, range.section.radius);
+    if (lumen >= thinnest)
+        t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", thinnest));
+    wire.lumen_radius = lumen;
+}
+
 }  // namespace
 
 void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
 {
-    const TableReader t(table, "wire",
-                        {"length_m",  "radius_m", "density",  "nodes",        "min_edge_m", "max_edge_m", "edge_error_m",
-                         "youngs_pa", "poisson",  "bend_nm2", "twist_nm2",    "stretch_n",  "mu_static",  "mu_sliding",
-                         "curvature", "place",    "rest",     "velocity_m_s", "spin_rad_s", "section"});
+    const TableReader t(table, "wire", {"length_m",     "radius_m",   "density",        "nodes",    "min_edge_m", "max_edge_m",
+                                        "edge_error_m", "youngs_pa",  "poisson",        "bend_nm2", "twist_nm2",  "stretch_n",
+                                        "mu_static",    "mu_sliding", "curvature",      "place",    "rest",       "velocity_m_s",
+                                        "spin_rad_s",   "section",    "lumen_radius_m", "preset"});
     WireSpec& wire = scene.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))
@@ -181,14 +204,8 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
         if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
         read_place(*place->as_table(), scene);
     }
-    const toml::node* sections = t.node("section");
-    if (!sections) return;
-    if (!sections->is_array()) t.fail("section", "expected tables [[wire.section]]; write two brackets");
-    int index = 0;
-    for (const toml::node& item : *sections->as_array()) {
-        if (!item.is_table()) t.fail("section", "expected tables [[wire.section]]");
-        read_section(*item.as_table(), fmt::format("wire.section.{}", index++), scene);
-    }
+    read_sections(t, scene);
+    check_lumen(t, wire);
 }
 
 }  // namespace seldinger

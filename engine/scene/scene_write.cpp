@@ -114,6 +114,7 @@ void write_wire(std::string& out, const Scene& scene)
     else t.whole("nodes", wire.nodes);
     t.num("min_edge_m", wire.min_edge).num("max_edge_m", wire.max_edge).num("edge_error_m", wire.edge_error);
     write_properties(t, wire.shaft, false);
+    t.num("lumen_radius_m", wire.lumen_radius);
     t.word("curvature", word_of(curvature_words, wire.curvature));
     if (!scene.feed.on) {
         t.raw("place", place_text(wire.place)).word("rest", word_of(rest_words, wire.place.rest_is_placed));

@@ -1,0 +1,277 @@
+// Lays the files of a scene over each other: include, preset, --set. A table is taken key by key, what a key holds as a whole.
+#include "scene/scene_layers.h"
+
+#include "core/error.h"
+#include "core/file_io.h"
+#include "scene/instruments.h"
+#include "scene/toml_set.h"
+#include "scene/toml_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+namespace seldinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t deepest_include = 8;
+constexpr std::string_view stiffness_keys[] = {"bend_nm2", "twist_nm2", "stretch_n"};
+constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};
+constexpr std::string_view instrument_kinds[] = {"wire", "catheter", "sheath"};
+
+struct Layer {
+    toml::table root;
+    bool has_preset = false;  // here or in what it includes
+};
+
+/// Files from the scene to the one that is being read, as canonical paths.
+using Chain = std::vector<fs::path>;
+
+template <std::size_t N>
+void erase_keys(toml::table& table, const std::string_view (&keys)[N])
+{
+    for (const std::string_view key : keys) table.erase(key);
+}
+
+template <std::size_t N>
+bool has_any(const toml::table& table, const std::string_view (&keys)[N])
+{
+    return std::any_of(std::begin(keys), std::end(keys), [&](std::string_view key) { return table.contains(key); });
+}
+
+/// What `lower` says and `upper` does not. Moved, not copied: a node's source goes with it.
+void lay_under(toml::table& upper, toml::table&& lower)
+{
+    for (auto&& [key, node] : lower)
+        if (!upper.contains(key.str()))
+            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::move(value)); });
+}
+
+/// The same of [wire]: stiffness is a material or three numbers, and either takes the place of the other below it.
+void lay_wire_under(toml::table& upper, toml::table&& lower)
+{
+    if (upper.contains("youngs_pa")) erase_keys(lower, stiffness_keys);
+    else if (has_any(upper, stiffness_keys)) erase_keys(lower, material_keys);
+    lay_under(upper, std::move(lower));
+}
+
+void lay_under(Layer& upper, Layer&& lower)
+{
+    toml::table* lower_wire = lower.root["wire"].as_table();
+    // an instrument comes as a whole: nothing of another one shows through where it is silent
+    if (upper.has_preset && lower_wire) erase_keys(*lower_wire, instrument_keys);
+    for (auto&& [key, node] : lower.root) {
+        toml::table* over = upper.root[key.str()].as_table();
+        if (!over || !node.is_table()) continue;
+        if (key.str() == "wire") lay_wire_under(*over, std::move(*node.as_table()));
+        else lay_under(*over, std::move(*node.as_table()));
+    }
+    lay_under(upper.root, std::move(lower.root));
+    upper.has_preset |= lower.has_preset;
+}
+
+/// The names that begin like that; where none does, the three most alike.
+std::vector<std::string> nearest_names(const std::string& name)
+{
+    const std::vector<std::string> all = instrument_names();
+    std::vector<std::string> near;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(near), [&](const auto& other) { return other.starts_with(name); });
+    if (!near.empty()) return near;
+    near = all;
+    std::stable_sort(near.begin(), near.end(),
+                     [&](const auto& a, const auto& b) { return edit_distance(name, a) < edit_distance(name, b); });
+    near.resize(std::min<std::size_t>(near.size(), 3));
+    return near;
+}
+
+/// [wire] of the instrument that `preset` names.
+toml::table wire_of_preset(const toml::node& preset)
+{
+    const std::string name = preset.is_string() ? *preset.value<std::string>() : "";
+    if (name.empty())
+        fail_at(preset.source(), "wire.preset", "expected an instrument's name in quotes; `seldinger instruments` lists them");
+    const std::vector<std::string> names = instrument_names();
+    if (!std::binary_search(names.begin(), names.end(), name))
+        fail_at(preset.source(), "wire.preset",
+                fmt::format("no instrument is called \"{}\"; the nearest are {}; all are in {} (`seldinger instruments`)", name,
+                            fmt::join(nearest_names(name), ", "), instrument_file("").parent_path().string()));
+    toml::table file = read_instrument(instrument_file(name));
+    return std::move(*file["wire"].as_table());
+}
+
+/// Brings the instrument of `wire.preset` in, under what [wire] says or, with `replace`, in place of it.
+/// @return its name, where there is one
+std::optional<std::string> bring_in_preset(toml::table& root, bool replace)
+{
+    toml::table* wire = root["wire"].as_table();
+    const toml::node* preset = wire ? wire->get("preset") : nullptr;
+    if (!preset) return std::nullopt;
+    toml::table instrument = wire_of_preset(*preset);
+    const std::string name = *preset->value<std::string>();
+    wire->erase("preset");
+    if (replace) erase_keys(*wire, instrument_keys);
+    lay_wire_under(*wire, std::move(instrument));
+    return name;
+}
+
+/// What `include` says, as places in the file: a text or a list of them.
+std::vector<const toml::node*> included(const toml::node& node)
+{
+    std::vector<const toml::node*> items;
+    if (const toml::array* list = node.as_array())
+        for (const toml::node& item : *list) items.push_back(&item);
+    else items.push_back(&node);
+    for (const toml::node* item : items)
+        if (!item->is_string() || item->value<std::string>()->empty())
+            fail_at(item->source(), "include", "expected a file's path in quotes, or a list of them");
+    return items;
+}
+
+std::string names_of(const Chain& chain)
+{
+    std::vector<std::string> names;
+    for (const fs::path& file : chain) names.push_back(file.filename().string());
+    return fmt::format("{}", fmt::join(names, " > "));
+}
+
+fs::path full_path(const fs::path& file)
+{
+    std::error_code ignored;
+    return fs::weakly_canonical(fs::absolute(file, ignored), ignored);
+}
+
+/// Layers come from the top down: the first preset is the one that shows.
+void note_preset(LayeredScene& whole, const std::string& name)
+{
+    const bool known =
+        std::any_of(whole.notes.begin(), whole.notes.end(), [](const auto& n) { return n.first == "wire.preset"; });
+    if (!known) whole.notes.emplace_back("wire.preset", name);
+}
+
+void note_include(LayeredScene& whole, const std::string& file)
+{
+    const auto known = std::find_if(whole.notes.begin(), whole.notes.end(), [](const auto& n) { return n.first == "include"; });
+    if (known == whole.notes.end()) whole.notes.emplace_back("include", file);
+    else known->second += ", " + file;
+}
+
+Layer read_layer(const std::string& text, const fs::path& file, Chain& chain, LayeredScene& whole);
+
+Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, LayeredScene& whole)
+{
+    const fs::path file = from.parent_path() / *item.value<std::string>();
+    Chain longer = chain;
+    longer.push_back(full_path(file));
+    if (std::find(chain.begin(), chain.end(), longer.back()) != chain.end())
+        fail_at(item.source(), "include", fmt::format("goes in a circle ({}); take one include out", names_of(longer)));
+    if (chain.size() > deepest_include)
+        fail_at(item.source(), "include",
+                fmt::format("is more than {} files deep ({}); include fewer in each other", deepest_include, names_of(longer)));
+    std::string text;
+    try {
+        text = read_file(file);
+    } catch (const Error& error) {
+        fail_at(item.source(), "include", fmt::format("{}; paths start at the folder of the file that includes", error.what()));
+    }
+    note_include(whole, *item.value<std::string>());
+    return read_layer(text, file, longer, whole);
+}
+
+Layer read_layer(const std::string& text, const fs::path& file, Chain& chain, LayeredScene& whole)
+{
+    Layer layer{parse_toml(text, file)};
+    if (const auto preset = bring_in_preset(layer.root, false)) {
+        layer.has_preset = true;
+        note_preset(whole, *preset);
+    }
+    if (const toml::node* include = layer.root.get("include")) {
+        const std::vector<const toml::node*> items = included(*include);
+        // of several the later ones win: they are laid under first
+        for (auto item = items.rbegin(); item != items.rend(); ++item) lay_under(layer, read_include(**item, file, chain, whole));
+        layer.root.erase("include");
+    }
+    return layer;
+}
+
+bool is_preset(const std::string& text)
+{
+    std::string key = text.substr(0, text.find('='));
+    std::erase_if(key, [](char c) { return c == ' ' || c == '\t'; });
+    return key == "wire.preset" && text.find('=') != std::string::npos;
+}
+
+/// A wire shorter than its instrument is the far end of it: sections that the instrument brought end where the wire does.
+void fit_sections(toml::table& root)
+{
+    const std::optional<double> length = root["wire"]["length_m"].value<double>();
+    toml::array* sections = root["wire"]["section"].as_array();
+    if (!length || !(*length > 0) || !sections || sections->empty()) return;
+    const auto& source = sections->source().path;
+    if (!source || full_path(*source).parent_path() != full_path(instrument_file("")).parent_path()) return;
+    for (auto at = sections->begin(); at != sections->end();) {
+        toml::array* ends = at->is_table() ? (*at->as_table())["from_tip_m"].as_array() : nullptr;
+        const bool two = ends && ends->size() == 2 && (*ends)[0].is_floating_point() && (*ends)[1].is_floating_point();
+        if (two && *(*ends)[0].value<double>() >= *length) {
+            at = sections->erase(at);
+            continue;
+        }
+        if (two && *(*ends)[1].value<double>() > *length) *(*ends)[1].as_floating_point() = *length;
+        ++at;
+    }
+}
+
+}  // namespace
+
+toml::table parse_toml(const std::string& text, const fs::path& file)
+{
+    try {
+        return toml::parse(text, file.string());
+    } catch (const toml::parse_error& error) {
+        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
+    }
+}
+
+toml::table read_instrument(const fs::path& file)
+{
+    toml::table root = parse_toml(read_file(file), file);
+    const TableReader all(root, "", {"title", "kind", "wire"});
+    for (const auto key : {"title", "kind", "wire"}) all.need(key, "an instrument has title, kind and [wire]");
+    std::string title;
+    all.text("title", title);
+    (void)all.word_index("kind", instrument_kinds);
+    const toml::table* wire = root["wire"].as_table();
+    if (!wire) all.fail("wire", "expected one table [wire]");
+    for (const auto& [key, value] : *wire)
+        if (std::find(std::begin(instrument_keys), std::end(instrument_keys), key.str()) == std::end(instrument_keys))
+            fail_at(key.source(), fmt::format("wire.{}", key.str()),
+                    fmt::format("is no property of an instrument; expected one of {}",
+                                fmt::join(std::begin(instrument_keys), std::end(instrument_keys), ", ")));
+    return root;
+}
+
+LayeredScene layer_scene(const std::string& text, const fs::path& file, std::span<const std::string> overrides)
+{
+    LayeredScene scene;
+    Chain chain = {full_path(file)};
+    scene.root = read_layer(text, file, chain, scene).root;
+    // presets first: what else is set is said of the instrument that is then there
+    for (const std::string& entry : overrides) {
+        if (!is_preset(entry)) continue;
+        apply_override(scene.root, entry);
+        if (const auto name = bring_in_preset(scene.root, true)) {
+            std::erase_if(scene.notes, [](const auto& note) { return note.first == "wire.preset"; });
+            note_preset(scene, *name);
+        }
+    }
+    for (const std::string& entry : overrides)
+        if (!is_preset(entry)) apply_override(scene.root, entry);
+    fit_sections(scene.root);
+    return scene;
+}
+
+}  // namespace seldinger

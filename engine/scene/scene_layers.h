@@ -1,0 +1,36 @@
+#pragma once
+// What a scene is made of before it is read as one table: the file itself over the files that it includes, [wire] over the
+// instrument that it names as its preset, --set over all. Private to scene/.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+
+namespace seldinger {
+
+struct LayeredScene {
+    toml::table root;  // without `include` and `wire.preset`; nodes know the file they came from
+    std::vector<std::pair<std::string, std::string>> notes;  // what was brought in, for Scene::notes
+};
+
+/// Keys of [wire] that an instrument may have: what it is, not where or how finely it is modelled.
+inline constexpr std::string_view instrument_keys[] = {"radius_m",  "lumen_radius_m", "density",   "youngs_pa",
+                                                       "poisson",   "bend_nm2",       "twist_nm2", "stretch_n",
+                                                       "mu_static", "mu_sliding",     "section"};
+
+/// TOML of one file. @throws Error BadScene where it is not TOML
+[[nodiscard]] toml::table parse_toml(const std::string& text, const std::filesystem::path& file);
+
+/// A file of the catalogue, its keys checked by name. @throws Error BadFile, BadScene
+[[nodiscard]] toml::table read_instrument(const std::filesystem::path& file);
+
+/// @param file  of `text`, for messages and as the place that relative includes start from
+/// @throws Error BadScene, one line with the place
+[[nodiscard]] LayeredScene layer_scene(const std::string& text, const std::filesystem::path& file,
+                                       std::span<const std::string> overrides);
+
+}  // namespace seldinger
