@@ -25,6 +25,7 @@ struct Stencil {
     Pair pair;
     Vec3 n1 = Vec3::Zero();  // first director of the midway reference frame, at te
     Complex kappa;           // in it
+    bool end = false;        // the tip's half cell: it has the curvature it likes, and only turning the instruments costs
     std::array<double, most_coaxial> phi{}, twist{};
     std::array<Complex, most_coaxial> phase{};
 };
@@ -52,10 +53,22 @@ RodClamp sleeve(const RodView& line, const CoaxialBase& base)
     return clamp;
 }
 
-/// Of node i: inner, or the hub with the clamp as hub-side partner.
+void set_angle(Stencil& s, int k, double phi)
+{
+    s.phi[k] = phi;
+    s.phase[k] = {std::cos(phi), std::sin(phi)};
+}
+
+/// Of node i: inner, the hub with the clamp as hub-side partner, or the tip.
 Stencil stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                    const CoaxialFrames& frames, int i)
 {
+    if (i == 0) {
+        Stencil tip;
+        tip.end = true;
+        for (int k = 0; k < rod.instruments; ++k) set_angle(tip, k, trial.theta[k][0]);
+        return tip;
+    }
     const RodFrames& f = frames.line;
     const bool hub = i == line.n - 1;
     Stencil s;
@@ -72,9 +85,8 @@ Stencil stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTria
     s.kappa = complex(kappa_in(pair, s.n1));
     for (int k = 0; k < rod.instruments; ++k) {
         const double a = trial.theta[k][i - 1], b = trial.theta[k][i];
-        s.phi[k] = 0.5 * (a + b);
+        set_angle(s, k, 0.5 * (a + b));
         s.twist[k] = b - a + ref_twist;
-        s.phase[k] = {std::cos(s.phi[k]), std::sin(s.phi[k])};
     }
     return s;
 }
@@ -82,6 +94,7 @@ Stencil stencil_at(const CoaxialRod& rod, const RodView& line, const CoaxialTria
 /// f kappa - sum r_k
 Complex bend_strain(const CoaxialCell& cell, const Stencil& s, int instruments)
 {
+    if (s.end) return 0;
     Complex strain = cell.covered / cell.length * s.kappa;
     for (int k = 0; k < instruments; ++k) strain -= s.phase[k] * cell.rest[k];
     return strain;
@@ -93,7 +106,7 @@ double cell_energy(const CoaxialCell& cell, const Stencil& s, int instruments)
     double energy = 0.5 / cell.compliance * std::norm(bend_strain(cell, s, instruments)) + cell.forced;
     for (int k = 0; k < instruments; ++k) {
         for (int l = k + 1; l < instruments; ++l) energy -= dot(s.phase[k], s.phase[l] * cell.couple[coaxial_pair(k, l)]);
-        if (!(cell.twist_covered[k] > 0)) continue;
+        if (s.end || !(cell.twist_covered[k] > 0)) continue;
         const double twist = cell.twist_covered[k] / cell.length * s.twist[k];
         energy += 0.5 * twist * twist / cell.twist_compliance[k];
     }
@@ -108,13 +121,13 @@ double cell_energy_rate(const CoaxialCell& cell, const CoaxialCell& rate, const 
         return (gained - covered / cell.length * rate.length) / cell.length;
     };
     const Complex strain = bend_strain(cell, s, instruments);
-    Complex strain_rate = part_rate(cell.covered, rate.covered) * s.kappa;
+    Complex strain_rate = part_rate(cell.covered, rate.covered) * s.kappa;  // of no account at the tip
     for (int k = 0; k < instruments; ++k) strain_rate -= s.phase[k] * rate.rest[k];
     double energy = (dot(strain, strain_rate) - 0.5 * std::norm(strain) * rate.compliance / cell.compliance) / cell.compliance;
     energy += rate.forced;
     for (int k = 0; k < instruments; ++k) {
         for (int l = k + 1; l < instruments; ++l) energy -= dot(s.phase[k], s.phase[l] * rate.couple[coaxial_pair(k, l)]);
-        if (!(cell.twist_covered[k] > 0)) continue;
+        if (s.end || !(cell.twist_covered[k] > 0)) continue;
         const double twist = cell.twist_covered[k] / cell.length * s.twist[k], inv = 1 / cell.twist_compliance[k];
         energy += inv * twist * part_rate(cell.twist_covered[k], rate.twist_covered[k]) * s.twist[k];
         energy -= 0.5 * twist * twist * inv * inv * rate.twist_compliance[k];
@@ -181,6 +194,22 @@ void add_bend_safe(const CoaxialCell& cell, const Stencil& s, int instruments, S
             own.bb += second;
         }
     }
+}
+
+/// The tip's half cell: where its bending has relaxed, what forcing costs is left, of the angles of the first edge.
+void add_end(const CoaxialCell& cell, const Stencil& s, int instruments, HessianMode mode, StencilTerms& out)
+{
+    for (int l = 0; l < instruments; ++l)
+        for (int k = 0; k < l; ++k) {
+            const Complex energy = std::conj(s.phase[k]) * s.phase[l] * cell.couple[coaxial_pair(k, l)];  // minus its real part
+            out.own[k].gb -= energy.imag();
+            out.own[l].gb += energy.imag();
+            if (mode == HessianMode::None) continue;
+            const double second = mode == HessianMode::Exact ? energy.real() : std::max(0.0, energy.real());
+            out.own[k].bb += second;
+            out.own[l].bb += second;
+            out.cross[k][l] -= second;
+        }
 }
 
 void add_cell(const CoaxialCell& cell, const Stencil& s, int instruments, HessianMode mode, StencilTerms& out)
@@ -303,6 +332,17 @@ void add_stretch(const CoaxialDofs& dofs, const RodView& line, const CoaxialFram
     put(hessian->block(j + 1, 0), dofs.per_node(), 0, 0, block);
 }
 
+/// The tip's half cell, into its place.
+void put_end(const CoaxialDofs& dofs, const StencilTerms& t, std::span<double> gradient, CoaxialHessian* hessian)
+{
+    for (int k = 0; k < dofs.instruments; ++k) {
+        if (!gradient.empty()) gradient[dofs.spin(0, k)] += t.own[k].gb;
+        for (int l = 0; l < dofs.instruments && hessian; ++l)
+            hessian->block(0, 0)[(3 + k) * dofs.per_node() + 3 + l] +=
+                k == l ? t.own[k].bb : t.cross[std::min(k, l)][std::max(k, l)];
+    }
+}
+
 }  // namespace
 
 // ---- what is called from outside ----------------------------------------------------------------------------------------------
@@ -352,7 +392,7 @@ double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialT
         const double strain = stretch_strain(line, frames, j);
         energy += 0.5 * line.stretch_stiffness[j] * strain * strain * line.rest_length[j];
     }
-    for (int i = 1; i < line.n; ++i)
+    for (int i = 0; i < line.n; ++i)
         energy += cell_energy(rod.cells[i], stencil_at(rod, line, trial, base, frames, i), rod.instruments);
     for (int k = 0; k < rod.instruments; ++k) {
         const double turn = base.hand[k] - trial.theta[k][line.n - 1];
@@ -368,6 +408,9 @@ void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial&
     if (!hessian) mode = HessianMode::None;
     SEL_ASSERT(mode == HessianMode::None || hessian->size() == dofs.count(line.n));
     for (int j = 0; j < line.n - 1; ++j) add_stretch(dofs, line, frames, j, mode, gradient, hessian);
+    StencilTerms tip;
+    add_end(rod.cells[0], stencil_at(rod, line, trial, base, frames, 0), rod.instruments, mode, tip);
+    put_end(dofs, tip, gradient, mode == HessianMode::None ? nullptr : hessian);
     for (int i = 1; i < line.n; ++i) {
         const bool hub = i == line.n - 1;
         StencilTerms terms;
@@ -433,7 +476,7 @@ struct HandForces {
         const double stiff_l = stretch_stiffness_of(rod, left), stiff_r = stretch_stiffness_of(rod, right);
         const auto inverse = [](double stiffness) { return stiffness > 0 ? 1 / stiffness : 0; };
         const double covered = (stiff_r > 0 ? 1 : 0) - (stiff_l > 0 ? 1 : 0);
-        return (i > 0 ? cell_gain(i, rate) : 0) + edge_gain(j, covered, inverse(stiff_r) - inverse(stiff_l), 0);
+        return cell_gain(i, rate) + edge_gain(j, covered, inverse(stiff_r) - inverse(stiff_l), 0);
     }
 
     [[nodiscard]] double offset_force(int k) const

@@ -17,7 +17,8 @@
 //
 //     E_i = 1/2 |f kappa - int r ds|^2 / int ds/B + (what forcing costs) + sum_k 1/2 (f_k twist_k)^2 / int ds/C_k
 //
-// f and f_k are the parts of the cell where any instrument, and k, lie. E is continuous in the offsets. Its derivative is too
+// f and f_k are the parts of the cell where any instrument, and k, lie. In the tip's half cell, where bending is free, only what
+// forcing costs is left. E is continuous in the offsets. Its derivative is too
 // while no end or change of section passes from one cell to the next, where it changes by as much as the moment does from node to
 // node. With one instrument this is the energy of rod/elastic.h.
 //
@@ -90,7 +91,7 @@ struct CoaxialRod {
     std::array<std::vector<double>, most_coaxial> theta;  // [nodes] accepted angles, the last one the clamp's [rad]
     // written by prepare_coaxial()
     std::vector<CoaxialPiece> pieces;                            // from tip to hub
-    std::vector<CoaxialCell> cells;                              // [nodes]; the tip's half cell is empty
+    std::vector<CoaxialCell> cells;                              // [nodes]; half cells at tip and hub
     std::vector<double> stretch_covered, stretch_compliance;     // [nodes - 1] [m], int ds/EA [m/N]
     std::array<std::vector<double>, most_coaxial> spin_inertia;  // [nodes - 1] [kg m^2]
 };

@@ -150,7 +150,7 @@ void prepare_node(CoaxialRod& rod, const RodView& line, int i, std::size_t& at)
     line.mass[i] = mass;
     line.bend_stiffness[i] = cell.covered > 0 ? cell.covered * cell.covered / (cell.compliance * cell.length) : 0;
     line.twist_stiffness[i] = line.rest_kappa1[i] = line.rest_kappa2[i] = line.rest_twist[i] = 0;  // each instrument's own
-    rod.cells[i] = i > 0 ? cell : CoaxialCell{};                                                   // nothing bends at the tip
+    rod.cells[i] = cell;
 }
 
 }  // namespace

@@ -184,4 +184,154 @@ TEST_SUITE("rod/coaxial")
             CHECK(hands.push(0, 0, 1) == about(feed_force(wire.rod, wire.clamps, wire.frames, Vec3::Zero())).epsilon(1e-12));
         }
     }
+
+    TEST_CASE("property: moving and turning everything costs nothing")
+    {
+        Shaken c(2, 3, 0.3);
+        REQUIRE(c.update());
+        const double before = c.energy();
+        const Eigen::VectorXd g = c.assemble(HessianMode::None);
+        Vec3 sum = Vec3::Zero(), first = Vec3::Zero();  // E depends on differences of positions only
+        for (int i = 0; i < c.n; ++i) {
+            sum += g.segment<3>(c.rod.dofs().position(i));
+            first = first.cwiseMax(g.segment<3>(c.rod.dofs().position(i)).cwiseAbs());
+        }
+        CHECK(sum.norm() < 1e-13 * first.norm());
+        const Mat3 turn = Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+        for (int i = 0; i < c.n; ++i) {
+            c.line.set_pos(i, turn * c.line.pos(i) + Vec3(3, 1, -2));
+            c.line.set_tangent(i, turn * c.line.tangent(i));
+            c.line.set_ref_d1(i, turn * c.line.ref_d1(i));
+        }
+        c.base.tangent = turn * c.base.tangent;
+        c.base.director = turn * c.base.director;
+        REQUIRE(c.update());
+        CHECK(c.energy() == about(before).epsilon(1e-13));
+
+        // what the angles are counted from is of no account: the frames of edges and clamp turned back, all angles forward
+        for (int j = 0; j < c.n - 1; ++j) c.line.set_ref_d1(j, turned(c.line.ref_d1(j), c.line.tangent(j), -0.7));
+        c.base.director = turned(c.base.director, c.base.tangent, -0.7);
+        for (int k = 0; k < 2; ++k) c.turn(k, 0.7);
+        REQUIRE(c.update());
+        CHECK(c.energy() == about(before).epsilon(1e-13));
+    }
+
+    // Away from where a change passes from one cell to the next; d = 1e-3: truncation 1e-12 times derivatives of order 100
+    TEST_CASE("derivative: the hands' forces are the energy's change with what they feed")
+    {
+        for (const int instruments : {2, 3})
+            for (const double most : {0.1, 0.3}) {
+                Shaken c(instruments, 20 + instruments, most);
+                c.rod.instrument[0].offset = 0.013;  // else its tip would come into the centreline and leave it
+                const auto energy = [&] {
+                    prepare_coaxial(c.rod, c.line);
+                    REQUIRE(c.update());
+                    return c.energy();
+                };
+                (void)energy();
+                const CoaxialHands hands = c.hands();
+                for (int k = 0; k < instruments; ++k) {
+                    const double offset = c.rod.instrument[k].offset;
+                    const auto moved = [&](double by) {
+                        c.rod.instrument[k].offset = offset + by;
+                        return energy();
+                    };
+                    const double numeric = difference(moved, 1e-3);
+                    (void)moved(0);
+                    CAPTURE(k);
+                    CHECK(hands.offset_force[k] == about(numeric).epsilon(1e-8));
+                }
+                const double hub = c.line.material_s[c.n - 1];
+                const auto longer = [&](double by) {
+                    c.line.material_s[c.n - 1] = hub + by;
+                    return energy();
+                };
+                CHECK(hands.line_force == about(difference(longer, 1e-3)).epsilon(1e-8));
+                (void)longer(0);
+                // the longest goes in and the others stay at the hub
+                std::array<double, most_coaxial> offsets{};
+                for (int k = 0; k < instruments; ++k) offsets[k] = c.rod.instrument[k].offset;
+                const auto pushed = [&](double by) {
+                    for (int k = 1; k < instruments; ++k) c.rod.instrument[k].offset = offsets[k] - by;
+                    return longer(by);
+                };
+                CHECK(hands.push(0, 0, instruments) == about(difference(pushed, 1e-3)).epsilon(1e-8));
+                CHECK(hands.push(1, 0, instruments) == hands.offset_force[1]);
+                (void)pushed(0);
+
+                // torques: at the clamp the derivative, behind it the spring's
+                for (int k = 0; k < instruments; ++k) {
+                    double& angle = c.base.behind[k] > 0 ? c.base.hand[k] : c.rod.theta[k][c.n - 1];
+                    const double start = angle;
+                    const auto rolled = [&](double by) {
+                        angle = start + by;
+                        return energy();
+                    };
+                    CHECK(hands.torque[k] == about(difference(rolled, 1e-3)).epsilon(1e-8));
+                    (void)rolled(0);
+                }
+            }
+    }
+
+    // Every end and change of section passes through cells, edges and nodes, for which energy has no jump: it changes by no more
+    // than the force times the step.
+    TEST_CASE("property: the energy is continuous in the offsets")
+    {
+        Shaken c(3, 5, 0.3);
+        const double start = c.rod.instrument[1].offset, step = 1e-3;
+        double last_energy = 0, last_force = 0, largest_force = 0, worst = 0, smooth = 0;
+        int kinks = 0;
+        for (int i = 0; i <= 3000; ++i) {
+            c.rod.instrument[1].offset = start + i * step;
+            prepare_coaxial(c.rod, c.line);
+            REQUIRE(c.update());
+            const double energy = c.energy(), force = c.hands().offset_force[1];
+            if (i > 0) {
+                // trapezoidal rule, but for the few steps with a kink
+                const double miss = std::abs(energy - last_energy - 0.5 * step * (force + last_force));
+                worst = std::max(worst, miss);
+                if (miss > 1e-7) ++kinks;
+                else smooth = std::max(smooth, miss);
+            }
+            largest_force = std::max(largest_force, std::abs(force));
+            last_energy = energy;
+            last_force = force;
+        }
+        MESSAGE("continuity: worst " << worst << " of " << step * largest_force << ", kinks " << kinks << ", smooth " << smooth);
+        CHECK(worst < step * largest_force);
+        CHECK(kinks > 2);
+        CHECK(kinks < 150);  // eight ends and changes, each through cells and edges
+    }
+
+    TEST_CASE("idle: an angle that an instrument does not reach is of no account, and follows")
+    {
+        Shaken c(2, 6, 0.3);
+        REQUIRE(coaxial_idle(c.rod, 0, 1));
+        REQUIRE_FALSE(coaxial_idle(c.rod, c.n - 1, 1));
+        for (int j = 0; j < c.n; ++j) CHECK_FALSE(coaxial_idle(c.rod, j, 0));
+        REQUIRE(c.update());
+        const double before = c.energy();
+        c.rod.theta[1][0] += 5;
+        REQUIRE(c.update());
+        CHECK(c.energy() == before);
+        follow_idle(c.rod, c.line);
+        int live = 0;
+        while (coaxial_idle(c.rod, live, 1)) ++live;
+        REQUIRE(live > 0);
+        for (int j = 0; j < live; ++j)
+            CHECK(c.rod.theta[1][j + 1] - c.rod.theta[1][j] + c.line.ref_twist[j + 1] == doctest::Approx(0).epsilon(1e-14));
+        REQUIRE(c.update());
+        CHECK(c.energy() == before);
+    }
+
+    TEST_CASE("bad input: no configuration, no energy")
+    {
+        Shaken c(2, 7, 0.2);
+        c.rod.theta[1][2] = std::nan("");
+        CHECK_FALSE(c.update());
+        c.rod.theta[1][2] = 0;
+        REQUIRE(c.update());
+        c.line.set_pos(3, c.line.pos(4));  // an edge of no length
+        CHECK_FALSE(c.update());
+    }
 }

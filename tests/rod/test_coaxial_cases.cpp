@@ -211,4 +211,88 @@ TEST_SUITE("rod/coaxial cases")
             CHECK(angle_error[0] < 2.0);
         }
     }
+
+    // Equal stiffness and curvature, nu = 0.3: lambda^2 = 1.3 kappa^2 = 130/m^2, no snap where pi/(2 lambda) = 137.77 mm is not
+    // reached.
+    TEST_CASE("analytic: relative angle at the tip lags behind the base")
+    {
+        struct Row {
+            double overlap, base, tip;
+        };
+        const Row rows[] = {{0.06, 45, 36.733}, {0.06, 90, 76.851}, {0.06, 150, 142.002},
+                            {0.12, 45, 21.973}, {0.12, 90, 47.120}, {0.12, 150, 99.931}};
+        for (const Row& row : rows) {
+            Coaxial c({instrument_spec(1, 1e-4, 1e-4 / 1.3, 0.5, 10), instrument_spec(1, 1e-4, 1e-4 / 1.3, 0.5, 10)},
+                      {row.overlap, row.overlap}, 100);
+            c.bend_to_rest();
+            for (int part = 0; part < 11; ++part) {
+                REQUIRE(c.equilibrate() >= 0);
+                if (part < 10) c.turn(1, -row.base / 10 * pi / 180);
+            }
+            const double tip = c.angle_deg(1, 0) - c.angle_deg(0, 0);
+            MESSAGE("lag " << row.overlap << " " << row.base << ": " << tip - row.tip);
+            // second order: (lambda h)^2 / 12 of an angle of order 100 = 2e-3; the table has three decimals
+            CHECK(std::abs(tip - row.tip) < 3e-3);
+        }
+    }
+
+    TEST_CASE("analytic: no snap below the critical overlap")
+    {
+        const auto stable_at_pi = [](double overlap) {
+            Coaxial c({instrument_spec(1, 1e-4, 1e-4 / 1.3, 0.5, 10), instrument_spec(1, 1e-4, 1e-4 / 1.3, 0.5, 10)},
+                      {overlap, overlap}, 60);
+            c.roll(1, -pi);  // opposite: straight, and an equilibrium whether stable or not
+            return c.stable();
+        };
+        // cells: relative error (lambda h)^2 / 24 = 3e-5 in the length
+        CHECK(stable_at_pi(0.13777 * (1 - 2e-4)));
+        CHECK_FALSE(stable_at_pi(0.13777 * (1 + 2e-4)));
+    }
+
+    // 15_coaxial/torsion_snap: the branch ends at a base angle of 317.748 deg, the tip being at 71.538 deg, and goes on at
+    // 355.671
+    TEST_CASE("analytic: snapping")
+    {
+        Coaxial c({instrument_spec(1, 2e-4, 1.5e-4, 0.15, 10), instrument_spec(1, 1e-4, 7.7e-5, 0.17, 15)}, {0.25, 0.27}, 108);
+        c.bend_to_rest();
+        double base = 0, tip = 0, tip_before = 0;
+        while (base < 330) {
+            const double by = base < 300 ? 15 : base < 316 ? 2 : 0.1;
+            c.turn(1, -by * pi / 180);
+            base += by;
+            REQUIRE(c.equilibrate(400) >= 0);
+            REQUIRE(c.stable());
+            tip_before = tip;
+            tip = c.angle_deg(1, 0.02) - c.angle_deg(0, 0.02);
+            if (tip > 180) break;
+        }
+        MESSAGE("snap at " << base << " from " << tip_before << " to " << tip);
+        CHECK(std::abs(base - 317.748) < 0.5);     // steps of 0.1
+        CHECK(std::abs(tip_before - 71.538) < 4);  // grows like the square root of the way to the snap
+        CHECK(std::abs(tip - 355.671) < 0.5);
+    }
+
+    // What lies straight behind the sleeve as a compliance there, or as a part of the centreline
+    TEST_CASE("equal: twist of what is still behind the inlet")
+    {
+        const Vec3 tip_outer(0.0726, 0.023, 0.0168);
+        Vec3 tips[2];
+        double torques[2];
+        for (const bool inside : {false, true}) {
+            const double straight = inside ? 0.1 : 0.0;
+            Coaxial c({instrument_spec(1, 2e-4, 1.5e-4, 0.08, 10), instrument_spec(1, 1e-4, 7.7e-5, 0.1, 15)},
+                      {0.08 + straight, 0.1 + straight}, inside ? 200 : 100);
+            if (!inside) c.base.behind = {0.1 / 1.5e-4, 0.1 / 7.7e-5};
+            c.bend_to_rest();
+            for (int part = 0; part < 11; ++part) {
+                REQUIRE(c.equilibrate() >= 0);
+                if (part < 10) c.turn(1, -0.2);
+            }
+            tips[inside] = c.end(1) - Vec3(straight, 0, 0);
+            torques[inside] = c.hands().torque[1];
+        }
+        MESSAGE("behind: " << (tips[0] - tips[1]).norm() << " " << torques[0] / torques[1] - 1);
+        CHECK((tips[0] - tips[1]).norm() < 5e-6);  // h^2 kappa of either
+        CHECK(torques[0] == about(torques[1]).epsilon(1e-4));
+    }
 }
