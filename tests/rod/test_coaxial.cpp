@@ -121,7 +121,6 @@ TEST_SUITE("rod/coaxial")
                 const Eigen::MatrixXd symmetric = 0.5 * (numeric_h + numeric_h.transpose());
                 CAPTURE(instruments);
                 CAPTURE(most);
-                MESSAGE("derivatives " << largest(g - numeric_g) / largest(g) << " " << largest(h - symmetric) / largest(h));
                 CHECK(largest(g - numeric_g) < 1e-8 * largest(g));
                 CHECK(largest(h - symmetric) < 1e-8 * largest(h));
             }
@@ -297,7 +296,6 @@ TEST_SUITE("rod/coaxial")
             last_energy = energy;
             last_force = force;
         }
-        MESSAGE("continuity: worst " << worst << " of " << step * largest_force << ", kinks " << kinks << ", smooth " << smooth);
         CHECK(worst < step * largest_force);
         CHECK(kinks > 2);
         CHECK(kinks < 150);  // eight ends and changes, each through cells and edges

@@ -51,8 +51,9 @@ TEST_SUITE("rod/coaxial cases")
                 REQUIRE(c.equilibrate() >= 0);
                 error[level] = std::max((c.end(0) - row.tip_outer).norm(), (c.end(1) - row.tip_inner).norm());
             }
-            MESSAGE("planar " << row.inner << ": " << error[0] << " " << error[1] << " " << error[2]);
             CHECK(error[0] < 0.005 * row.inner);
+            CHECK(error[2] <
+                  error[0] / 8);  // two halvings, second order: 16; where ends lie in their cells differs from grid to grid
         }
     }
 
@@ -81,8 +82,9 @@ TEST_SUITE("rod/coaxial cases")
                 REQUIRE(c.equilibrate() >= 0);
                 error[level] = std::max((c.end(0) - row.tip_outer).norm(), (c.end(1) - row.tip_inner).norm());
             }
-            MESSAGE("rotated " << row.alpha << ": " << error[0] << " " << error[1] << " " << error[2]);
             CHECK(error[0] < 0.005 * 0.12);
+            CHECK(error[2] <
+                  error[0] / 8);  // two halvings, second order: 16; where ends lie in their cells differs from grid to grid
         }
     }
 
@@ -204,11 +206,13 @@ TEST_SUITE("rod/coaxial cases")
                                                std::abs(std::abs(c.hands().torque[0]) / row.torque - 1));
                 CHECK(c.stable());
             }
-            MESSAGE("torsion L0 " << row.straight << " alpha " << row.alpha << ": tip " << error[0] << " " << error[1] << " "
-                                  << error[2] << ", deg " << angle_error[0] << " " << angle_error[1] << " " << angle_error[2]
-                                  << ", torque " << torque_error[0] << " " << torque_error[1] << " " << torque_error[2]);
             CHECK(error[0] < 0.005 * (row.straight + row.curved + row.beyond));
+            CHECK(error[2] <
+                  error[0] / 8);  // two halvings, second order: 16; where ends lie in their cells differs from grid to grid
             CHECK(angle_error[0] < 2.0);
+            CHECK(angle_error[2] < angle_error[0] / 12);
+            CHECK(torque_error[0] < 0.03);
+            CHECK(torque_error[2] < torque_error[0] / 12);
         }
     }
 
@@ -230,7 +234,6 @@ TEST_SUITE("rod/coaxial cases")
                 if (part < 10) c.turn(1, -row.base / 10 * pi / 180);
             }
             const double tip = c.angle_deg(1, 0) - c.angle_deg(0, 0);
-            MESSAGE("lag " << row.overlap << " " << row.base << ": " << tip - row.tip);
             // second order: (lambda h)^2 / 12 of an angle of order 100 = 2e-3; the table has three decimals
             CHECK(std::abs(tip - row.tip) < 3e-3);
         }
@@ -266,7 +269,6 @@ TEST_SUITE("rod/coaxial cases")
             tip = c.angle_deg(1, 0.02) - c.angle_deg(0, 0.02);
             if (tip > 180) break;
         }
-        MESSAGE("snap at " << base << " from " << tip_before << " to " << tip);
         CHECK(std::abs(base - 317.748) < 0.5);     // steps of 0.1
         CHECK(std::abs(tip_before - 71.538) < 4);  // grows like the square root of the way to the snap
         CHECK(std::abs(tip - 355.671) < 0.5);
@@ -275,7 +277,6 @@ TEST_SUITE("rod/coaxial cases")
     // What lies straight behind the sleeve as a compliance there, or as a part of the centreline
     TEST_CASE("equal: twist of what is still behind the inlet")
     {
-        const Vec3 tip_outer(0.0726, 0.023, 0.0168);
         Vec3 tips[2];
         double torques[2];
         for (const bool inside : {false, true}) {
@@ -291,7 +292,6 @@ TEST_SUITE("rod/coaxial cases")
             tips[inside] = c.end(1) - Vec3(straight, 0, 0);
             torques[inside] = c.hands().torque[1];
         }
-        MESSAGE("behind: " << (tips[0] - tips[1]).norm() << " " << torques[0] / torques[1] - 1);
         CHECK((tips[0] - tips[1]).norm() < 5e-6);  // h^2 kappa of either
         CHECK(torques[0] == about(torques[1]).epsilon(1e-4));
     }
