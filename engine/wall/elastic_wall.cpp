@@ -90,17 +90,19 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
     return to;
 }
 
-/// Of the lumen at a place of its wall: of the inscribed sphere that comes nearest to it. A plane is as wide as it is long; where
-/// no sphere is known there is no limit.
+/// Of the lumen at a place of its wall: of the widest inscribed sphere that all but touches it, as no sphere of a branch beside
+/// it does. A plane is as wide as it is long; where no sphere is known there is no limit.
 double lumen_radius(const WallModel& wall, const Vec3& place)
 {
+    constexpr double touching = 0.1;  // of a sphere's radius: facets, and points that stand apart along the axis
     const Centreline& axis = wall.centreline;
     if (wall.spec.shape == VesselShape::Plane) return wall.spec.size / 2;
-    double radius = std::numeric_limits<double>::infinity(), nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < axis.points.size(); ++i) {
-        const double apart = (place - axis.points[i]).norm() - axis.radius[i];
-        if (apart < nearest) nearest = apart, radius = axis.radius[i];
-    }
+    const auto apart = [&](std::size_t i) { return (place - axis.points[i]).norm() - axis.radius[i]; };
+    double radius = std::numeric_limits<double>::infinity(), nearest = radius;
+    for (std::size_t i = 0; i < axis.points.size(); ++i)
+        if (apart(i) < nearest) nearest = apart(i), radius = axis.radius[i];
+    for (std::size_t i = 0; i < axis.points.size(); ++i)
+        if (apart(i) <= nearest + touching * axis.radius[i]) radius = std::max(radius, axis.radius[i]);
     return radius;
 }
 
