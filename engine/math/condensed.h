@@ -49,7 +49,7 @@ public:
     /// nothing there. @return iterations of GMRES
     int solve(std::span<double> r_to_x, std::span<const unsigned char> fixed,
               const std::function<void(std::span<double>)>& band) const;
-    double accuracy = 1e-3;  // of x: |what is left of the others' equations| over their right side
+    double accuracy = 1e-5;  // of x: |what is left of the others' equations| over their right side
 
     // ---- parts, for those who keep u ----
     /// W v, [m]; v is mostly zeros.
