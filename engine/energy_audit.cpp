@@ -154,8 +154,16 @@ void read_energies(World::Impl& state, int wire)
     audit.gravitational = state.solver->potential_energy(wire);
 }
 
+/// Work of a sub-step on a wire, by who does it [J].
+struct WorkDone {
+    double hand = 0, turning = 0;  // feeding, clamps that turn
+    double outside = 0;            // holds, loads, links
+    double wall = 0;               // one that yields
+    [[nodiscard]] double sum() const { return hand + turning + outside + wall; }
+};
+
 /// The sub-step's share in the ledger.
-void take_into_ledger(World::Impl& state, int wire, double hand, double turning, double outside)
+void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
 {
     EnergyAudit& audit = state.audits[wire];
     audit.next_ledger = audit.known ? audit.ledger : EnergyLedger{};
@@ -163,14 +171,14 @@ void take_into_ledger(World::Impl& state, int wire, double hand, double turning,
     EnergyLedger& ledger = audit.next_ledger;
     const double now = audit.kinetic + audit.elastic + audit.gravitational;
     const ContactWork contact = state.terms.contact_work(wire);
-    ledger.hand += hand + turning;
-    ledger.outside += outside;
+    ledger.hand += work.hand + work.turning;
+    ledger.outside += work.outside;
     ledger.remesh += audit.remeshed_now;
     ledger.material += audit.fed.carried - audit.remeshed_now;
     ledger.wire += now - audit.wire_then;
     ledger.friction -= contact.friction + contact.rolling;
     ledger.contact -= contact.normal;
-    ledger.wall -= state.terms.work_from_outside(wire);
+    ledger.wall -= work.wall;
     const IntegratorSpec& integrator = state.setup.integrator;
     if (!end_forces(integrator) || integrator.scheme != Scheme::Newton) {
         ledger.scheme += ledger.open();
@@ -180,7 +188,7 @@ void take_into_ledger(World::Impl& state, int wire, double hand, double turning,
     const double fed = state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown : 0;
     const double elastic_then = audit.elastic_then + (state.remesh_energy[wire] - audit.remeshed);
     ledger.damping += losses.damping;
-    ledger.scheme += losses.inertia + losses.strain_work + fed + turning - (audit.elastic - elastic_then);
+    ledger.scheme += losses.inertia + losses.strain_work + fed + work.turning - (audit.elastic - elastic_then);
 }
 
 }  // namespace
@@ -267,11 +275,10 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     EnergyAudit& audit = state.audits[wire];
     read_energies(state, wire);
     EnergyInput input = audit.fed;
-    const double turning = turning_work(state, wire), hand = hand_work(state, wire);
-    const double outside = held_work(state, wire) + load_work(state, wire);
-    input.work += hand + turning + outside;
-    input.work += state.terms.work_from_outside(wire);
-    take_into_ledger(state, wire, hand, turning, outside);
+    const WorkDone work{hand_work(state, wire), turning_work(state, wire), held_work(state, wire) + load_work(state, wire),
+                        state.terms.work_from_outside(wire)};
+    input.work += work.sum();
+    take_into_ledger(state, wire, work);
     input.unseen += unseen_work(state, wire, h);
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
         input.work += state.solver->residual_work(wire);

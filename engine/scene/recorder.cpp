@@ -20,13 +20,20 @@ constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.cs
                                      "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
-constexpr std::string_view trace_header =
+constexpr std::string_view trace_columns =
     "step,time_s,inserted_m,turned_rad,nodes,contacts,normal_n,friction_n,sliding_n,static_n,rolling_nm,hand_force_n,hand_torque_"
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
     "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_"
-    "pa,contact_area_m2,contact_pressure_max_pa,hand_work_j,outside_work_j,material_j,remesh_j,friction_loss_j,contact_loss_j,wall_work_j,damping_loss_j,scheme_loss_j,"
-    "energy_open_j\n";
+    "pa,contact_area_m2,contact_pressure_max_pa";
+
+/// The columns above, and those of the ledger.
+std::string trace_header()
+{
+    std::string header(trace_columns);
+    for (const EnergyEntry& entry : energy_entries({})) header.append(",").append(entry.name);
+    return header + "\n";
+}
 
 /// Adds the time until its end to a sum.
 class Stopwatch {
@@ -111,7 +118,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
     remove_old_run(dir_);
     write_file(dir_ / "scene.toml", resolved);
     trace_ = AppendFile(dir_ / "trace.csv", 0);
-    trace_.append(trace_header);
+    trace_.append(trace_header());
     has_wall_ = !mesh_.triangles.empty();
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
     const Output now = world.output(frame_parts());
@@ -234,11 +241,10 @@ std::string Recorder::wall_fields(const Output& now)
     return fmt::format(",{},{},{},{}", csv(w.move_max), csv(w.energy), csv(w.loss), csv(w.stress_max));
 }
 
-std::string Recorder::energy_fields(const EnergyLedger& e)
+std::string Recorder::energy_fields(const EnergyLedger& ledger)
 {
     std::string fields;
-    for (const double v : {e.hand, e.outside, e.material, e.remesh, e.friction, e.contact, e.wall, e.damping, e.scheme, e.open()})
-        fields += "," + csv(v);
+    for (const EnergyEntry& entry : energy_entries(ledger)) fields += "," + csv(entry.value);
     return fields;
 }
 

@@ -59,7 +59,7 @@ private:
     void write_collections();
     [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
-    [[nodiscard]] std::string energy_fields(const EnergyLedger& energy);
+    [[nodiscard]] std::string energy_fields(const EnergyLedger& ledger);
     [[nodiscard]] std::string patch_fields(const WireOutput& wire);
     void write_wire_table(const WireOutput& wire);
     void write_contact_table(const Output& now);

@@ -73,16 +73,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("contact_area_max_m2", tally.contact_area_max);
     number.set("contact_pressure_max_pa", tally.contact_pressure_max);
     out["newton_max"] = tally.newton_max;
-    const EnergyLedger& e = r.energy;
-    number.set("hand_work_j", e.hand);
-    number.set("outside_work_j", e.outside);
-    number.set("material_j", e.material);
-    number.set("friction_loss_j", e.friction);
-    number.set("contact_loss_j", e.contact);
-    number.set("wall_work_j", e.wall);
-    number.set("damping_loss_j", e.damping);
-    number.set("scheme_loss_j", e.scheme);
-    number.set("energy_open_j", e.open());
+    for (const EnergyEntry& entry : energy_entries(r.energy)) number.set(entry.name, entry.value);
     number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
     number.set("kinetic_j", r.kinetic);
     number.set("elastic_j", r.elastic);
@@ -129,6 +120,20 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
 }
 
 }  // namespace
+
+std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger)
+{
+    return {{{"hand_work_j", ledger.hand},
+             {"outside_work_j", ledger.outside},
+             {"material_j", ledger.material},
+             {"remesh_j", ledger.remesh},
+             {"friction_loss_j", ledger.friction},
+             {"contact_loss_j", ledger.contact},
+             {"wall_work_j", ledger.wall},
+             {"damping_loss_j", ledger.damping},
+             {"scheme_loss_j", ledger.scheme},
+             {"energy_open_j", ledger.open()}}};
+}
 
 void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_iterations)
 {

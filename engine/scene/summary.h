@@ -4,6 +4,7 @@
 #include "engine.h"
 #include "scene/scene.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -42,6 +43,13 @@ struct RunTally {
     void note_wall(unsigned flags);
 };
 static_assert(std::is_trivially_copyable_v<RunTally>);
+
+/// A ledger's entries as trace.csv and summary.json name them, in the order of the columns [J].
+struct EnergyEntry {
+    const char* name;
+    double value;
+};
+[[nodiscard]] std::array<EnergyEntry, 10> energy_entries(const EnergyLedger& ledger);
 
 /// What the summary tells beyond the tally and the world itself.
 struct SummaryNotes {
