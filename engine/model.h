@@ -22,6 +22,19 @@ struct WireSetup {
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
     std::string start;  // what was done to have it start inside the lumen, for World::model(); empty: nothing
+    std::string name;   // in messages and files; empty: the only one, or told apart by its number
+};
+
+/// Instruments inside each other: catheter over wire, sheath over both. All of one system, fed at one inlet.
+struct CoaxialSpec {
+    enum class Model {
+        Merged,   // one centreline for all, no clearance (D12)
+        Separate  // a rod each, the inner one touches the lumen of the next outer one (D13)
+    };
+    std::vector<int> order;  // places in WorldSetup::wires, outer first, two at least
+    Model model = Model::Separate;
+    double mu_static = 0.06, mu_sliding = 0.05;  // between an instrument and the lumen that it is in [-]
+    double stiffness = 0;                        // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
 };
 
 /// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, vessel/repair.h, vessel/shapes.h).
@@ -32,6 +45,8 @@ struct WorldSetup {
     /// Instruments in each system, in the order of `wires`: those of one system are solved, halved and retired together. Empty:
     /// each is a system of its own.
     std::vector<int> systems;
+    std::vector<CoaxialSpec> coaxial;
+    bool instruments_touch = false;  // contact from outside between the instruments of a system, and of each with itself
     IntegratorSpec integrator;
     VesselSpec vessel;  // what the wall is made of; shape None: no wall
     WallMesh mesh;      // repaired, normals into the lumen; empty without a vessel
