@@ -45,13 +45,13 @@ struct WorldSetup {
     /// Instruments in each system, in the order of `wires`: those of one system are solved, halved and retired together. Empty:
     /// each is a system of its own.
     std::vector<int> systems;
-    std::vector<CoaxialSpec> coaxial;
-    bool instruments_touch = false;  // contact from outside between the instruments of a system, and of each with itself
     IntegratorSpec integrator;
     VesselSpec vessel;  // what the wall is made of; shape None: no wall
     WallMesh mesh;      // repaired, normals into the lumen; empty without a vessel
     Centreline centreline;
     int device_index = -1;  // of list_devices(); -1: the default device
+    std::vector<CoaxialSpec> coaxial;
+    bool instruments_touch = false;  // contact from outside between the instruments of a system, and of each with itself
 };
 
 }  // namespace seldinger
