@@ -41,6 +41,8 @@ public:
     [[nodiscard]] int system_count() const;
     /// Which system an instrument belongs to.
     [[nodiscard]] int system_of(int wire) const;
+    /// The instruments of a system: from the first up to, without it, the second number.
+    [[nodiscard]] std::pair<int, int> wires_of(int system) const;
     [[nodiscard]] double time() const;
     [[nodiscard]] double time(int wire) const;  // of a wire that failed or retired, where it stopped
     [[nodiscard]] long step_count() const;
@@ -108,8 +110,8 @@ void load_vessel(WorldSetup& setup);
 /// A scene file as a program of its own needs it.
 struct LoadedScene {
     WorldSetup setup;
-    std::vector<FeedKey> keys;      // of the wire's hub: control.follow(0, scene.keys); empty: it is not fed
-    double dt = 0, duration = 0;    // [s]
+    std::vector<std::vector<FeedKey>> keys;  // of each hub: control.follow(k, scene.keys[k]); empty: it is not fed
+    double dt = 0, duration = 0;             // [s]
 };
 
 /// Reads a scene (docs/scene-file.md) and loads its vessel. @param overrides  as of --set, "table.key=value"

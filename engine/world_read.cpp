@@ -68,6 +68,7 @@ void World::Impl::read_results(int wire, double h)
 int World::wire_count() const { return impl_->wire_count(); }
 int World::system_count() const { return impl_->system_count(); }
 int World::system_of(int wire) const { return impl_->system_of[wire]; }
+std::pair<int, int> World::wires_of(int system) const { return {impl_->system_begin[system], impl_->system_begin[system + 1]}; }
 double World::time() const { return impl_->time; }
 double World::time(int wire) const { return impl_->wire_time[wire]; }
 long World::step_count() const { return impl_->steps; }

@@ -21,6 +21,8 @@ inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", tr
 inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle},
                                                                {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
+inline constexpr Choice<CoaxialSpec::Model> coaxial_words[] = {{"merged", CoaxialSpec::Model::Merged},
+                                                               {"separate", CoaxialSpec::Model::Separate}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
 inline constexpr Choice<bool> rims_words[] = {{"held", true}, {"free", false}};
 inline constexpr Choice<Scheme> scheme_words[] = {

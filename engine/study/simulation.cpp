@@ -60,8 +60,12 @@ WorldSetup StudyScene::setup_under(const Model& model) const
     made.integrator = changed.integrator;
     made.vessel.elastic = changed.vessel.elastic;
     made.vessel.wall_edge = changed.vessel.wall_edge;
-    made.wires.front().wire = changed.wire;
-    made.wires.front().contact = changed.contact;
+    if (changed.coaxial) made.coaxial.front().model = changed.coaxial->model;
+    for (int k = 0; k < changed.instrument_count(); ++k) {
+        WireSetup& wire = made.wires[static_cast<std::size_t>(k)];
+        wire.wire = changed.instrument(k).wire;
+        wire.contact = changed.contact;
+    }
     return made;
 }
 

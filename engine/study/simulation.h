@@ -1,6 +1,6 @@
 #pragma once
 // What the study runs: the engine's World, or a baseline that an application registers (bench/baselines). Both are stepped, read
-// and timed in the same way.
+// and timed in the same way. Of several instruments it looks at the first.
 
 #include "study/model.h"
 
