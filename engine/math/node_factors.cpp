@@ -10,8 +10,7 @@
 
 namespace seldinger {
 
-// ---- the numbers
-// ----------------------------------------------------------------------------------------------------------------
+// ---- the numbers ----------------------------------------------------------------------------------------------------
 
 /// Adds a block of the matrix at these places.
 void NodeFactors::load_block(int row, int col, const double (&value)[width][width], bool lower)
@@ -123,8 +122,7 @@ void NodeFactors::update_following(int node)
     }
 }
 
-// ---- LDL^T
-// ------------------------------------------------------------------------------------------------------------------------
+// ---- LDL^T ----------------------------------------------------------------------------------------------------
 
 /// @return pivots raised
 int NodeFactors::eliminate_ldlt(int node)
@@ -216,8 +214,7 @@ void NodeFactors::solve_ldlt(std::span<double> rhs_to_x)
     scatter(rhs_to_x);
 }
 
-// ---- LU
-// ---------------------------------------------------------------------------------------------------------------------------
+// ---- LU ----------------------------------------------------------------------------------------------------
 
 /// @return false where a pivot vanishes
 bool NodeFactors::eliminate_lu(int node)
