@@ -2,6 +2,7 @@
 
 #include "math/banded_solver.h"
 
+#include "math/node_factors.h"
 #include "math/small_dense.h"
 
 #include <algorithm>
@@ -100,6 +101,7 @@ BandedSolver::~BandedSolver() = default;
 void BandedSolver::reset(int size)
 {
     band.reset(size);
+    far.clear();
     columns.clear();
     condensed.clear();
     std::fill_n(fixed_.begin(), size, std::uint8_t{0});
@@ -114,14 +116,41 @@ void BandedSolver::fix(int i)
 void BandedSolver::add_column(int j, double x_j, std::span<double> y) const
 {
     band.add_column(j, x_j, y);
+    if (!far.empty()) far.add_column(j, x_j, y);
     if (!columns.empty()) columns.add_column(j, x_j, y);
     condensed.add_column(j, x_j, y);
 }
 
+void BandedSolver::set_fourth(bool takes_part)
+{
+    fourth_ = takes_part;
+    band.set_fourth(takes_part);
+}
+
+/// LDL^T of band and far entries. @return pivots raised
+int BandedSolver::factor_band_symmetric()
+{
+    with_far_ = !far.empty();
+    if (!with_far_) return band.factor_ldlt();
+    if (!node_factors_) node_factors_ = std::make_unique<NodeFactors>();
+    return node_factors_->factor_ldlt(band, far, fixed_, order_, fourth_);
+}
+
+/// @return false where a pivot vanishes
+bool BandedSolver::factor_band_unsymmetric()
+{
+    with_far_ = !far.empty();
+    if (!with_far_) return band.factor_lu();
+    if (!node_factors_) node_factors_ = std::make_unique<NodeFactors>();
+    return node_factors_->factor_lu(band, far, fixed_, order_, fourth_);
+}
+
+int BandedSolver::negative_pivots() const { return with_far_ ? node_factors_->negative_pivots() : band.negative_pivots(); }
+
 int BandedSolver::factor_symmetric()
 {
     unsymmetric_ = false;
-    const int raised = band.factor_ldlt();
+    const int raised = factor_band_symmetric();
     exact_ = raised == 0;
     if (columns.empty()) return raised;
     factor_columns();
@@ -136,10 +165,10 @@ int BandedSolver::factor_symmetric()
 int BandedSolver::factor_unsymmetric()
 {
     unsymmetric_ = exact_ = true;
-    if (!band.factor_lu()) return band.size();
-    if (columns.empty()) return band.negative_pivots();
+    if (!factor_band_unsymmetric()) return band.size();
+    if (columns.empty()) return negative_pivots();
     factor_columns();
-    return band.negative_pivots() + woodbury_->negative_eigenvalues();
+    return negative_pivots() + woodbury_->negative_eigenvalues();
 }
 
 /// Z = A^-1 U and the factors of S.
@@ -168,8 +197,8 @@ void BandedSolver::factor_columns()
 
 void BandedSolver::solve_band(std::span<double> rhs_to_x)
 {
-    if (unsymmetric_) band.solve_lu(rhs_to_x);
-    else band.solve_ldlt(rhs_to_x);
+    if (with_far_) unsymmetric_ ? node_factors_->solve_lu(rhs_to_x) : node_factors_->solve_ldlt(rhs_to_x);
+    else unsymmetric_ ? band.solve_lu(rhs_to_x) : band.solve_ldlt(rhs_to_x);
 }
 
 void BandedSolver::solve_whole(std::span<double> rhs_to_x)
@@ -189,6 +218,7 @@ double BandedSolver::residual_of(std::span<const double> b, std::span<const doub
 {
     r_.resize(b.size());
     band.multiply(x, r_);
+    if (!far.empty()) far.add_product(x, r_, fixed_);
     woodbury_->free.add_product(x, r_);
     for (std::size_t i = 0; i < b.size(); ++i) r_[i] = b[i] - r_[i];
     const double size = norm_of(b);

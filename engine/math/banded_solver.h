@@ -1,6 +1,7 @@
 #pragma once
 // The linear solver of Newton's method: a banded matrix A, and columns U C V^T for the few unknowns that couple outside of its
-// band. Without columns it is the band's factors and nothing else. With k of them, by Woodbury:
+// band. Without columns it is the band's factors and nothing else. What couples outside of the band all along (`far`) is part of
+// A, which then has factors of its own (math/node_factors.h). With k columns, by Woodbury:
 //
 //   (A + U C V^T)^-1 b = y - Z S^-1 C V^T y,   y = A^-1 b,   Z = A^-1 U,   S = I + C V^T Z          (k x k)
 //
@@ -15,6 +16,7 @@
 
 #include "math/band_matrix.h"
 #include "math/condensed.h"
+#include "math/far_entries.h"
 #include "math/low_rank.h"
 
 #include <cstdint>
@@ -23,13 +25,20 @@
 
 namespace seldinger {
 
+class NodeFactors;
+
 class BandedSolver {
 public:
     explicit BandedSolver(int max_size);
     ~BandedSolver();
 
-    /// Zero band of `size` unknowns, no columns.
+    /// Zero band of `size` unknowns, nothing far from it, no columns.
     void reset(int size);
+    /// In which order nodes are eliminated where there are far entries: [nodes] the first, the second, ...; empty: as they lie.
+    /// Those that couple should be near each other.
+    void set_order(std::span<const int> order) { order_.assign(order.begin(), order.end()); }
+    /// See BandMatrix::set_fourth().
+    void set_fourth(bool takes_part);
     /// Makes unknown i prescribed: row and column zero, unit diagonal.
     void fix(int i);
     /// y += x_j times column j of the whole
@@ -46,11 +55,15 @@ public:
     [[nodiscard]] double last_residual() const { return last_residual_; }
 
     BandMatrix band;
+    FarEntries far;
     LowRank columns;
     Condensed condensed;
 
 private:
     struct Woodbury;  // what is kept of the columns; made when there are any
+    int factor_band_symmetric();
+    bool factor_band_unsymmetric();
+    [[nodiscard]] int negative_pivots() const;
     void factor_columns();
     void solve_with_columns(std::span<double> rhs_to_x);
     void solve_band(std::span<double> rhs_to_x);
@@ -58,6 +71,10 @@ private:
     [[nodiscard]] double residual_of(std::span<const double> b, std::span<const double> x);
 
     bool unsymmetric_ = false;
+    bool fourth_ = true;
+    bool with_far_ = false;            // factors are those of band and far entries
+    std::vector<int> order_;
+    std::unique_ptr<NodeFactors> node_factors_;
     bool exact_ = true;                // factors are those of the matrix, with no pivot raised and no part of C left out
     std::vector<std::uint8_t> fixed_;  // [max_size] prescribed unknowns
     std::unique_ptr<Woodbury> woodbury_;

@@ -36,6 +36,7 @@ void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> cons
     solved_.clear();
     solved_wires_.clear();
     solved_nodes_.clear();
+    order_.clear();
     for (const auto& wire : wires_) {
         if (!active[wire->wire]) continue;
         solved_.push_back(wire.get());
@@ -49,7 +50,7 @@ void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> cons
         wire->begin(rods.view(wire->wire), constraints[wire->wire], spec, gravity, kind, h);
         leave = leave && wire->may_leave(spins);
     }
-    linear.band.set_fourth(!leave);
+    linear.set_fourth(!leave);
     for (WireProblem* wire : solved_) wire->begin_frames(spec, leave);
 }
 
@@ -102,7 +103,7 @@ void SystemProblem::prefetch(SolveStage next) const
 
 void SystemProblem::take_spins_in()
 {
-    linear.band.set_fourth(true);
+    linear.set_fourth(true);
     for (WireProblem* wire : solved_) wire->take_spins_in();
 }
 
@@ -145,6 +146,7 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
         const int count = size();
         for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
         term_tangent_.multiply(velocities_, scratch_);
+        linear.far.add_product(velocities_, scratch_);
         linear.columns.add_product(velocities_, scratch_);
         linear.condensed.add_product(velocities_, scratch_);
         for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
@@ -178,6 +180,25 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
         wire->add_stiffness_damping(part);
     }
     terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
+    if (!linear.far.empty() && order_.empty()) order_nodes();
+}
+
+/// Nodes of all wires in turn, the farthest from their hubs first: what lies beside each other is near each other in the factors.
+void SystemProblem::order_nodes()
+{
+    const int count = size() / RodDofs::per_node;
+    from_hub_.resize(count);
+    order_.resize(count);
+    for (std::size_t k = 0; k < solved_.size(); ++k) {
+        const RodView& rod = solved_[k]->rod;
+        double* from_hub = from_hub_.data() + RodDofs::node(map.first(static_cast<int>(k)));
+        from_hub[rod.n - 1] = 0;
+        for (int i = rod.n - 2; i >= 0; --i) from_hub[i] = from_hub[i + 1] + rod.rest_length[i];
+    }
+    std::iota(order_.begin(), order_.end(), 0);
+    std::sort(order_.begin(), order_.end(),
+              [&](int a, int b) { return from_hub_[a] != from_hub_[b] ? from_hub_[a] > from_hub_[b] : a < b; });
+    linear.set_order(order_);
 }
 
 bool SystemProblem::unsymmetric() const

@@ -123,6 +123,7 @@ public:
 private:
     void share_out();
     void share_scratch();
+    void order_nodes();
     [[nodiscard]] SystemUnknowns unknowns() const { return {map, solved_wires_}; }
     [[nodiscard]] bool finish_residual();
 
@@ -130,6 +131,8 @@ private:
     std::vector<std::unique_ptr<WireProblem>> wires_;
     std::vector<WireProblem*> solved_;
     std::vector<int> solved_wires_, solved_nodes_;
+    std::vector<int> order_;         // [nodes] in which they are eliminated where wires couple all along; empty: not asked for yet
+    std::vector<double> from_hub_;   // [nodes] scratch of it
     // [capacity] in the workspace; the last is the terms' residual at their last evaluation
     std::span<double> scratch_, velocities_, split_, term_residual_;
     BandMatrix term_tangent_;  // at the last assemble_tangent

@@ -1,0 +1,35 @@
+#pragma once
+// A node's four unknowns as one SIMD vector: all loads and stores are whole aligned blocks, so that a store is always forwarded
+// whole to the next step's load. (A column-by-column factorisation shifts its window by one entry each time, which defeats store
+// forwarding.) For source files of the library only.
+
+#include <algorithm>
+#include <cstring>
+
+namespace seldinger {
+
+typedef double Vec4d __attribute__((vector_size(32), may_alias));
+
+inline Vec4d& block(double* p) { return *reinterpret_cast<Vec4d*>(p); }
+inline const Vec4d& block(const double* p) { return *reinterpret_cast<const Vec4d*>(p); }
+
+/// From anywhere. (Not returned: without AVX there is no register for it, and g++ warns.)
+inline void read_block(const double* p, Vec4d& to) { std::memcpy(&to, p, sizeof to); }
+
+inline double largest(const Vec4d& v) { return std::max(std::max(v[0], v[2]), std::max(v[1], v[3])); }
+
+inline double sum(const Vec4d& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+
+/// Rows become columns.
+inline void transpose(Vec4d (&m)[4])
+{
+    typedef long Four __attribute__((vector_size(32)));
+    const Vec4d a = __builtin_shuffle(m[0], m[1], Four{0, 4, 2, 6}), b = __builtin_shuffle(m[0], m[1], Four{1, 5, 3, 7});
+    const Vec4d c = __builtin_shuffle(m[2], m[3], Four{0, 4, 2, 6}), d = __builtin_shuffle(m[2], m[3], Four{1, 5, 3, 7});
+    m[0] = __builtin_shuffle(a, c, Four{0, 1, 4, 5});
+    m[1] = __builtin_shuffle(b, d, Four{0, 1, 4, 5});
+    m[2] = __builtin_shuffle(a, c, Four{2, 3, 6, 7});
+    m[3] = __builtin_shuffle(b, d, Four{2, 3, 6, 7});
+}
+
+}  // namespace seldinger
