@@ -125,7 +125,7 @@ TEST_SUITE("scene/scene_instruments")
             CHECK(!says(error, "\n"));
         }
         CHECK(says(error_of(catheter_and_wire() + "[wire]\nlength_m = 0.1\n"), "wire: is the one-instrument form"));
-        CHECK(says(error_of(catheter_and_wire() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n")),
+        CHECK(says(error_of(catheter_and_wire() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"),
                    "load.0.instrument: is missing"));
         CHECK(says(error_of(head + "[wire]\nlength_m = 0.1\nradius_m = 5e-4\n" + stiff + "[coaxial]\norder = [\"a\", \"b\"]\n"),
                    "coaxial: joins several [[instrument]]"));
