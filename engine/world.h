@@ -6,6 +6,7 @@
 //   control   hub_requests                       of the present step
 //   output    results, wire_reports, rows        of the accepted state
 
+#include "contact/instrument_contact.h"
 #include "contact/yielding_wall.h"
 #include "device/device.h"
 #include "energy_audit.h"
@@ -52,6 +53,7 @@ struct HubRequest {
 
 /// What contact is made from.
 [[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
+[[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
 
 struct World::Impl {
     explicit Impl(WorldSetup from);
@@ -64,7 +66,7 @@ struct World::Impl {
     double time = 0;
     long steps = 0;
     std::vector<double> wire_time;             // per wire [s]; where a system failed or was retired, it stopped
-    std::unique_ptr<device::Context> context;  // none without a vessel
+    std::unique_ptr<device::Context> context;  // none without a vessel and without instruments that touch
     RodArrays rods;
     std::vector<WireHolds> holds;               // per wire
     std::vector<FeedState> feeds;               // per wire
@@ -77,6 +79,7 @@ struct World::Impl {
     std::unique_ptr<RodArrays> unmoved_rods;    // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;     // none without a vessel
     std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
+    std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     ForceTerms terms;                           // what acts on the wires: contact
     std::unique_ptr<Solver> solver;
     // scratch of a step

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace seldinger {
 
@@ -45,6 +46,10 @@ void World::Impl::read_results(int wire, double h)
         const std::span<Vec3> forces = std::span(result.nodal_contact).first(rod.n);
         if (yielding) yielding->add_nodal_forces(wire, forces);
         else contact->add_nodal_forces(wire, forces);
+    }
+    if (instruments) {
+        result.contact += instruments->totals(wire);
+        instruments->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
     }
     const int hub = rod.n - 1;
     for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, RodDofs::position(hub, k));
@@ -121,6 +126,14 @@ const std::vector<ContactRow>& World::contacts() const
     impl_->rows.clear();
     if (impl_->yielding) impl_->rows = impl_->yielding->rows(impl_->rods);
     else if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
+    if (!impl_->instruments) return impl_->rows;
+    for (ContactRow& row : impl_->instruments->rows(impl_->rods)) impl_->rows.push_back(row);
+    std::sort(impl_->rows.begin(), impl_->rows.end(), [](const ContactRow& p, const ContactRow& q) {
+        const auto key = [](const ContactRow& row) {
+            return std::tuple(row.a.body, row.a.element, row.b.kind, row.b.body, row.b.element, row.point.x(), row.point.y());
+        };
+        return key(p) < key(q);
+    });
     return impl_->rows;
 }
 
