@@ -3,6 +3,7 @@
 #include "contact/instrument_fixture.h"
 
 #include <cmath>
+#include <numbers>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -32,6 +33,46 @@ World crossing_clamped(const nlohmann::json& in, double approach, int nodes)
 }
 
 const nlohmann::json clamped_inputs = {{"wire_a", {5e-05, 7000.0, 0.1, 0.00018}}, {"wire_b", {0.0002, 12000.0, 0.12, 0.00023}}};
+
+/// Two strands side by side along x between two discs, the far one of which turns until time 1 and then comes nearer by 8 um.
+WorldSetup ply(const nlohmann::json& in, double shortening)
+{
+    const double r = in["r_wire"];
+    std::vector<WireSetup> strands;
+    for (const double side : {1.0, -1.0}) {
+        WireSetup strand = straight_wire(in["B"], in["EA"], in["L"], r, 61, 1e8);
+        put(strand, {0, side * r, 0}, Vec3::UnitX());
+        HoldSpec tip = hold_of(WirePoint::Kind::Tip, false);
+        for (int i = 0; i <= 400; ++i) {
+            const double t = i / 400.0, angle = 2 * std::numbers::pi * static_cast<double>(in["turns"]) * t;
+            tip.move.push_back({t, -shortening * t * t, side * r * (std::cos(angle) - 1), side * r * std::sin(angle)});
+        }
+        tip.move.push_back({2, -shortening - 8e-6, 0, 0});
+        strand.holds = {hold_of(WirePoint::Kind::Base, false), tip};
+        strands.push_back(strand);
+    }
+    return touching(strands);
+}
+
+struct PlyReading {
+    double pull = 0, per_length = 0, moment = 0;
+};
+
+/// At the fixed disc; contact force in the middle third.
+PlyReading read_ply(const World& world, double length, double r)
+{
+    PlyReading now;
+    now.pull = -world.readings(0).base_force.x();
+    now.moment = std::abs(world.readings(0).base_force.z()) * r;
+    double force = 0, metres = 0;
+    for (const ContactRow& row : world.contacts()) {
+        if (std::abs(row.point.x() - length / 2) > length / 6) continue;
+        force += row.normal_force;
+        metres += row.length;
+    }
+    now.per_length = force / metres;
+    return now;
+}
 
 }  // namespace
 
@@ -139,5 +180,32 @@ TEST_SUITE("contact/instruments")
             for (int k = 0; k < 20; ++k) REQUIRE_FALSE(step(world, 0.05).failed());
             CHECK(contact_force(world, 1).norm() == about(row["contact_force_each"]).epsilon(0.02));
         }
+    }
+
+    TEST_CASE("reference: 16_rod_rod/ply")
+    {
+        const auto given = shared_case("16_rod_rod.json", "16_rod_rod/ply");
+        if (!given) return;
+        const auto& in = (*given)["inputs"];
+        const auto& expected = (*given)["expected"];
+        const double length = in["L"], r = in["r_wire"], pull = in["F_z_per_strand"];
+        World world(ply(in, expected["end_shortening L - z"]));
+        for (int k = 0; k < 200; ++k) REQUIRE_FALSE(step(world, 0.005).failed());
+        // where the discs come nearer the pull falls through the one asked for
+        PlyReading last = read_ply(world, length, r);
+        REQUIRE(last.pull > pull);
+        for (int k = 0; k < 20 && last.pull > pull; ++k) {
+            REQUIRE_FALSE(step(world, 0.05).failed());
+            const PlyReading now = read_ply(world, length, r);
+            if (now.pull <= pull) {
+                const double share = (last.pull - pull) / (last.pull - now.pull);
+                const auto between = [&](double then, double here) { return then + share * (here - then); };
+                CHECK(between(last.per_length, now.per_length) ==
+                      about(expected["contact_force_per_length_of_strand_in_the_middle"]).epsilon(0.05));
+                CHECK(between(last.moment, now.moment) == about(expected["end_moment_about_the_axis_per_strand"]).epsilon(0.05));
+            }
+            last = now;
+        }
+        CHECK(last.pull <= pull);
     }
 }
