@@ -307,7 +307,7 @@ class World:
         Examples
         --------
         >>> import seldinger
-        >>> world = seldinger.World("swing", scene__duration_s=0.05)
+        >>> world = seldinger.World("swing", scene__duration_s=0.05, scene__dt_s=0.001)
         >>> _ = world.run()
         >>> round(world.time, 6)
         0.05

@@ -191,6 +191,7 @@ class _Fleet:
         widths = {"tip": 8, "ahead": 3 * task.ahead_points, "shape": 3 * task.shape_points, "hand": 2, "wall": 2, "hub": 3}
         ends = np.cumsum([widths[p] for p in PARTS])
         self.parts = {p: slice(int(end - widths[p]), int(end)) for p, end in zip(PARTS, ends) if p in task.observation}
+        assert ends[-1] == self.navigator.size()
         self.columns = np.concatenate([np.arange(s.start, s.stop) for s in self.parts.values()])
         self.all_columns = len(self.columns) == self.navigator.size()
         self.seen = np.zeros((self.count, self.navigator.size()), np.float32)

@@ -27,7 +27,7 @@ public:
     Navigator(const Centreline& centreline, const NavigateSpec& spec);
 
     /// Numbers of one observation: `tip` 8, `ahead` 3 per point, `shape` 3 per point, `hand` 2, `wall` 2, `hub` 3.
-    [[nodiscard]] int size() const { return 18 + 3 * (spec_.ahead_points + spec_.shape_points); }
+    [[nodiscard]] int size() const { return 15 + 3 * (spec_.ahead_points + spec_.shape_points); }
     static constexpr int measure_count = 9;
 
     /// @param observation  [systems][size()]

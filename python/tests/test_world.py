@@ -63,7 +63,7 @@ def test_restore_then_the_same_trajectory():
     assert copy.state_hash() == world.state_hash()
 
 
-@pytest.mark.parametrize("choice", [{}, {"contact__detection": "layer"}, {"contact__normal": "barrier"}, {"vessel__elastic": True}])
+@pytest.mark.parametrize("choice", [{}, {"contact__detection": "layer"}, {"contact__normal": "barrier"}, {"vessel__wall": "elastic"}])
 def test_one_system_goes_back_and_the_others_do_not(choice):
     alone = seldinger.World("experiment2", wire__nodes=61, **choice)
     pair = seldinger.World("experiment2", wire__nodes=61, copies=[[], []], **choice)
