@@ -78,6 +78,10 @@ public:
     [[nodiscard]] std::vector<std::uint8_t> save_state() const;
     /// @throws Error BadFile: not the state of such a world. The world is then unchanged
     void restore_state(const std::vector<std::uint8_t>& bytes);
+    /// The same of one system, whoever else is in the world: what comes then has the bits that it had after save_state(system),
+    /// the system's own time included. @throws Error BadFile: not the state of such a system. The world is then unchanged
+    [[nodiscard]] std::vector<std::uint8_t> save_state(int system) const;
+    void restore_state(int system, const std::vector<std::uint8_t>& bytes);
 
     /// What was on and why, one "name: value (reason)" per entry, for summary.json.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> model() const;
