@@ -326,7 +326,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     scene.source = file;
     const TableReader all(root, "",
                           {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "wall_load",
-                           "output"});
+                           "task", "output"});
     // an absent table reads as an empty one that stands where the file begins
     auto table = [&](std::string_view name) -> const toml::table& {
         static const toml::table none = toml::parse("");
@@ -348,6 +348,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     read_list(root, "load", scene, read_load);
     read_list(root, "link", scene, read_link);
     read_list(root, "wall_load", scene, read_wall_load);
+    if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
     read_output(table("output"), scene);
     return scene;
 }

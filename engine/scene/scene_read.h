@@ -10,6 +10,7 @@ namespace seldinger {
 /// [wire] with its sections and placement; `root` tells whether it is fed.
 void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene);
 void read_vessel_table(const toml::table& table, Scene& scene);  // [vessel]
+void read_task_table(const toml::table& table, Scene& scene);    // [task]
 
 /// The spelled form of `at`: "base", "tip" or metres from the tip, at most the wire's length.
 void read_point(const TableReader& t, const WireSpec& wire, WirePoint& point);
