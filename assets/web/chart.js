@@ -2,9 +2,9 @@
 'use strict';
 
 class Chart {
-  // series: [{label, colour: a CSS variable's name}]
-  constructor(canvas, title, unit, series, span) {
-    Object.assign(this, { canvas, title, unit, series, span });
+  // series: [{label, colour: a CSS variable's name}]; least: range that is shown at least; span: of time, none: all
+  constructor(canvas, title, unit, series, least, span) {
+    Object.assign(this, { canvas, title, unit, series, least, span });
     this.times = [];
     this.values = series.map(() => []);
     this.mark = null;
@@ -50,7 +50,7 @@ class Chart {
   range(begin) {
     let low = 0, high = 0;
     for (const list of this.values) for (let i = begin; i < list.length; ++i) { low = Math.min(low, list[i]); high = Math.max(high, list[i]); }
-    if (high - low < 1e-9) high = low + (this.least || 1);
+    if (high - low < this.least) high = low + this.least;
     return [low, high + 0.05 * (high - low)];
   }
 
@@ -62,7 +62,7 @@ class Chart {
     g.textAlign = 'right';
     for (const v of [low, (low + high) / 2, high]) {
       g.beginPath(); g.moveTo(44, y(v)); g.lineTo(w - 6, y(v)); g.stroke();
-      g.fillText(Math.abs(v) < 1e-12 ? '0' : v.toPrecision(2), 40, y(v) + 4);
+      g.fillText(Math.abs(v) < 1e-3 * (high - low) ? '0' : Number(v.toPrecision(2)).toString(), 40, y(v) + 4);
     }
     g.textAlign = 'left';
     let at = 44;

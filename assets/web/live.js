@@ -118,6 +118,16 @@ function washContrast(n) {
   if (state.contrast < 0.01) state.contrast = 0;
 }
 
+// Pulses, as a C-arm's: twelve a second while the pedal is down; else the last picture stays, but for the arm's moves.
+let lastPulse = 0;
+function exposed(n) {
+  if (!n.fluoro && !state.fluoroscope.moved) return false;
+  const now = performance.now();
+  if (now - lastPulse < 80) return false;
+  lastPulse = now;
+  return true;
+}
+
 let sheetDrawn = 0;
 function draw() {
   requestAnimationFrame(draw);
@@ -126,7 +136,7 @@ function draw() {
     state.dirty = false;
     if (state.viewer) state.viewer.show(frame.nodes);
     washContrast(frame.numbers);
-    if (state.fluoroscope && (frame.numbers.fluoro || state.fluoroscope.moved)) {
+    if (state.fluoroscope && exposed(frame.numbers)) {
       state.fluoroscope.contrast = state.contrast;
       state.fluoroscope.show(frame.nodes);
       state.fluoroscope.draw();
@@ -169,7 +179,7 @@ function act(what) {
   if (what === 'no contrast') send({ contrast: false });
   if (what === 'near' && state.viewer && state.viewer.near) {
     state.viewer.near.visible = !state.viewer.near.visible;
-    state.viewer.changed = true;
+    state.viewer.moved = true;
     $('near').setAttribute('aria-pressed', state.viewer.near.visible);
   }
 }
@@ -239,8 +249,8 @@ async function start() {
   $('name').textContent = state.scene.name;
   $('task-text').textContent = state.scene.task;
   const shown = { ...mesh, radii: state.scene.instruments.map((it) => it.radius), head: state.scene.head, front: state.scene.front, target: state.scene.target, most: 4096 };
-  state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 15);
-  state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 15);
+  state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 0.1, 15);
+  state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 0.01, 15);
   state.viewer = makeViewer($('view'), shown, $('message'));
   try {
     if (state.viewer) {

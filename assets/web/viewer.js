@@ -3,6 +3,12 @@
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// Whether the browser draws on the processor, where smooth edges cost more than all the rest.
+function softwareOnly() {
+  const gl = document.createElement('canvas').getContext('webgl'), info = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  return Boolean(info) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(info.UNMASKED_RENDERER_WEBGL));
+}
+
 // Fans over the openings, so that the lumen is a closed body for X-rays.
 function withCaps(positions, indices) {
   const open = new Map();
@@ -76,11 +82,21 @@ class Viewer {
   // scene: {positions, indices, radii, head, front, target, most}
   constructor(canvas, scene) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    // the wall has a canvas of its own behind the instruments', which is drawn when the eye moves: most frames draw wires alone
+    this.back = document.createElement('canvas');
+    this.back.className = 'back';
+    canvas.before(this.back);
+    const antialias = !softwareOnly();
+    this.most = antialias ? 2 : 0.75;  // pixels drawn per pixel shown
+    this.wallRenderer = new THREE.WebGLRenderer({ canvas: this.back, antialias, alpha: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: true });
     this.scene = new THREE.Scene();
+    this.wallScene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.001, 10);
     this.light = new THREE.DirectionalLight(0xffffff, 0.8);
+    this.wallLight = this.light.clone();
     this.scene.add(new THREE.AmbientLight(0xffffff, 0.55), this.light);
+    this.wallScene.add(new THREE.AmbientLight(0xffffff, 0.55), this.wallLight);
     this.radii = scene.radii;
     this.addVessel(scene);
     this.tubes = scene.radii.map(() => this.addTube(scene.most || 2048));
@@ -106,10 +122,9 @@ class Viewer {
     this.far = wall(THREE.FrontSide, 0.55);
     this.near = wall(THREE.BackSide, 0.16);
     this.near.visible = false;
-    this.far.renderOrder = 0;
-    this.near.renderOrder = 3;
+    this.near.renderOrder = 1;
     this.walls = [this.far, this.near];
-    this.scene.add(this.far, this.near);
+    this.wallScene.add(this.far, this.near);
   }
 
   addTube(most) {
@@ -133,7 +148,7 @@ class Viewer {
   addTarget({ point, radius }) {
     this.target = new THREE.Mesh(new THREE.SphereGeometry(radius, 20, 14), new THREE.MeshBasicMaterial({ color: 0x2f9e44, wireframe: true, transparent: true, opacity: 0.5 }));
     this.target.position.set(...point);
-    this.scene.add(this.target);
+    this.wallScene.add(this.target);
   }
 
   // From the front, head up.
@@ -148,7 +163,7 @@ class Viewer {
     this.turn = 0.25;
     this.tilt = 0.12;
     this.distance = 1.75 * this.size;
-    this.changed = true;
+    this.moved = true;
   }
 
   listen() {
@@ -167,7 +182,7 @@ class Viewer {
         this.turn -= 0.006 * (event.clientX - x);
         this.tilt = Math.max(-1.5, Math.min(1.5, this.tilt + 0.006 * (event.clientY - y)));
       }
-      this.changed = true;
+      this.moved = true;
     };
     const end = (event) => { held.delete(event.pointerId); pinch = 0; };
     this.canvas.addEventListener('pointerdown', (event) => { held.set(event.pointerId, [event.clientX, event.clientY, event.button]); this.canvas.setPointerCapture(event.pointerId); });
@@ -175,7 +190,7 @@ class Viewer {
     this.canvas.addEventListener('pointerup', end);
     this.canvas.addEventListener('pointercancel', end);
     this.canvas.addEventListener('contextmenu', (event) => event.preventDefault());
-    this.canvas.addEventListener('wheel', (event) => { event.preventDefault(); this.distance *= Math.exp(0.001 * event.deltaY); this.changed = true; }, { passive: false });
+    this.canvas.addEventListener('wheel', (event) => { event.preventDefault(); this.distance *= Math.exp(0.001 * event.deltaY); this.moved = true; }, { passive: false });
   }
 
   pan(dx, dy) {
@@ -188,7 +203,7 @@ class Viewer {
     this.walls.forEach((wall) => wall.material.color.set(css('--wall')));
     this.steel = new THREE.Color(css('--wire'));
     this.hot = new THREE.Color(css('--force'));
-    this.changed = true;
+    this.moved = true;
     if (this.shown) this.show(this.shown);
   }
 
@@ -215,16 +230,25 @@ class Viewer {
   }
 
   draw() {
-    const w = this.canvas.clientWidth, h = this.canvas.clientHeight, ratio = Math.min(2, window.devicePixelRatio || 1);
+    const w = this.canvas.clientWidth, h = this.canvas.clientHeight, ratio = Math.min(this.most, window.devicePixelRatio || 1);
     if (this.canvas.width !== Math.round(w * ratio) || this.canvas.height !== Math.round(h * ratio)) {
-      this.renderer.setPixelRatio(ratio);
-      this.renderer.setSize(w, h, false);
+      for (const renderer of [this.renderer, this.wallRenderer]) {
+        renderer.setPixelRatio(ratio);
+        renderer.setSize(w, h, false);
+      }
       this.camera.aspect = w / Math.max(1, h);
-      this.camera.updateProjectionMatrix();
-      this.changed = true;
+      this.moved = true;
     }
-    if (!this.changed) return false;
+    if (!this.changed && !this.moved) return false;
     this.changed = false;
+    if (this.moved) this.look();
+    this.renderer.render(this.scene, this.camera);
+    return true;
+  }
+
+  // The eye has moved: the camera, and the wall as it sees it.
+  look() {
+    this.moved = false;
     const [side, front, up] = this.basis, flat = Math.cos(this.tilt), fit = Math.max(1, 1.1 / this.camera.aspect);
     const away = new THREE.Vector3().addScaledVector(side, Math.sin(this.turn) * flat).addScaledVector(front, Math.cos(this.turn) * flat).addScaledVector(up, Math.sin(this.tilt));
     this.camera.position.copy(this.centre).addScaledVector(away, this.distance * fit);
@@ -233,8 +257,8 @@ class Viewer {
     this.camera.updateProjectionMatrix();
     this.camera.lookAt(this.centre);
     this.light.position.copy(this.camera.position).addScaledVector(this.up, this.size);
-    this.renderer.render(this.scene, this.camera);
-    return true;
+    this.wallLight.position.copy(this.light.position);
+    this.wallRenderer.render(this.wallScene, this.camera);
   }
 }
 
@@ -259,10 +283,10 @@ class Fluoroscope {
     this.addScreen();
   }
 
-  // mu [1/m], sign: whether normals point out of the body
-  material(mu, sign) {
+  // mu [1/m]; which way a body's faces look shows in the sign of the sum, which is left aside
+  material(mu) {
     return new THREE.ShaderMaterial({
-      uniforms: { mu: { value: mu * sign }, middle: { value: 0.8 } },
+      uniforms: { mu: { value: mu }, middle: { value: 0.8 } },
       vertexShader: 'varying vec3 at; void main() { vec4 p = modelViewMatrix * vec4(position, 1.0); at = p.xyz; gl_Position = projectionMatrix * p; }',
       fragmentShader: 'uniform float mu; uniform float middle; varying vec3 at; void main() { float d = length(at) - middle; gl_FragColor = vec4(mu * (gl_FrontFacing ? -d : d), 0.0, 0.0, 1.0); }',
       side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true,
@@ -279,11 +303,11 @@ class Fluoroscope {
       geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
       geometry.setIndex(new THREE.BufferAttribute(faces, 1));
       box.setFromBufferAttribute(geometry.attributes.position);
-      this.vessel.add(new THREE.Mesh(geometry, this.material(38, -1)));  // blood with iodine less blood at 60 keV
+      this.vessel.add(new THREE.Mesh(geometry, this.material(38)));  // blood with iodine less blood at 60 keV
     } else box.set(new THREE.Vector3(-0.05, -0.05, -0.05), new THREE.Vector3(0.05, 0.05, 0.05));
     this.radii = radii;
     this.tubes = radii.map(() => new Tube(most || 2048));
-    this.tubes.forEach((tube) => { const mesh = new THREE.Mesh(tube.geometry, this.material(947, 1)); mesh.frustumCulled = false; this.wires.add(mesh); });
+    this.tubes.forEach((tube) => { const mesh = new THREE.Mesh(tube.geometry, this.material(947)); mesh.frustumCulled = false; this.wires.add(mesh); });
     this.isocentre = box.getCenter(new THREE.Vector3());
     this.field = Math.max(0.05, 0.62 * box.getSize(new THREE.Vector3()).length());
     this.up = new THREE.Vector3(...(head || [0, 0, 1])).normalize();
@@ -300,7 +324,7 @@ class Fluoroscope {
         void main() {
           vec2 c = uv2 - 0.5;
           float body = 0.55 + 0.9 * smoothstep(0.62, 0.1, length(c * vec2(1.0, 0.75)));
-          float sum = max(0.0, texture2D(metal, uv2).r) + contrast * max(0.0, texture2D(lumen, uv2).r);
+          float sum = abs(texture2D(metal, uv2).r) + contrast * abs(texture2D(lumen, uv2).r);
           float dose = exp(-sum - 0.35 * body);
           float grey = 0.92 * dose + 0.06 * sqrt(dose) * noise(gl_FragCoord.xy);
           gl_FragColor = vec4(vec3(grey) * step(length(c), 0.5), 1.0);

@@ -31,18 +31,19 @@ double Coupling::next(double hand, const HubLoad& load, double low, double high)
     const double whole = k + b + load.stiffness;
     double d = (k * (hand - hub_) + b * moved_by_hand - at_rest + inertia * moved_) / whole;
     const double reach = spec_.speed_limit * step_;
-    const double asked = d;
-    d = std::clamp(hub_ + std::clamp(d, -reach, reach), low, high) - hub_;
+    const double to = std::clamp(hub_ + std::clamp(d, -reach, reach), low, high);
+    const bool held = to != hub_ + d;
+    d = to - hub_;
 
     const double before = stretch_;
     moved_before_ = moved_;
     moved_ = d;
-    hub_ += d;
+    hub_ = to;
     hand_ = hand;
     stretch_ = hand_ - hub_;
     stretch_rate_ = (stretch_ - before) / step_;
     force_ = k * stretch_ + b * (moved_by_hand - d);
-    slope_ = d == asked ? k * load.stiffness / whole : k;  // at an end of its way the hub does not give
+    slope_ = held ? k : k * load.stiffness / whole;  // at an end of its way the hub does not give
     brought_ += force_ * moved_by_hand;
     return hub_;
 }
