@@ -4,7 +4,6 @@
 #include "session/session.h"
 
 #include "session/session_fixture.h"
-#include "support/count_allocations.h"
 #include "support/temporary_folder.h"
 
 #include <nlohmann/json.hpp>
