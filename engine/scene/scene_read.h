@@ -10,6 +10,7 @@
 namespace seldinger {
 
 void read_vessel_table(const toml::table& table, Scene& scene);  // [vessel]
+void read_task_table(const toml::table& table, Scene& scene);    // [task]
 
 /// Properties, sections and placement of an instrument. @param path  of the table, "wire" or "instrument.1"
 /// @param extra  further keys that the table may have   @param fed  whether it has a feed   @param scene  takes the notes

@@ -244,6 +244,19 @@ void write_at(TableText& t, const WirePoint& at)
     else t.word("at", at.kind == WirePoint::Kind::Base ? "base" : "tip");
 }
 
+void write_task(std::string& out, const TaskSpec& task)
+{
+    if (!task.on) return;
+    TableText t(out, "[task]");
+    if (!task.text.empty()) t.word("text", task.text);
+    t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("time_s", task.time);
+    t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
+    if (task.target == TaskSpec::Target::Point)
+        t.raw("target", fmt::format("{{ point = {}, radius_m = {} }}", vec(task.point), real(task.radius)));
+    if (task.target == TaskSpec::Target::Branch)
+        t.raw("target", fmt::format("{{ branch = {}, beyond_m = {} }}", task.branch, real(task.beyond)));
+}
+
 void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
 {
     const auto begin = [&](TableText& t, const WirePoint& at) -> TableText& {
@@ -301,6 +314,7 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     write_contact(out, scene.contact, scene.instruments_touch);
     for (int k = 0; k < scene.instrument_count(); ++k) write_holds_and_loads(out, scene.instrument(k));
     write_wall_loads(out, scene.vessel);
+    write_task(out, scene.task);
     TableText o(out, "[output]");
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     return out;
