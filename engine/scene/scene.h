@@ -3,6 +3,7 @@
 // SI throughout; angles in radians.
 
 #include "engine.h"
+#include "scene/scene_xray.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -81,6 +82,8 @@ struct Scene : SceneInstrument {
     TaskSpec task;
     int wire_every = 1;                                      // steps between frames of the wire; 0: none
     int contacts_every = 1;                                  // steps between frames of the contacts; 0: none
+    SceneCArm carm;                                          // how it is looked at by X-ray
+    SceneContrast contrast;
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 
     /// round(duration / dt); sub-steps are not counted.
