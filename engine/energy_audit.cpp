@@ -2,8 +2,7 @@
 
 #include "energy_audit.h"
 
-#include "core/bytes.h"
-#include "core/error.h"
+#include "merged.h"
 #include "world.h"
 
 #include <algorithm>
@@ -19,12 +18,28 @@ constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see 
 /// Forces at the end of a step are those that its equations hold at; else means over the step are.
 bool end_forces(const IntegratorSpec& spec) { return !spec.newmark && !spec.conserve && spec.scheme != Scheme::Explicit; }
 
+double spin_energy(const RodView& rod)
+{
+    double twice = 0;
+    for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
+    return 0.5 * twice;
+}
+
 double kinetic_energy(const RodView& rod)
 {
     double twice = 0;
     for (int i = 0; i < rod.n; ++i) twice += rod.mass[i] * rod.vel(i).squaredNorm();
     for (int j = 0; j < rod.n - 1; ++j) twice += rod.spin_inertia[j] * rod.spin_rate[j] * rod.spin_rate[j];
     return 0.5 * twice;
+}
+
+/// Of a line, with the spins of its passengers.
+double kinetic_energy(World::Impl& state, int wire)
+{
+    double energy = kinetic_energy(state.rods.view(wire));
+    if (const MergedGroup* group = state.group_of(wire))
+        for (const int w : group->wires().subspan(1)) energy += spin_energy(state.rods.view(w));
+    return energy;
 }
 
 double mass_of(const RodView& rod)
@@ -65,6 +80,7 @@ void note_turns(World::Impl& state, int wire)
 
 double turning_work(World::Impl& state, int wire)
 {
+    if (const MergedGroup* group = state.group_of(wire)) return merged_work(state, *group).turning;
     const EnergyAudit& audit = state.audits[wire];
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
     if (audit.turns.size() != clamps.size()) return 0;
@@ -86,6 +102,7 @@ double force_of_feed(World::Impl& state, int wire, const Vec3& gravity)
 
 double hand_work(World::Impl& state, int wire)
 {
+    if (const MergedGroup* group = state.group_of(wire)) return merged_work(state, *group).hand;
     if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
     const EnergyAudit& audit = state.audits[wire];
     const double now = force_of_feed(state, wire, state.setup.gravity);
@@ -140,16 +157,27 @@ double unseen_work(World::Impl& state, int wire, double h)
     return change == 0 ? 0 : mass_of(state.rods.view(wire)) * change;
 }
 
+/// The wire, and those that share its centreline.
+template <class Visit>
+void for_each_of_group(World::Impl& state, int wire, const Visit& visit)
+{
+    const MergedGroup* group = state.group_of(wire);
+    if (!group) return visit(wire);
+    for (const int w : group->wires()) visit(w);
+}
+
 WireEnergy energy_now(World::Impl& state, int wire)
 {
     const EnergyAudit& audit = state.audits[wire];
-    return {audit.kinetic, audit.elastic + audit.gravitational, state.terms.stored_energy(wire)};
+    double stored = 0;
+    for_each_of_group(state, wire, [&](int w) { stored += state.terms.stored_energy(w); });
+    return {audit.kinetic, audit.elastic + audit.gravitational, stored};
 }
 
 void read_energies(World::Impl& state, int wire)
 {
     EnergyAudit& audit = state.audits[wire];
-    audit.kinetic = state.solver->kinetic_energy(wire);
+    audit.kinetic = kinetic_energy(state, wire);
     audit.elastic = state.solver->elastic_energy(wire);
     audit.gravitational = state.solver->potential_energy(wire);
 }
@@ -170,7 +198,13 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
     if (!audit.known) return;
     EnergyLedger& ledger = audit.next_ledger;
     const double now = audit.kinetic + audit.elastic + audit.gravitational;
-    const ContactWork contact = state.terms.contact_work(wire);
+    ContactWork contact;
+    for_each_of_group(state, wire, [&](int w) {
+        const ContactWork own = state.terms.contact_work(w);
+        contact.normal += own.normal;
+        contact.friction += own.friction;
+        contact.rolling += own.rolling;
+    });
     ledger.hand += work.hand + work.turning;
     ledger.outside += work.outside;
     ledger.remesh += audit.remeshed_now;
@@ -185,7 +219,9 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
         return;
     }
     const StepLosses losses = state.solver->losses(wire);
-    const double fed = state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown : 0;
+    const MergedGroup* group = state.group_of(wire);
+    const double fed = group ? merged_work(state, *group).feed
+                       : state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown : 0;
     const double elastic_then = audit.elastic_then + (state.remesh_energy[wire] - audit.remeshed);
     ledger.damping += losses.damping;
     ledger.scheme += losses.inertia + losses.strain_work + fed + work.turning - (audit.elastic - elastic_then);
@@ -213,7 +249,7 @@ void audit_remeshing(World::Impl& state, int wire)
     audit.fed = {};
     audit.remeshed_now = 0;
     if (!audit.known) return;
-    const double moving = kinetic_energy(state.rods.view(wire)) + state.solver->potential_energy(wire);
+    const double moving = kinetic_energy(state, wire) + state.solver->potential_energy(wire);
     audit.remeshed_now = (moving - audit.moving) + (state.remesh_energy[wire] - audit.remeshed);
     audit.fed.carried = audit.remeshed_now;
 }
@@ -253,8 +289,10 @@ void begin_audit(World::Impl& state, int wire, bool placed)
     if (placed) {
         const RodView rod = state.rods.view(wire);
         RodFrames frames(rod.n);
-        audit.kinetic = kinetic_energy(rod);
-        audit.elastic = seldinger::energy_now(rod, state.constraints[wire].clamps, frames);
+        audit.kinetic = kinetic_energy(state, wire);
+        const MergedGroup* group = state.group_of(wire);
+        audit.elastic = group ? elastic_now(state, *group)
+                              : seldinger::energy_now(rod, state.constraints[wire].clamps, frames);
         audit.gravitational = state.solver->potential_energy(wire);
     } else {
         read_energies(state, wire);
@@ -281,7 +319,7 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     take_into_ledger(state, wire, work);
     input.unseen += unseen_work(state, wire, h);
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
-        input.work += state.solver->residual_work(wire);
+        for_each_of_group(state, wire, [&](int w) { input.work += state.solver->residual_work(w); });
     audit.next = audit.balance;
     if (audit.known) return audit.next.take_in(energy_now(state, wire), input, audit.limits);
     audit.next.begin_after(energy_now(state, wire), input);
@@ -313,58 +351,6 @@ void accept_energy(World::Impl& state, int wire, double h)
     for (std::size_t c = 0; c < clamps.size(); ++c)
         audit.torque[c] = clamps[c].spin ? clamp_torque(rod, clamps, state.solver->frames(wire), static_cast<int>(c)) : 0;
     if (state.feeds[wire].on) audit.hand_force = feed_force(rod, clamps, state.solver->frames(wire), state.setup.gravity);
-}
-
-namespace {
-
-void put_list(std::vector<std::uint8_t>& bytes, const std::vector<double>& list)
-{
-    const std::int32_t count = static_cast<std::int32_t>(list.size());
-    put_bytes(bytes, &count, 1);
-    put_bytes(bytes, list.data(), list.size());
-}
-
-void take_list(const std::uint8_t*& bytes, const std::uint8_t* end, std::vector<double>& list)
-{
-    std::int32_t count = 0;
-    take_bytes(bytes, end, &count, 1);
-    if (count < 0 || static_cast<std::size_t>(count) * sizeof(double) > static_cast<std::size_t>(end - bytes))
-        throw Error(ExitCode::BadFile, "a list of the saved state is longer than the file");
-    list.resize(static_cast<std::size_t>(count));
-    take_bytes(bytes, end, list.data(), list.size());
-}
-
-}  // namespace
-
-void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit)
-{
-    const std::uint8_t known = audit.known;
-    put_bytes(bytes, &known, 1);
-    put_bytes(bytes, &audit.balance, 1);
-    put_bytes(bytes, &audit.ledger, 1);
-    put_bytes(bytes, &audit.wire_then, 1);
-    put_bytes(bytes, &audit.elastic_then, 1);
-    put_bytes(bytes, &audit.moving, 1);
-    put_bytes(bytes, &audit.remeshed, 1);
-    put_bytes(bytes, &audit.hand_force, 1);
-    put_bytes(bytes, &audit.speed, 1);
-    for (const auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) put_list(bytes, *list);
-}
-
-void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit)
-{
-    std::uint8_t known = 0;
-    take_bytes(bytes, end, &known, 1);
-    audit.known = known != 0;
-    take_bytes(bytes, end, &audit.balance, 1);
-    take_bytes(bytes, end, &audit.ledger, 1);
-    take_bytes(bytes, end, &audit.wire_then, 1);
-    take_bytes(bytes, end, &audit.elastic_then, 1);
-    take_bytes(bytes, end, &audit.moving, 1);
-    take_bytes(bytes, end, &audit.remeshed, 1);
-    take_bytes(bytes, end, &audit.hand_force, 1);
-    take_bytes(bytes, end, &audit.speed, 1);
-    for (auto* list : {&audit.held, &audit.held_speed, &audit.torque, &audit.turns}) take_list(bytes, end, *list);
 }
 
 }  // namespace seldinger

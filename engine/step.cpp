@@ -1,6 +1,7 @@
 // The main loop: a list of stages and nothing else; read this first. engine/README.md tells the same in prose.
 
 #include "core/check.h"
+#include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -26,6 +27,7 @@ StepReport step(World& world, const Control& control, double dt)
     }
     adapt_nodes(state, dt);          // adapt: split and merge edges
     check_state(state, dt, report);  // check: non-finite values, points beyond the wall
+    show_groups(state);              // instruments that share a centreline, each by itself
 
     state.steps++;
     collect_timers(state, report);
@@ -44,6 +46,7 @@ StepReport settle(World& world)
     begin_step(state);
     find_equilibrium(state, report);
     check_state(state, 0, report);
+    show_groups(state);
 
     collect_timers(state, report);
     return report;

@@ -1,6 +1,7 @@
 // The feed stage: what a control asks of the hubs, and what holds, loads and links ask of the rest of the wire.
 
 #include "core/parallel.h"
+#include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -42,7 +43,18 @@ void constrain(World::Impl& state, int w, double t)
 {
     const RodView rod = state.rods.view(w);
     state.holds[w].fill(t, rod, state.constraints[w]);
-    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+    if (state.is_passenger(w)) return;
+    if (const MergedGroup* group = state.group_of(w)) constrain_group(*group, rod, state.constraints[w]);
+    else if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+}
+
+/// All that is done to instruments that share a centreline is done when their line's turn comes.
+void feed_merged(World::Impl& state, int line, double h)
+{
+    MergedGroup& group = *state.group_of(line);
+    lead_group(state, group);
+    audit_remeshing(state, line);
+    feed_group(state, group, h);
 }
 
 }  // namespace
@@ -85,8 +97,9 @@ std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& repor
 void feed_hubs(World::Impl& state, const SubStep& sub)
 {
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
-        if (!sub.wires[w]) return;
+        if (!sub.wires[w] || state.is_passenger(w)) return;
         state.momentum_start[w] = {momentum(state.rods.view(w)), Vec3::Zero()};
+        if (state.merged_of[w] >= 0) return feed_merged(state, w, sub.h);
         audit_remeshing(state, w);
         if (!state.feeds[w].on) return;
         FeedingAudit feeding(state, w);
@@ -102,11 +115,14 @@ void hold_and_load(World::Impl& state, const SubStep& sub)
         state.live[w] = state.active[w] = sub.wires[w] && state.is_solved(w);
         if (!sub.wires[w]) return;
         constrain(state, w, state.wire_time[w] + sub.h);
+        if (state.is_passenger(w)) return;
         MomentumStart& start = state.momentum_start[w];
         start.fed = momentum(state.rods.view(w)) - start.momentum;
     });
 }
 
 void constrain_now(World::Impl& state, int w) { constrain(state, w, state.wire_time[w]); }
+
+void constrain_at(World::Impl& state, int w, double t) { constrain(state, w, t); }
 
 }  // namespace seldinger

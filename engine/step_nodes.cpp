@@ -1,7 +1,7 @@
 // The adapt stage: splits and merges edges between steps, and births at the inlet of a fed wire.
 
+#include "merged.h"
 #include "step_stages.h"
-
 #include "world.h"
 
 #include <chrono>
@@ -124,6 +124,10 @@ void adapt_nodes_of(World::Impl& state, int w, double dt)
 {
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
+    if (MergedGroup* group = state.group_of(w)) {
+        if (!state.is_passenger(w)) adapt_group(state, *group, dt);
+        return;
+    }
     if (state.adapters[w].on) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
     else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, feed.edge, dt)); });
 }

@@ -1,6 +1,7 @@
 // Static equilibrium of all systems: a continuation path along which holds and links are moved, and nodes that come and go until
 // none has to.
 
+#include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -62,12 +63,11 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
         return most > farthest * now.radius[0];
     };
     state.terms.set_settling(settling);
+    set_exposures(state);
     state.terms.begin_step(state.rods);
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = mask[w] && state.is_solved(w);
-        const RodView rod = state.rods.view(w);
-        state.holds[w].fill(paths[state.system_of[w]].target, rod, state.constraints[w]);
-        if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+        constrain_at(state, w, paths[state.system_of[w]].target);
     }
     state.terms.prepare(state.rods, state.live);
     const auto start = Clock::now();

@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 #include "core/prefetch.h"
+#include "merged.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -51,7 +52,7 @@ Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
     WireMask adds_up(count, 1);
     if (audited(state))
         for_each_item(state.wire_count(), wire_grain, [&](int w) {
-            if (state.active[w] && state.reports[w].converged) adds_up[w] = energy_adds_up(state, w, sub.h);
+            if (state.active[w] && state.reports[w].converged && !state.is_passenger(w)) adds_up[w] = energy_adds_up(state, w, sub.h);
         });
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!state.active[w]) continue;
@@ -105,7 +106,7 @@ void begin_step(World::Impl& state)
     if (state.steps == 0 && state.setup.integrator.newmark) start_acceleration(state);
     // what touches as placed is not known yet: there energies are counted from the end of the first step
     for (int w = 0; w < state.wire_count() && state.steps == 0 && state.terms.empty(); ++w) {
-        if (state.audits[w].known || !state.is_solved(w)) continue;
+        if (state.audits[w].known || !state.is_solved(w) || state.is_passenger(w)) continue;
         constrain_now(state, w);
         begin_audit(state, w, true);
     }
@@ -121,13 +122,18 @@ void begin_sub_step(World::Impl& state, const SubStep& sub)
 {
     for (int w = 0; w < state.wire_count() && sub.after != SubStep::After::Nothing; ++w) {
         if (!sub.wires[w]) continue;
-        if (sub.after == SubStep::After::Part) adapt_nodes_of(state, w, sub.h);
+        if (sub.after == SubStep::After::Part && !state.is_passenger(w)) adapt_nodes_of(state, w, sub.h);
         state.save_wire(w);
     }
+    set_exposures(state);
     state.terms.begin_step(state.rods);
 }
 
-void find_contacts(World::Impl& state) { state.terms.prepare(state.rods, state.live); }
+void find_contacts(World::Impl& state)
+{
+    set_exposures(state);
+    state.terms.prepare(state.rods, state.live);
+}
 
 void solve(World::Impl& state, const SubStep& sub)
 {
@@ -149,7 +155,7 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report)
         prefetch_after(state, w);
         if (!done[w]) return;
         state.wire_time[w] += sub.h;
-        if (state.active[w] && audited(state)) accept_energy(state, w, sub.h);
+        if (state.active[w] && audited(state) && !state.is_passenger(w)) accept_energy(state, w, sub.h);
         state.read_results(w, sub.h);
     });
     for (int w = 0; w < state.wire_count() && state.hand_stiffness_watched; ++w)

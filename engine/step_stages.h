@@ -21,6 +21,7 @@ void feed_hubs(World::Impl& state, const SubStep& sub);
 void hold_and_load(World::Impl& state, const SubStep& sub);
 /// The same for the accepted state on its present nodes.
 void constrain_now(World::Impl& state, int wire);
+void constrain_at(World::Impl& state, int wire, double time);
 
 // ---- step_solve.cpp: from the start of a step to the states that are accepted
 

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "device/enumerate.h"
+#include "merged.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
 
@@ -50,7 +51,10 @@ int node_capacity(const WireSetup& setup)
 std::vector<int> capacities(const WorldSetup& setup)
 {
     std::vector<int> list;
-    for (const WireSetup& wire : setup.wires) list.push_back(node_capacity(wire));
+    for (std::size_t w = 0; w < setup.wires.size(); ++w) {
+        const CoaxialSpec* merged = merged_spec_of(setup, static_cast<int>(w));
+        list.push_back(merged ? merged_capacity(setup, *merged) : node_capacity(setup.wires[w]));
+    }
     return list;
 }
 
@@ -132,7 +136,9 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     for (int w = 0; w < count; ++w) {
         WireSetup& wire = setup.wires[w];
         close_ring(wire);
-        if (wire.feed.on) {
+        if (merged_spec_of(setup, w)) {
+            rods.set_node_count(w, 2);
+        } else if (wire.feed.on) {
             feeds[w].edge = uniform_edge(wire.wire);
             start_feed(feeds[w], wire.feed, wire.wire, rods, w);
         } else {
@@ -140,8 +146,13 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
         }
         holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
         adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
+        if (merged_spec_of(setup, w)) adapters.back().on = false;
     }
+    retired.assign(count, 0);
+    remesh_energy.assign(count, 0.0);
+    make_groups();
     solver = std::make_unique<Solver>(rods, setup.integrator, setup.gravity, setup.systems);
+    for (const auto& group : merged) solver->join(group->shared);
     if (setup.device_index >= 0) device::check_device_index(setup.device_index);  // also where no vessel needs one
     if (!setup.mesh.triangles.empty()) {
         context = std::make_unique<device::Context>(setup.device_index, setup.wires[0].contact.precision == Precision::Float32);
@@ -159,12 +170,10 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     reports.resize(count);
     active.assign(count, 1);
     live.assign(count, 1);
-    retired.assign(count, 0);
     wire_reports.resize(count);
     wire_time.assign(count, 0.0);
     time_backup.assign(count, 0.0);
     momentum_start.resize(count);
-    remesh_energy.assign(count, 0.0);
     results.resize(count);
     backup.resize(count);
     feed_backup = feeds;
@@ -176,7 +185,30 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     for (int w = 0; w < count; ++w) results[w].nodal_contact.assign(rods.capacity(w), Vec3::Zero());
     audits.resize(count);
     for (int w = 0; w < count; ++w) audits[w].limits = energy_limits(setup.wires[w].wire, setup.gravity);
+    for (const auto& group : merged)
+        for (const int w : group->wires().subspan(1)) audits[group->line()].limits.floor += audits[w].limits.floor;
+    show_groups(*this);
 }
+
+World::Impl::~Impl() = default;
+
+void World::Impl::make_groups()
+{
+    merged_of.assign(setup.wires.size(), -1);
+    for (const CoaxialSpec& spec : setup.coaxial) {
+        if (spec.model != CoaxialSpec::Model::Merged) continue;
+        for (const int w : spec.order) merged_of[w] = static_cast<int>(merged.size());
+        merged.push_back(std::make_unique<MergedGroup>());
+        merged.back()->shared.wires = spec.order;
+        merged.back()->feed.edge = merged_edge(setup, spec);
+        place_group(*this, *merged.back());
+    }
+    if (merged.empty()) return;
+    shown = std::make_unique<RodArrays>(rods);
+    shown_from.assign(setup.wires.size(), 0);
+}
+
+bool World::Impl::is_passenger(int wire) const { return merged_of[wire] >= 0 && merged[merged_of[wire]]->line() != wire; }
 
 void World::Impl::save_wire(int wire)
 {
@@ -186,6 +218,10 @@ void World::Impl::save_wire(int wire)
     feed_backup[wire] = feeds[wire];
     count_backup[wire] = rods.node_count(wire);
     time_backup[wire] = wire_time[wire];
+    if (merged_of[wire] < 0 || is_passenger(wire)) return;
+    MergedGroup& group = *group_of(wire);
+    group.feed_backup = group.feed;
+    group.leader_backup = group.leader;
 }
 
 void World::Impl::restore_wire(int wire)
@@ -198,6 +234,10 @@ void World::Impl::restore_wire(int wire)
     }
     feeds[wire] = feed_backup[wire];
     wire_time[wire] = time_backup[wire];
+    if (merged_of[wire] < 0 || is_passenger(wire)) return;
+    MergedGroup& group = *group_of(wire);
+    group.feed = group.feed_backup;
+    group.leader = group.leader_backup;
 }
 
 void World::Impl::spread_over_systems(const WireMask& part, WireMask& mask) const

@@ -25,6 +25,8 @@
 
 namespace seldinger {
 
+struct MergedGroup;  // merged.h
+
 /// What was read off a wire when its step was accepted.
 struct WireResult {
     ContactTotals contact;
@@ -57,6 +59,7 @@ struct HubRequest {
 
 struct World::Impl {
     explicit Impl(WorldSetup from);
+    ~Impl();
     void divide_into_systems();
 
     WorldSetup setup;
@@ -73,6 +76,8 @@ struct World::Impl {
     std::vector<HubRequest> hub_requests;       // per wire
     std::vector<double> remesh_energy;          // per wire, accumulated [J]
     std::vector<EnergyAudit> audits;            // per wire
+    std::vector<std::unique_ptr<MergedGroup>> merged;  // instruments that share one centreline
+    std::vector<int> merged_of;                        // per wire: place in `merged`, -1: a rod of its own
     std::vector<NodeAdapter> adapters;          // per wire; no state, only what it works with
     std::optional<WallModel> wall;              // none without a vessel
     std::unique_ptr<ElasticWall> elastic_wall;  // only of a vessel that yields, and so what is next
@@ -102,6 +107,8 @@ struct World::Impl {
     bool hand_stiffness_watched = false;
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
+    std::unique_ptr<RodArrays> shown;  // of instruments that share a centreline, each by itself; none without
+    std::vector<int> shown_from;       // per wire: edge of the line that its tip is on
     std::unique_ptr<WallShape> wall_shape;  // made when first asked for
     std::unique_ptr<LumenQuery> lumen;      // made when first needed; see audit_outside
 
@@ -113,6 +120,10 @@ struct World::Impl {
     }
     /// Whether a wire is among those that are solved: one that is still in its introducer is not.
     [[nodiscard]] bool is_solved(int wire) const { return !feeds[wire].on || feeds[wire].inside; }
+    [[nodiscard]] MergedGroup* group_of(int wire) { return merged_of[wire] < 0 ? nullptr : merged[merged_of[wire]].get(); }
+    /// Whether its nodes are those of another one, the line of its group.
+    [[nodiscard]] bool is_passenger(int wire) const;
+    void make_groups();
     /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);
@@ -121,6 +132,7 @@ struct World::Impl {
     void read_results(int wire, double h);
     /// After it, where hand stiffness is watched.
     void read_hand_stiffness(int wire);
+    void read_merged(int wire, double h);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
     void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "vessel/mesh_edges.h"
 #include "wall/wall_model.h"
+#include "merged.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -242,6 +243,7 @@ void check_setup(const WorldSetup& setup)
     }
     check_wall(setup);
     check_touching(setup);
+    check_merged(setup);
 }
 
 void check_request(const World::Impl& state, const Control& control, double dt)

@@ -1,5 +1,6 @@
 // Reading a world: what is taken off the accepted state of a sub-step, and how it is shown.
 
+#include "merged.h"
 #include "rod/curvature.h"
 #include "rod/place.h"
 #include "world.h"
@@ -31,6 +32,7 @@ Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
 
 void World::Impl::read_results(int wire, double h)
 {
+    if (merged_of[wire] >= 0) return read_merged(wire, h);
     WireResult& result = results[wire];
     const RodView rod = rods.view(wire);
     std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
@@ -90,6 +92,38 @@ void World::Impl::read_hand_stiffness(int wire)
     stiffness = std::max(0.0, pull * (length / rest - pull * give));
 }
 
+/// All of a group when its line's turn comes: energies and momentum are the line's, contacts and hands each instrument's own.
+void World::Impl::read_merged(int wire, double h)
+{
+    if (is_passenger(wire)) return;
+    MergedGroup& group = *group_of(wire);
+    const RodView line = rods.view(wire);
+    std::vector<Vec3> contact_force(static_cast<std::size_t>(line.n), Vec3::Zero());
+    for (const int w : group.wires()) {
+        WireResult& result = results[w];
+        std::vector<Vec3> kept = std::move(result.nodal_contact);
+        result = {};
+        result.nodal_contact = std::move(kept);
+        std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
+        if (!group.feed.inside) continue;
+        result.residual = reports[w].residual;
+        if (!contact) continue;
+        result.contact = contact->totals(w);
+        contact->add_nodal_forces(w, std::span(result.nodal_contact).first(line.n));
+        for (int i = 0; i < line.n; ++i) contact_force[i] += result.nodal_contact[i];
+    }
+    if (!group.feed.inside) return;
+    WireResult& result = results[wire];
+    for (int c = 0; c < 3; ++c) result.base_force[c] = solver->reaction(wire, RodDofs::position(line.n - 1, c));
+    read_hands(*this, group);
+    if (h == 0 || setup.integrator.scheme == Scheme::Static) begin_audit(*this, wire, false);
+    result.kinetic = audits[wire].kinetic;
+    result.elastic = audits[wire].elastic;
+    result.gravitational = audits[wire].gravitational;
+    result.momentum = momentum_balance(line, constraints[wire], *solver, wire, setup.integrator, setup.gravity, contact_force,
+                                       momentum_start[wire], h);
+}
+
 int World::wire_count() const { return impl_->wire_count(); }
 int World::system_count() const { return impl_->system_count(); }
 int World::system_of(int wire) const { return impl_->system_of[wire]; }
@@ -98,7 +132,10 @@ double World::time() const { return impl_->time; }
 double World::time(int wire) const { return impl_->wire_time[wire]; }
 long World::step_count() const { return impl_->steps; }
 const WorldSetup& World::setup() const { return impl_->setup; }
-ConstRodView World::rod(int wire) const { return impl_->rods.view(wire); }
+ConstRodView World::rod(int wire) const
+{
+    return impl_->merged_of[wire] >= 0 ? impl_->shown->view(wire) : impl_->rods.view(wire);
+}
 const WireReport& World::report(int wire) const { return impl_->wire_reports[wire]; }
 
 void World::retire(int system)
@@ -119,7 +156,7 @@ WireReadings World::readings(int wire) const
         r.inserted = feed.advance - impl_->setup.wires[wire].feed.advance;
         r.turned = feed.turn - impl_->setup.wires[wire].feed.turn;
     }
-    r.nodes = impl_->rods.node_count(wire);
+    r.nodes = rod(wire).n;
     r.contacts = result.contact.contacts;
     r.contact_length = result.contact.length;
     r.normal = result.contact.normal;
@@ -163,6 +200,7 @@ const std::vector<ContactRow>& World::contacts() const
 std::vector<Vec3> World::nodal_contact_force(int wire) const
 {
     const auto& all = impl_->results[wire].nodal_contact;
+    if (impl_->merged_of[wire] >= 0) return shown_contact_force(*impl_, wire);
     return {all.begin(), all.begin() + impl_->rods.node_count(wire)};
 }
 
@@ -274,7 +312,8 @@ void World::read(Output& into, unsigned parts) const
         wire.at_rest = at_rest(w);
         wire.retired = impl_->retired[w] != 0;
         wire.tip = rod(w).pos(0);
-        if (parts & Output::Shape) read_shape(rod(w), impl_->results[w].nodal_contact, wire);
+        if (parts & Output::Shape)
+            read_shape(rod(w), impl_->merged_of[w] >= 0 ? nodal_contact_force(w) : impl_->results[w].nodal_contact, wire);
     }
     if (parts & Output::Contacts) read_contacts(*this, into);
     if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
@@ -335,7 +374,9 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const Impl& s = *impl_;
     const WireSetup& wire = s.setup.wires[0];
     std::vector<std::pair<std::string, std::string>> list;
-    list.emplace_back("nodes", describe_nodes(wire));
+    list.emplace_back("nodes", s.merged_of[0] >= 0 ? fmt::format("uniform edges of {:.3g} mm (instruments of one centreline)",
+                                                                 1e3 * s.merged[s.merged_of[0]]->feed.edge)
+                                                   : describe_nodes(wire));
     if (!wire.start.empty()) list.emplace_back("start", wire.start);
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
     const IntegratorSpec& integrator = s.setup.integrator;

@@ -3,6 +3,7 @@
 #include "core/bytes.h"
 #include "core/error.h"
 #include "core/fnv1a.h"
+#include "merged.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -44,6 +45,11 @@ void World::Impl::put_wire(std::vector<std::uint8_t>& bytes, int wire) const
     put_bytes(bytes, waits, 2);
     // views are of changeable arrays; these only read
     for (const std::span<double>& array : const_cast<RodArrays&>(rods).arrays(wire)) put_bytes(bytes, array.data(), array.size());
+    if (merged_of[wire] < 0 || is_passenger(wire)) return;
+    const MergedGroup& group = *merged[merged_of[wire]];
+    const std::int32_t leader = group.leader;
+    put_bytes(bytes, &leader, 1);
+    put_feed(bytes, group.feed, true);
 }
 
 std::vector<std::uint8_t> World::Impl::state_bytes() const
@@ -79,6 +85,14 @@ void World::Impl::take_wire(const std::uint8_t*& at, const std::uint8_t* end, in
     solver->spin_record(wire).wait = waits[0];
     solver->spin_record(wire).last_wait = waits[1];
     for (const std::span<double>& array : rods.arrays(wire)) take_bytes(at, end, array.data(), array.size());
+    if (merged_of[wire] < 0 || is_passenger(wire)) return;
+    MergedGroup& group = *group_of(wire);
+    std::int32_t leader = 0;
+    take_bytes(at, end, &leader, 1);
+    if (leader < 0 || leader >= group.shared.count())
+        throw Error(ExitCode::BadFile, "the saved state names an instrument that this scene has not");
+    group.leader = leader;
+    take_feed(at, end, group.feed, true);
 }
 
 namespace {
@@ -92,6 +106,9 @@ void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes)
     take_bytes(at, end, &steps, 1);
     s.steps = static_cast<long>(steps);
     for (int w = 0; w < s.wire_count(); ++w) s.take_wire(at, end, w);
+    for (const auto& group : s.merged) refresh_group(s, *group);
+    set_exposures(s);
+    show_groups(s);
     s.terms.restore(at, end);
     for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
     if (at != end)

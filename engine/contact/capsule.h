@@ -32,6 +32,11 @@ public:
     [[nodiscard]] bool is_clear(RodArrays& rods, int wire) override;
     [[nodiscard]] double stored_energy(int wire) const override;
     void commit(std::span<const std::uint8_t> active) override;
+    void set_exposure(int wire, double offset, double exposed) override
+    {
+        quadrature_.wires[wire].offset = offset;
+        quadrature_.wires[wire].exposed = exposed;
+    }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;

@@ -40,7 +40,7 @@ std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
         // by the records, not by `live`: in the last sub-step this wire may have had no part
         for (int k = 0; k < wire.capacity; ++k) {
             const int s = wire.begin + k;
-            while (edge < rod.n - 2 && wire.s[k] > rod.material_s[edge + 1]) ++edge;
+            while (edge < rod.n - 2 && wire.s[k] - wire.offset > rod.material_s[edge + 1]) ++edge;
             for (int side = 0; side < 2; ++side)
                 if (states[2 * s + side].flags & SEL_CONTACT_ACTIVE) rows.push_back(row_of(w, edge, s, states[2 * s + side]));
         }

@@ -62,6 +62,8 @@ public:
         sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
     }
 
+    /// Of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
+    virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;

@@ -106,16 +106,17 @@ namespace {
 int place_from(QuadratureSet& set, int wire, const RodView& rod, int begin, int k)
 {
     const WireQuadrature& points = set.wires[wire];
-    const double end = rod.material_s[rod.n - 1];
+    const double end = std::min(rod.material_s[rod.n - 1] + points.offset, points.exposed);
     int edge = 0;
     // a stretch counts once its middle is inside; the base's last half spacing is in the clamp's shadow
     for (; k < points.capacity && points.s[k] <= end; ++k) {
-        while (edge < rod.n - 2 && points.s[k] > rod.material_s[edge + 1]) ++edge;
+        const double s = points.s[k] - points.offset;
+        while (edge < rod.n - 2 && s > rod.material_s[edge + 1]) ++edge;
         const double length = rod.material_s[edge + 1] - rod.material_s[edge];
         QuadraturePlace& place = set.places[points.begin + k];
         place.edge = static_cast<uint>(begin + edge);
         place.epoch = points.epoch;
-        place.bary = std::clamp((points.s[k] - rod.material_s[edge]) / length, 0.0, 1.0);
+        place.bary = std::clamp((s - rod.material_s[edge]) / length, 0.0, 1.0);
     }
     return k;
 }
@@ -127,6 +128,7 @@ void place_quadrature(QuadratureSet& set, int wire, const RodView& rod, int begi
     WireQuadrature& points = set.wires[wire];
     points.live = place_from(set, wire, rod, begin, 0);
     points.placed_to = rod.material_s[rod.n - 2];
+    points.placed_offset = points.offset;
     for (int i = 0; i < points.capacity && start; ++i) {
         QuadraturePlace& place = set.places[points.begin + i];
         place.edge_t0 = i < points.live ? place.edge : SEL_NO_EDGE;
@@ -137,9 +139,11 @@ void place_quadrature(QuadratureSet& set, int wire, const RodView& rod, int begi
 void place_new_quadrature(QuadratureSet& set, int wire, const RodView& rod, int begin)
 {
     WireQuadrature& points = set.wires[wire];
-    if (points.placed_to != rod.material_s[rod.n - 2])
-        return place_quadrature(set, wire, rod, begin, false);  // still in the introducer
-    const auto first = std::upper_bound(points.s.begin(), points.s.end(), rod.material_s[rod.n - 2]);
+    // still in the introducer, or sliding along others
+    if (points.placed_to != rod.material_s[rod.n - 2] || points.placed_offset != points.offset ||
+        points.exposed < std::numeric_limits<double>::infinity())
+        return place_quadrature(set, wire, rod, begin, false);
+    const auto first = std::upper_bound(points.s.begin(), points.s.end(), rod.material_s[rod.n - 2] + points.offset);
     points.live = place_from(set, wire, rod, begin, static_cast<int>(first - points.s.begin()));
 }
 

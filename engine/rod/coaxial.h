@@ -112,12 +112,6 @@ struct CoaxialTrial {
     std::array<std::span<const double>, most_coaxial> theta;
 };
 
-/// Scratch of a trial configuration.
-struct CoaxialFrames {
-    explicit CoaxialFrames(int nodes = 0) : line(nodes, 1) {}
-    RodFrames line;  // of the centreline; theta and twist are the first instrument's
-};
-
 /// Upper half of the Hessian by blocks of nodes: rows of node i, columns of nodes i, i + 1, i + 2.
 class CoaxialHessian {
 public:
@@ -138,21 +132,22 @@ private:
 /// together: stretch_stiffness, bend_stiffness, mass, radius (of the widest). O(n + changes), no allocation after the first call.
 void prepare_coaxial(CoaxialRod& rod, const RodView& line);
 
-/// Frames at `trial`. @return false where there is no such configuration, see update_frames()
+/// Frames at `trial`: those of the centreline, of which the first instrument's angles and twist, and the sleeve as the only
+/// clamp. @return false where there is no such configuration, see update_frames()
 [[nodiscard]] bool update_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                                  CoaxialFrames& frames);
+                                  RodFrames& frames);
 /// Makes the trial configuration of `frames` the accepted one.
-void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialFrames& frames);
+void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const RodFrames& frames);
 
 /// [J]
 [[nodiscard]] double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
-                                    const CoaxialBase& base, const CoaxialFrames& frames);
+                                    const CoaxialBase& base, const RodFrames& frames);
 
 /// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). What is said at add_elastic() of
 /// moving a frame while changing shape holds here too. `Projected`: every stencil positive semidefinite, Gauss-Newton where
 /// natural curvature is felt. O(n), no allocation.
 void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
-                 const CoaxialFrames& frames, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode);
+                 const RodFrames& frames, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode);
 
 /// What hands do, at fixed positions and angles.
 struct CoaxialHands {
@@ -166,7 +161,7 @@ struct CoaxialHands {
     [[nodiscard]] double push(int k, int leader, int instruments) const;
 };
 [[nodiscard]] CoaxialHands coaxial_hands(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
-                                         const CoaxialBase& base, const CoaxialFrames& frames);
+                                         const CoaxialBase& base, const RodFrames& frames);
 
 /// Whether nothing depends on the angle of instrument k on edge j (j = n - 1: at the clamp).
 [[nodiscard]] bool coaxial_idle(const CoaxialRod& rod, int j, int k);

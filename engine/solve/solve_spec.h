@@ -65,6 +65,9 @@ struct FeedSpec {
     bool on = false;
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     double advance = 0, turn = 0;  // at the start [m], [rad]
+    // Of instruments in one centreline: length between the hand and the inlet at the start, which is twisted and gets shorter as
+    // the instrument is pushed; 0: the hand is at the inlet, wherever that is [m].
+    double behind = 0;
 };
 
 }  // namespace seldinger

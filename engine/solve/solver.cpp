@@ -50,6 +50,8 @@ Solver::Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity,
 
 Solver::~Solver() = default;
 
+void Solver::join(CoaxialGroup& group) { work_[system_of_[group.line()]]->newton.problem.join(group); }
+
 // ---- the lockstep ---------------------------------------------------------------------------------------------------------
 
 /// The system's solve, in the memory of this thread.
@@ -81,6 +83,7 @@ void Solver::set_evaluated(int system, bool evaluate)
 
 void Solver::write_trial(int system)
 {
+    work_[system]->newton.problem.mirror();
     for (const WireProblem* wire : work_[system]->newton.problem.solved()) {
         const int begin = rods_.node_begin(wire->wire);
         const std::span<const double> q = wire->q.trial;

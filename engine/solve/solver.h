@@ -4,6 +4,7 @@
 // each other, is what is solved, converges or fails; its result does not depend on the others.
 
 #include "rod/elastic.h"
+#include "solve/coaxial_group.h"
 #include "solve/force_term.h"
 #include "solve/solve_report.h"
 #include "solve/solve_spec.h"
@@ -25,6 +26,8 @@ public:
     /// @param partition  wires of each system, which are consecutive; none: every wire is a system of its own
     Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity, std::span<const int> partition = {});
     ~Solver();
+    /// Instruments of a system that share a centreline (solve/coaxial_group.h); before the first step. The group outlives this.
+    void join(CoaxialGroup& group);
 
     /// One step of length h [s] of wires with active[w] != 0; those of a system are solved together. Constraints are those at the
     /// end of the step. On success the wires' positions, velocities, spins and frames are the new ones; on failure (converged ==
@@ -72,6 +75,8 @@ public:
     [[nodiscard]] double residual_work(int wire) const;
     /// What backward Euler and damping have taken in the last step, see WireProblem.
     [[nodiscard]] StepLosses losses(int wire) const;
+    /// What the hands do at instruments that share a centreline, in the last step. @param line  the first of them
+    [[nodiscard]] CoaxialHands coaxial_hands(int line) const;
     [[nodiscard]] double elastic_energy(int wire) const;
     [[nodiscard]] double kinetic_energy(int wire) const;
     [[nodiscard]] double potential_energy(int wire) const;  // gravity; loads not included

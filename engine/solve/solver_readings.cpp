@@ -51,12 +51,13 @@ double Solver::residual_work(int wire) const
     return work;
 }
 
-StepLosses Solver::losses(int wire) const { return problem_of(wire).losses(); }
+StepLosses Solver::losses(int wire) const { return work_[system_of_[wire]]->newton.problem.losses(problem_of(wire)); }
+
+CoaxialHands Solver::coaxial_hands(int line) const { return work_[system_of_[line]]->newton.problem.coaxial_hands(line); }
 
 double Solver::elastic_energy(int wire) const
 {
-    const WireProblem& problem = problem_of(wire);
-    return seldinger::elastic_energy(rods_.view(wire), problem.clamps, problem.frames);
+    return work_[system_of_[wire]]->newton.problem.elastic_energy(problem_of(wire));
 }
 
 double Solver::kinetic_energy(int wire) const

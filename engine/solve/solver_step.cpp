@@ -63,9 +63,9 @@ void Solver::finish(std::span<SolveReport> reports)
                 report.iterations += first_[wire->wire].iterations;
                 report.evaluations += first_[wire->wire].evaluations;
             }
-            if (newton.converged()) wire->commit(spec_.newmark);
         }
-        if (!newton.converged()) restore(s);
+        if (newton.converged()) newton.problem.commit(spec_.newmark);
+        else restore(s);
     });
 }
 

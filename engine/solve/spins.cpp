@@ -39,7 +39,7 @@ bool clamp_twists(const RodView& rod, const RodClamp& clamp, double moment)
 bool WireProblem::may_leave(SpinAngles spins) const
 {
     constexpr double still = 1e-6;  // [rad] in one step
-    if (spins == SpinAngles::SolvedFor || time.motion() != Motion::Implicit || dead_loads_.unsymmetric()) return false;
+    if (spins == SpinAngles::SolvedFor || role != WireRole::Alone || time.motion() != Motion::Implicit || dead_loads_.unsymmetric()) return false;
     for (const auto& [unknown, value] : constraints_->prescribed)
         if (RodDofs::is_spin(unknown)) return false;
     const double moment = tolerance * length_scale;

@@ -27,6 +27,18 @@ SystemProblem::SystemProblem(int first_wire, std::span<const int> capacities, co
     solved_nodes_.reserve(wires_.size());
 }
 
+void SystemProblem::join(CoaxialGroup& group)
+{
+    int capacity = 0;
+    for (int k = 0; k < group.count(); ++k) {
+        WireProblem& wire = *wires_[group.wires[k] - first_wire_];
+        wire.role = k == 0 ? WireRole::Line : WireRole::Passenger;
+        capacity = std::max(capacity, wire.frames.capacity);
+    }
+    coaxial_.push_back(std::make_unique<CoaxialProblem>(group, capacity));
+    solved_coaxial_.reserve(coaxial_.size());
+}
+
 // ---- start of a step --------------------------------------------------------------------------------------------------------
 
 void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> constraints, std::span<const std::uint8_t> active,
@@ -52,6 +64,14 @@ void SystemProblem::begin(RodArrays& rods, std::span<const WireConstraints> cons
     }
     linear.set_fourth(!leave);
     for (WireProblem* wire : solved_) wire->begin_frames(spec, leave);
+    solved_coaxial_.clear();
+    for (const auto& group : coaxial_) {
+        if (!active[group->group().line()]) continue;
+        std::array<WireProblem*, most_coaxial> members{};
+        for (int k = 0; k < group->group().count(); ++k) members[k] = wires_[group->group().wires[k] - first_wire_].get();
+        group->begin({members.data(), static_cast<std::size_t>(group->group().count())});
+        solved_coaxial_.push_back(group.get());
+    }
 }
 
 /// Each wire's part of the vectors.
@@ -118,8 +138,14 @@ bool SystemProblem::spins_hold(const ForceTerms& terms)
 
 // ---- residual and tangent -----------------------------------------------------------------------------------------------------
 
+void SystemProblem::mirror()
+{
+    for (CoaxialProblem* group : solved_coaxial_) group->mirror();
+}
+
 bool SystemProblem::update()
 {
+    mirror();
     for (WireProblem* wire : solved_)
         if (!wire->update()) return false;
     return true;
@@ -128,6 +154,7 @@ bool SystemProblem::update()
 bool SystemProblem::evaluate_residual(const ForceTerms& terms)
 {
     for (WireProblem* wire : solved_) wire->evaluate_residual();
+    for (CoaxialProblem* group : solved_coaxial_) group->add_residual();
     if (!terms.empty()) {
         const std::size_t count = size();
         std::fill_n(term_residual_.begin(), count, 0.0);
@@ -142,11 +169,12 @@ bool SystemProblem::evaluate_residual(const ForceTerms& terms)
 bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<const double> base)
 {
     for (WireProblem* wire : solved_) wire->evaluate_residual();
+    for (CoaxialProblem* group : solved_coaxial_) group->add_residual();
     if (!terms.empty()) {
         const int count = size();
         for (int i = 0; i < count; ++i) velocities_[i] = trial[i] - base[i];
         term_tangent_.multiply(velocities_, scratch_);
-        linear.far.add_product(velocities_, scratch_);
+        (solved_coaxial_.empty() ? linear.far : far_of_terms_).add_product(velocities_, scratch_);
         linear.columns.add_product(velocities_, scratch_);
         linear.condensed.add_product(velocities_, scratch_);
         for (int i = 0; i < count; ++i) residual[i] += term_residual_[i] + scratch_[i];
@@ -157,7 +185,9 @@ bool SystemProblem::evaluate_linear_terms(const ForceTerms& terms, std::span<con
 /// @return false if not finite
 bool SystemProblem::finish_residual()
 {
-    for (const WireProblem* wire : solved_) wire->q.residual[RodDofs::unused(wire->rod.n)] = 0;
+    for (CoaxialProblem* group : solved_coaxial_) group->fold_residual();
+    for (const WireProblem* wire : solved_)
+        if (wire->q.prescribed[RodDofs::unused(wire->rod.n)]) wire->q.residual[RodDofs::unused(wire->rod.n)] = 0;
     double sum = 0;
     for (int i = 0; i < size(); ++i) sum += std::abs(residual[i]);
     return std::isfinite(sum);
@@ -175,12 +205,24 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
         if (!terms.empty()) {
             BandRows of_terms = term_tangent_.part(first, wire->size());
             terms.add(wire->wire, wire->q.scratch, &of_terms, symmetric);
-            part.add_scaled(of_terms, 1);
+            if (wire->role != WireRole::Passenger) part.add_scaled(of_terms, 1);
         }
         wire->add_stiffness_damping(part);
     }
     terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
+    add_coaxial_tangents(mode, !terms.empty());
     if (!linear.far.empty() && order_.empty()) order_nodes();
+}
+
+void SystemProblem::add_coaxial_tangents(HessianMode mode, bool terms)
+{
+    if (solved_coaxial_.empty()) return;
+    far_of_terms_.clear();
+    far_of_terms_.add_scaled(linear.far, 1);
+    for (CoaxialProblem* group : solved_coaxial_) {
+        group->add_tangent(mode, start.data(), linear.band, linear.far);
+        if (terms) group->fold_tangent(term_tangent_, start.data(), linear.band, linear.far);
+    }
 }
 
 /// Nodes of all wires in turn, the farthest from their hubs first: what lies beside each other is near each other in the factors.
@@ -199,6 +241,35 @@ void SystemProblem::order_nodes()
     std::sort(order_.begin(), order_.end(),
               [&](int a, int b) { return from_hub_[a] != from_hub_[b] ? from_hub_[a] > from_hub_[b] : a < b; });
     linear.set_order(order_);
+}
+
+void SystemProblem::commit(bool newmark)
+{
+    for (WireProblem* wire : solved_) wire->commit(newmark);
+    for (CoaxialProblem* group : solved_coaxial_) group->commit();
+}
+
+double SystemProblem::elastic_energy(const WireProblem& wire) const
+{
+    if (wire.role == WireRole::Alone) return seldinger::elastic_energy(wire.rod, wire.clamps, wire.frames);
+    for (const CoaxialProblem* group : solved_coaxial_)
+        if (group->group().line() == wire.wire) return group->energy();
+    return 0;
+}
+
+StepLosses SystemProblem::losses(const WireProblem& wire) const
+{
+    StepLosses losses = wire.losses();
+    for (CoaxialProblem* group : solved_coaxial_)
+        if (group->group().line() == wire.wire) losses.strain_work = group->strain_work();
+    return losses;
+}
+
+CoaxialHands SystemProblem::coaxial_hands(int line) const
+{
+    for (const CoaxialProblem* group : solved_coaxial_)
+        if (group->group().line() == line) return group->hands();
+    return {};
 }
 
 bool SystemProblem::unsymmetric() const

@@ -5,6 +5,7 @@
 // less far than it would be alone.
 
 #include "math/banded_solver.h"
+#include "solve/coaxial_problem.h"
 #include "solve/force_term.h"
 #include "solve/wire_problem.h"
 
@@ -33,6 +34,8 @@ public:
     /// @param first_wire  of the world; the others of the system follow       @param capacities  nodes of each
     SystemProblem(int first_wire, std::span<const int> capacities, const IntegratorSpec& spec);
 
+    /// Instruments of the system that share a centreline; to be called before the first step. The group outlives this.
+    void join(CoaxialGroup& group);
     /// Takes over the start of the step and the constraints at its end, of the wires with active[w] != 0. No allocation once
     /// clamps have been seen. @param constraints  [wires of the world]
     /// @param spins  whether spin angles may be left out of this step
@@ -59,6 +62,8 @@ public:
     /// first follow the shape so that no wire is twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ForceTerms& terms);
 
+    /// Takes dependent unknowns of the trial (passengers' positions) from those that they follow.
+    void mirror();
     /// Frames at the trial. @return false if anything is not finite
     [[nodiscard]] bool update();
     /// R at the trial into `residual`; update() must have run there, and terms been evaluated. @return false if not finite
@@ -103,6 +108,13 @@ public:
     void keep_reference();
     void restore_reference();
     void return_to_start();
+    /// Makes the trial the accepted state in the wires' arrays (velocities zero when static).
+    void commit(bool newmark);
+    /// Elastic energy at the trial; instruments that share a centreline have it on the first of them [J].
+    [[nodiscard]] double elastic_energy(const WireProblem& wire) const;
+    [[nodiscard]] StepLosses losses(const WireProblem& wire) const;
+    /// Of a wire that is the line of a group.
+    [[nodiscard]] CoaxialHands coaxial_hands(int line) const;
 
     [[nodiscard]] int size() const { return map.size(); }
     [[nodiscard]] int capacity() const { return static_cast<int>(start.size()); }  // unknowns
@@ -124,11 +136,15 @@ private:
     void share_out();
     void share_scratch();
     void order_nodes();
+    void add_coaxial_tangents(HessianMode mode, bool terms);
     [[nodiscard]] SystemUnknowns unknowns() const { return {map, solved_wires_}; }
     [[nodiscard]] bool finish_residual();
 
     int first_wire_ = 0;
     std::vector<std::unique_ptr<WireProblem>> wires_;
+    std::vector<std::unique_ptr<CoaxialProblem>> coaxial_;         // groups of the system
+    std::vector<CoaxialProblem*> solved_coaxial_;                  // that take part
+    FarEntries far_of_terms_;                                      // where there are groups: linear.far without what is theirs
     std::vector<WireProblem*> solved_;
     std::vector<int> solved_wires_, solved_nodes_;
     std::vector<int> order_;         // [nodes] in which they are eliminated where wires couple all along; empty: not asked for yet

@@ -12,6 +12,7 @@ namespace seldinger {
 
 bool WireProblem::far_from_reference() const
 {
+    if (role == WireRole::Passenger) return false;
     for (int j = 0; j < rod.n - 1; ++j)
         if (frames.tangent[j].dot(rod.tangent(j)) < 0.5) return true;
     return false;
@@ -19,6 +20,7 @@ bool WireProblem::far_from_reference() const
 
 void WireProblem::move_reference()
 {
+    if (role == WireRole::Passenger) return;
     accept_frames(rod, trial_view(), frames);
     restore_positions();
 }
@@ -79,7 +81,19 @@ void WireProblem::commit(bool newmark)
         write_velocity(i, v + RodDofs::position(i));
         if (newmark) write_acceleration(i, a + RodDofs::position(i));
     }
-    accept_frames(rod, trial_view(), frames);
+    if (role != WireRole::Alone)
+        for (int j = 0; j < rod.n; ++j) rod.theta[j] = q.trial[RodDofs::spin(j)];  // the last one is the clamp's
+    if (role != WireRole::Passenger) accept_frames(rod, trial_view(), frames);
+}
+
+void WireProblem::take_from(const RodView& line)
+{
+    const std::span<double> to[] = {rod.x,  rod.y,  rod.z,  rod.vx,  rod.vy,  rod.vz,  rod.ax,        rod.ay,           rod.az,
+                                    rod.tx, rod.ty, rod.tz, rod.d1x, rod.d1y, rod.d1z, rod.ref_twist, rod.clamp_twist_a};
+    const std::span<double> from[] = {line.x,  line.y,  line.z,  line.vx,       line.vy,           line.vz,
+                                      line.ax, line.ay, line.az, line.tx,       line.ty,           line.tz,
+                                      line.d1x, line.d1y, line.d1z, line.ref_twist, line.clamp_twist_a};
+    for (std::size_t k = 0; k < std::size(to); ++k) std::ranges::copy(from[k], to[k].begin());
 }
 
 void WireProblem::move_explicit()

@@ -60,6 +60,18 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     set_scales(spec, gravity);
 }
 
+void WireProblem::follow(const WireProblem& line)
+{
+    for (int i = 0; i < rod.n; ++i)
+        for (int c = 0; c < RodDofs::coordinates; ++c) {
+            q.prescribed[RodDofs::position(i, c)] = 1;
+            q.inertia[RodDofs::position(i, c)] = 0;
+        }
+    length_scale = line.length_scale;
+    force_scale = line.force_scale;
+    tolerance = line.tolerance;
+}
+
 void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
 {
     frames.spins = start_frames_.spins = !leave_spins;
@@ -147,6 +159,7 @@ constexpr double most_turned = 2.0;  // [rad]
 
 bool WireProblem::update()
 {
+    if (role == WireRole::Passenger) return true;
     if (!start_usable_ || !update_frames(rod, trial_view(), clamps, frames)) return false;
     if (!time.conserving()) return true;
     for (int j = 0; j < rod.n - 1; ++j) {
@@ -171,6 +184,7 @@ void WireProblem::evaluate_residual()
         damping_.multiply(q.velocities, q.scratch);
         for (int i = 0; i < count; ++i) r[i] += q.scratch[i];
     }
+    if (role != WireRole::Alone) return;  // solve/coaxial_problem.h
     if (time.conserving()) add_discrete_gradient(rod, clamps, start_frames_, frames, turned_, r, constraints_->base_grown);
     else add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
     links_.add_to_residual(q, r);
@@ -180,9 +194,9 @@ void WireProblem::evaluate_residual()
 // dR/dq = share H + geometric stiffness of N_predicted + (rate_a + c_m rate_d) M + links + moments
 void WireProblem::assemble_elastic(HessianMode mode, bool symmetric, BandRows& tangent) const
 {
-    add_elastic(rod, clamps, frames, {}, &tangent, mode);
+    if (role == WireRole::Alone) add_elastic(rod, clamps, frames, {}, &tangent, mode);
     if (time.conserving()) tangent.scale(time.end_share());
-    tension.change_tangent(stretch(), mode, symmetric, tangent);
+    if (role != WireRole::Passenger) tension.change_tangent(stretch(), mode, symmetric, tangent);
     const double rate = time.acceleration_rate() + mass_damping_.diagonal_rate(time);
     for (int i = 0; i < size(); ++i) tangent.add(i, i, rate * q.inertia[i]);
     links_.add_to_tangent(tangent);
@@ -199,7 +213,7 @@ StepLosses WireProblem::losses() const
     StepLosses losses;
     const std::span<double> force = std::span(scratch_).first(static_cast<std::size_t>(size()));
     std::fill(force.begin(), force.end(), 0.0);
-    add_elastic(rod, clamps, frames, force, nullptr, HessianMode::None);
+    if (role == WireRole::Alone) add_elastic(rod, clamps, frames, force, nullptr, HessianMode::None);
     for (int i = 0; i < size(); ++i) losses.strain_work += force[i] * (q.trial[i] - q.start[i]);
     for (int i = 0; i < size(); ++i) {
         const double change = time.velocity(q, i) - time.start_velocity(i);

@@ -25,6 +25,10 @@
 
 namespace seldinger {
 
+/// Whether a wire's elasticity is its own, or that of instruments that share a centreline (solve/coaxial_group.h), and which of
+/// these it is.
+enum class WireRole { Alone, Line, Passenger };
+
 class WireProblem {
 public:
     WireProblem(int capacity, const IntegratorSpec& spec);
@@ -40,6 +44,8 @@ public:
     void begin_frames(const IntegratorSpec& spec, bool leave_spins);
     /// Takes spin angles in again, as they were at the start of the step.
     void take_spins_in();
+    /// A passenger, after it has begun: its positions are the line's, and it is measured by the line's scales.
+    void follow(const WireProblem& line);
     /// Angles that leave no twist, from a clamp of the spin on or else with the spins' momentum kept, which no torque changes.
     void untwist();
     /// Whether the residual of the spins' equations meets the tolerance.
@@ -84,6 +90,8 @@ public:
     void restore_reference();
     /// Makes the trial the accepted state in the wire's arrays (velocities zero when static).
     void commit(bool newmark);
+    /// A passenger, after its line: where that is, and its frames.
+    void take_from(const RodView& line);
     /// Symplectic Euler: v+ = v + h F/m, x+ = x + h v+. A prescribed unknown goes to its value, and its residual, the hold's
     /// force, takes in its inertia.
     void move_explicit();
@@ -100,6 +108,7 @@ public:
     [[nodiscard]] RodTrial trial_view() const;
 
     int wire = 0;  // of the world
+    WireRole role = WireRole::Alone;
     RodView rod;
     std::vector<RodClamp> clamps;
     RodFrames frames;

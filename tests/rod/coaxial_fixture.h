@@ -44,7 +44,7 @@ public:
           arrays(std::vector<int>{n}),
           line(arrays.view(0)),
           rod(n, static_cast<int>(specs.size())),
-          frames(n),
+          frames(n, 1),
           hessian(n, rod.instruments)
     {
         const double length = *std::ranges::max_element(inserted);
@@ -223,7 +223,7 @@ public:
         angle[n - 1] = rod.theta[k][n - 1];
         double ref = 0;
         for (int j = n - 2; j >= 0; --j) {
-            ref += j == n - 2 ? frames.line.clamp_ref_twist[0] : frames.line.ref_twist[j + 1];
+            ref += j == n - 2 ? frames.clamp_ref_twist[0] : frames.ref_twist[j + 1];
             angle[j] = rod.theta[k][j] - ref;
         }
         const auto middle = [&](int j) {
@@ -241,7 +241,7 @@ public:
     RodView line;
     CoaxialRod rod;
     CoaxialBase base;
-    CoaxialFrames frames;
+    RodFrames frames;
     CoaxialHessian hessian;
 
 private:

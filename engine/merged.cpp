@@ -1,0 +1,317 @@
+// Instruments that share one centreline: placed, fed, held, their nodes at the hub.
+
+#include "merged.h"
+
+#include "rod/coaxial_split.h"
+#include "rod/place.h"
+#include "step_stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire)
+{
+    for (const CoaxialSpec& spec : setup.coaxial)
+        if (spec.model == CoaxialSpec::Model::Merged && std::ranges::find(spec.order, wire) != spec.order.end()) return &spec;
+    return nullptr;
+}
+
+double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    double edge = INFINITY;
+    for (const int w : spec.order) edge = std::min(edge, uniform_edge(setup.wires[w].wire));
+    return edge;
+}
+
+int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    double longest = 0;
+    for (const int w : spec.order) longest = std::max(longest, setup.wires[w].wire.length);
+    return static_cast<int>(std::ceil(1.01 * longest / merged_edge(setup, spec))) + 6;
+}
+
+namespace {
+
+const WireSpec& spec_of(const World::Impl& state, const MergedGroup& group, int k)
+{
+    return state.setup.wires[group.wires()[k]].wire;
+}
+
+int ahead_of_all(const World::Impl& state, const MergedGroup& group)
+{
+    int first = group.leader;
+    for (int k = 0; k < group.shared.count(); ++k)
+        if (state.feeds[group.wires()[k]].advance > state.feeds[group.wires()[first]].advance) first = k;
+    return first;
+}
+
+/// The leader's tip is where the line's is; the others have been fed as far as they are beyond the hub.
+double offset_of(World::Impl& state, const MergedGroup& group, int k)
+{
+    const double advance = state.feeds[group.wires()[k]].advance;
+    if (!group.feed.inside || k == group.leader) return advance - group.feed.advance;
+    const RodView line = state.rods.view(group.line());
+    return advance - line.material_s[line.n - 1];
+}
+
+void set_offsets(World::Impl& state, MergedGroup& group)
+{
+    for (int k = 0; k < group.shared.count(); ++k)
+        group.shared.rod.instrument[k] = {&spec_of(state, group, k), offset_of(state, group, k)};
+}
+
+/// Angles at the clamps, or of the hands that hold what is behind them.
+void set_angles(World::Impl& state, MergedGroup& group)
+{
+    for (int k = 0; k < group.shared.count(); ++k) {
+        const int w = group.wires()[k];
+        const FeedSpec& from = state.setup.wires[w].feed;
+        group.shared.clamp[k] = group.shared.base.hand[k] = -state.feeds[w].turn;
+        const double behind = from.behind > 0 ? from.behind - (state.feeds[w].advance - from.advance) : 0.0;
+        group.shared.base.behind[k] = std::max(behind, 0.0) / spec_of(state, group, k).shaft.twist_stiffness;
+    }
+}
+
+void set_inside(World::Impl& state, const MergedGroup& group)
+{
+    for (const int w : group.wires()) state.feeds[w].inside = group.feed.inside;
+}
+
+/// Passengers as long as the line; angles of all as the hubs are turned. @param rate  of each [rad/s]
+void level(World::Impl& state, MergedGroup& group, std::span<const double> angle, std::span<const double> rate)
+{
+    for (std::size_t k = 0; k < group.wires().size(); ++k) {
+        state.rods.set_node_count(group.wires()[k], state.rods.node_count(group.line()));
+        state.rods.set_curvature(group.wires()[k], spec_of(state, group, 0).curvature);
+        const RodView own = state.rods.view(group.wires()[k]);
+        std::ranges::fill(own.theta, angle[k]);
+        std::ranges::fill(own.spin_rate, rate[k]);
+        std::ranges::fill(own.spin_acc, 0.0);
+    }
+    follow_line(state.rods, group.wires());
+}
+
+/// Angles of an instrument that is still outside follow its hub.
+void level_absent(World::Impl& state, MergedGroup& group)
+{
+    const RodView line = state.rods.view(group.line());
+    const int hub = line.n - 1;
+    for (int k = 0; k < group.shared.count(); ++k) {
+        if (!coaxial_idle(group.shared.rod, hub, k) || !coaxial_idle(group.shared.rod, hub - 1, k)) continue;
+        const RodView own = state.rods.view(group.wires()[k]);
+        own.theta[hub] = group.shared.clamp[k];
+        own.theta[hub - 1] = own.theta[hub] + line.clamp_twist_a[hub];
+        for (int j = hub - 2; j >= 0; --j) own.theta[j] = own.theta[j + 1] + line.ref_twist[j + 1];
+        std::ranges::fill(own.spin_rate, 0.0);
+    }
+}
+
+}  // namespace
+
+double elastic_now(World::Impl& state, const MergedGroup& group)
+{
+    const RodView line = state.rods.view(group.line());
+    CoaxialTrial now{line.x, line.y, line.z, {}};
+    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = state.rods.view(group.wires()[k]).theta;
+    RodFrames& frames = state.hub_scratch.split.frames;
+    state.hub_scratch.split.provide(state.rods.capacity(group.line()));
+    const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
+    const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;
+    frames.material = true;
+    return energy;
+}
+
+namespace {
+
+/// Another instrument has got ahead: the line goes on straight to its tip, and counts from there. Its material there moves
+/// with it.
+void change_leader(World::Impl& state, MergedGroup& group, int leader)
+{
+    const RodView line = state.rods.view(group.line());
+    const double before = elastic_now(state, group);
+    const double longer = state.feeds[group.wires()[leader]].advance - line.material_s[line.n - 1];
+    const Vec3 forwards = (line.pos(0) - line.pos(1)).normalized();
+    line.set_pos(0, line.pos(0) + longer * forwards);
+    for (int i = 1; i < line.n; ++i) line.material_s[i] += longer;
+    group.leader = leader;
+    group.feed.advance = state.feeds[group.wires()[leader]].advance;
+    group.feed.surplus = group.feed.surplus_rate = 0;
+    set_offsets(state, group);
+    prepare_group(state.rods, group.wires(), group.shared.rod);
+    follow_line(state.rods, group.wires());
+    state.remesh_energy[group.line()] += elastic_now(state, group) - before;
+}
+
+/// What is carried in by material that has come, and what hands have lifted.
+void count_material(World::Impl& state, MergedGroup& group)
+{
+    const RodView line = state.rods.view(group.line());
+    const Vec3 g = state.setup.gravity, hub = group.feed.point;
+    group.carried = group.weight_work = 0;
+    for (int i = 0; i < line.n; ++i) {
+        const double more = line.mass[i] - group.mass[i];
+        group.carried += more * (0.5 * line.vel(i).squaredNorm() - g.dot(hub));
+        group.weight_work -= more * g.dot(line.pos(i) - hub);
+    }
+    for (int k = 0; k < group.shared.count(); ++k) {
+        const RodView own = state.rods.view(group.wires()[k]);
+        for (int j = 0; j < line.n - 1; ++j) {
+            const double rate = own.spin_rate[j];
+            group.carried += 0.5 * (own.spin_inertia[j] - group.inertia[k][j]) * rate * rate;
+        }
+    }
+}
+
+}  // namespace
+
+void place_group(World::Impl& state, MergedGroup& group)
+{
+    const WorldSetup& setup = state.setup;
+    const int line = group.line(), count = group.shared.count(), capacity = state.rods.capacity(line);
+    group.shared.rod = CoaxialRod(capacity, count);
+    group.mass.resize(capacity);
+    for (auto& of_one : group.inertia) of_one.resize(capacity);
+    std::array<double, most_coaxial> angle{}, still{};
+    for (int k = 0; k < count; ++k) {
+        const FeedSpec& from = setup.wires[group.wires()[k]].feed;
+        FeedState& feed = state.feeds[group.wires()[k]];
+        feed.on = 1;
+        feed.advance = from.advance;
+        feed.turn = from.turn;
+        feed.edge = group.feed.edge;
+        angle[k] = -from.turn;
+    }
+    group.leader = ahead_of_all(state, group);
+    FeedSpec spec = setup.wires[line].feed;
+    spec.advance = state.feeds[group.wires()[group.leader]].advance;
+    spec.turn = 0;
+    start_feed(group.feed, spec, spec_of(state, group, group.leader), state.rods, line);
+    for (const int w : group.wires()) {
+        state.feeds[w].point = group.feed.point;
+        state.feeds[w].direction = group.feed.direction;
+        state.feeds[w].director = group.feed.director;
+    }
+    group.shared.base.tangent = -group.feed.direction;
+    group.shared.base.director = group.feed.director;
+    level(state, group, angle, still);
+    set_inside(state, group);
+    refresh_group(state, group);
+}
+
+void refresh_group(World::Impl& state, MergedGroup& group)
+{
+    set_offsets(state, group);
+    set_angles(state, group);
+    prepare_group(state.rods, group.wires(), group.shared.rod);
+}
+
+void feed_group(World::Impl& state, MergedGroup& group, double h)
+{
+    std::array<double, most_coaxial> angle{}, rate{}, offset{};
+    const int count = group.shared.count();
+    for (int k = 0; k < count; ++k) {
+        const int w = group.wires()[k];
+        FeedState& feed = state.feeds[w];
+        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + h);
+        angle[k] = -feed.turn;
+        group.turned[k] = feed.turn - end.turn;
+        rate[k] = group.turned[k] / h;
+        offset[k] = offset_of(state, group, k);
+        feed.speed = (end.advance - feed.advance) / h;
+        feed.grown = end.advance - feed.advance;
+        feed.advance = end.advance;
+        feed.turn = end.turn;
+    }
+    const RodView before = state.rods.view(group.line());
+    std::ranges::copy(before.mass, group.mass.begin());
+    for (int k = 0; k < count; ++k) std::ranges::copy(state.rods.view(group.wires()[k]).spin_inertia, group.inertia[k].begin());
+    const int leader = group.wires()[group.leader];
+    const bool was_inside = group.feed.inside;
+    feed_to(group.feed, {0, state.feeds[leader].advance, 0}, spec_of(state, group, group.leader), state.rods, group.line(), h);
+    if (!was_inside || !group.feed.inside) level(state, group, angle, rate);
+    set_inside(state, group);
+    set_offsets(state, group);
+    set_angles(state, group);
+    for (int k = 0; k < count; ++k) group.slid[k] = group.shared.rod.instrument[k].offset - offset[k];
+    prepare_group(state.rods, group.wires(), group.shared.rod);
+    level_absent(state, group);
+    EnergyAudit& audit = state.audits[group.line()];
+    if (!was_inside || !group.feed.inside) {
+        audit.known = false;
+        return;
+    }
+    count_material(state, group);
+    audit.fed.carried += group.carried;
+    const RodView line = state.rods.view(group.line());
+    const double hub_mass = 0.5 * line.mass[line.n - 1], speed = group.feed.speed;
+    audit.fed.unseen = speed == audit.speed ? 0 : hub_mass * std::abs(speed * speed - audit.speed * audit.speed);
+}
+
+void lead_group(World::Impl& state, MergedGroup& group)
+{
+    if (!group.feed.inside) {  // a rigid piece in the introducer: its tip is the leader's
+        group.leader = ahead_of_all(state, group);
+        group.feed.advance = state.feeds[group.wires()[group.leader]].advance;
+        return;
+    }
+    const int leader = ahead_of_all(state, group);
+    const RodView line = state.rods.view(group.line());
+    if (leader != group.leader && state.feeds[group.wires()[leader]].advance > line.material_s[line.n - 1])
+        change_leader(state, group, leader);
+}
+
+void constrain_group(const MergedGroup& group, const RodView& line, WireConstraints& out)
+{
+    const int hub = line.n - 1;
+    for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
+    out.hub_flow = group.feed.speed * group.feed.direction;
+    out.base_grown = group.feed.grown;
+    RodClamp clamp;
+    clamp.node = hub;
+    clamp.direction = clamp.spin = true;
+    clamp.tangent = group.shared.base.tangent;
+    clamp.director = group.shared.base.director;  // each instrument is turned by itself
+    out.clamps.push_back(clamp);
+}
+
+void adapt_group(World::Impl& state, MergedGroup& group, double dt)
+{
+    if (!group.feed.inside) return;
+    const int leader = group.wires()[group.leader], line = group.line();
+    const HubPath hub = state.hub_requests[leader].path();
+    const double t = state.wire_time[leader];
+    const BaseEdge limits = base_edge_limits(group.feed.edge, hub.travel(t, t + dt, +1), hub.travel(t, t + dt, -1));
+    const RodView rod = state.rods.view(line);
+    const double length = rod.rest_length[rod.n - 2];
+    const bool split = length >= limits.whole + limits.born && rod.n < state.rods.capacity(line);
+    const bool merge = length < limits.least && rod.n > 2;
+    if (!split && !merge) return;
+    refresh_group(state, group);
+    const double before = elastic_now(state, group);
+    const SplitResult result =
+        split ? split_coaxial_base(state.rods, group.wires(), group.shared.rod, group.shared.base, limits.whole / length)
+              : merge_coaxial_base(state.rods, group.wires(), group.shared.rod, group.shared.base);
+    FeedState& feed = group.feed;
+    feed.surplus += result.rest_length_added;
+    feed.surplus_rate = std::clamp(result.base_rate - feed.speed, -std::abs(feed.speed), std::abs(feed.speed));
+    refresh_group(state, group);
+    state.remesh_energy[line] += elastic_now(state, group) - before;
+}
+
+void set_exposures(World::Impl& state)
+{
+    if (!state.contact) return;
+    for (const auto& group : state.merged) {
+        double farthest = -INFINITY;  // of those around
+        for (int k = 0; k < group->shared.count(); ++k) {
+            const int w = group->wires()[k];
+            const double advance = state.feeds[w].advance, out = k == 0 ? INFINITY : advance - farthest;
+            state.contact->set_exposure(w, offset_of(state, *group, k), out > 0 ? out : -1.0);
+            farthest = std::max(farthest, advance);
+        }
+    }
+}
+
+}  // namespace seldinger

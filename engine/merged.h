@@ -1,0 +1,85 @@
+#pragma once
+// Instruments that share one centreline in a world (D12, CoaxialSpec::Model::Merged): how they are placed, fed, held and read.
+// Private to the engine, as world.h is. What the solver makes of them: solve/coaxial_group.h.
+//
+// The centreline is as long as the instrument that is in farthest, the leader; its coordinate s counts from that one's tip, which
+// is the line's node 0. Instrument k's material at s is s + o_k, o_k = advance_k - advance of the leader (<= 0). A push of the
+// leader makes the base edge longer, as a wire's own feed does (solve/feed.h), and draws the others' offsets down, which stay at
+// the hub; a push of another one moves its offset alone.
+//
+// Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. When a sub-step has left
+// another instrument ahead, by what it has gained in that sub-step, the line is continued straight by that length, where nothing
+// bends it, and counts from the new tip.
+//
+// Each instrument touches the wall where no other one is around it, with its own radius, friction and stiffness, its slip being
+// that of its own material: what is fed of it past the line counts (contact/quadrature.h, `offset` and `exposed`).
+//
+// Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of the wall on
+// instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
+// F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k), L being the length of the line at fixed offsets.
+// Between the instruments there is no friction: CoaxialSpec's mu and stiffness are the separate model's.
+// Axial inertia of what slides along the line is not in it: all material of a place moves with the line's.
+
+#include "solve/coaxial_group.h"
+#include "solve/feed.h"
+#include "world.h"
+
+namespace seldinger {
+
+struct MergedGroup {
+    CoaxialGroup shared;
+    FeedState feed;  // of the line, as of one wire; its advance is the leader's
+    int leader = 0;  // place in the group
+    // of the present sub-step
+    std::array<double, most_coaxial> slid{}, turned{};  // change of the offsets [m], of the angles that hands hold [rad]
+    double weight_work = 0, carried = 0;                // that hands do on what is moved; energy that fed material brings in [J]
+    std::vector<double> mass;                           // [nodes] scratch
+    std::array<std::vector<double>, most_coaxial> inertia;
+    // what a failed attempt returns to
+    FeedState feed_backup;
+    int leader_backup = 0;
+
+    [[nodiscard]] std::span<const int> wires() const { return shared.wires; }
+    [[nodiscard]] int line() const { return shared.line(); }
+};
+
+/// @throws Error BadScene: instruments that cannot be merged
+void check_merged(const WorldSetup& setup);
+/// Edge of the line of a group, and its most nodes.
+[[nodiscard]] double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec);
+[[nodiscard]] int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec);
+/// The merged group that a wire is in, or null.
+[[nodiscard]] const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire);
+
+/// Into the introducer, with as much inside as the feeds say.
+void place_group(World::Impl& state, MergedGroup& group);
+/// Before a sub-step: whoever is in farthest leads.
+void lead_group(World::Impl& state, MergedGroup& group);
+/// Advances and turns all hubs of the group to the end of the sub-step.
+void feed_group(World::Impl& state, MergedGroup& group, double h);
+/// The line's hold at the hub.
+void constrain_group(const MergedGroup& group, const RodView& line, WireConstraints& out);
+/// Births and merges at the hub.
+void adapt_group(World::Impl& state, MergedGroup& group, double dt);
+/// Elastic energy of the accepted state [J].
+[[nodiscard]] double elastic_now(World::Impl& state, const MergedGroup& group);
+/// After arrays and feeds have been put back: offsets, angles and integrals.
+void refresh_group(World::Impl& state, MergedGroup& group);
+/// Where the instruments lie in the line now, for contact.
+void set_exposures(World::Impl& state);
+
+/// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
+void read_hands(World::Impl& state, MergedGroup& group);
+/// Elastic work of the feed in the last sub-step, and that of hands in all; of turning [J].
+struct MergedWork {
+    double feed = 0, hand = 0, turning = 0;
+};
+[[nodiscard]] MergedWork merged_work(World::Impl& state, const MergedGroup& group);
+
+/// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
+/// back.
+void show_groups(World::Impl& state);
+/// The wall's force on the nodes that show_groups() made.
+[[nodiscard]] std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire);
+
+}  // namespace seldinger

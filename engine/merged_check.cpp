@@ -1,0 +1,77 @@
+// Which instruments can share one centreline.
+
+#include "core/error.h"
+#include "merged.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+namespace seldinger {
+
+namespace {
+
+[[noreturn]] void refuse(std::string_view where, std::string_view what)
+{
+    throw Error(ExitCode::BadScene, fmt::format("{}: {}", where, what));
+}
+
+void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
+{
+    const WireSetup &wire = setup.wires[w], &first = setup.wires[spec.order[0]];
+    const std::string where = fmt::format("wires[{}]", w);
+    if (!wire.feed.on) refuse(where + ".feed.on", "is false, expected instruments of one centreline (merged) to be fed");
+    if ((wire.feed.point - first.feed.point).norm() > 0 || (wire.feed.direction - first.feed.direction).norm() > 0)
+        refuse(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
+    if (!(wire.feed.behind >= 0)) refuse(where + ".feed.behind", fmt::format("is {} m, expected 0 or more", wire.feed.behind));
+    if (!wire.holds.empty() || !wire.loads.empty() || !wire.links.empty())
+        refuse(where, "has holds, loads or links, expected none on instruments of one centreline (merged)");
+    if (wire.wire.curvature != first.wire.curvature)
+        refuse(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
+}
+
+void check_scheme(const WorldSetup& setup)
+{
+    const IntegratorSpec& integrator = setup.integrator;
+    const bool euler = integrator.scheme == Scheme::Newton && !integrator.newmark && !integrator.conserve;
+    if (!euler && integrator.scheme != Scheme::Static)
+        refuse("integrator",
+               "instruments of one centreline (merged) take backward Euler (newton) or static steps, expected one of them");
+    if (integrator.damping_stiffness > 0)
+        refuse("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
+    if (setup.instruments_touch)
+        refuse("instruments_touch",
+               "is on, expected it off with instruments of one centreline (merged): give each a rod of its own");
+    if (setup.vessel.elastic)
+        refuse("vessel.elastic", "is on, expected a rigid wall with instruments of one centreline (merged)");
+    const Detection detection = setup.wires[0].contact.detection;
+    if (!setup.mesh.triangles.empty() && detection != Detection::Swept && detection != Detection::Capsule)
+        refuse("contact.detection", "expected swept or capsule with instruments of one centreline (merged)");
+}
+
+}  // namespace
+
+void check_merged(const WorldSetup& setup)
+{
+    std::vector<int> seen(setup.wires.size(), 0);
+    bool any = false;
+    for (std::size_t c = 0; c < setup.coaxial.size(); ++c) {
+        const CoaxialSpec& spec = setup.coaxial[c];
+        if (spec.model != CoaxialSpec::Model::Merged) continue;
+        const std::string where = fmt::format("coaxial[{}]", c);
+        if (spec.order.size() > most_coaxial)
+            refuse(where + ".order", fmt::format("names {} instruments, expected at most {}", spec.order.size(), most_coaxial));
+        for (const int w : spec.order) {
+            if (++seen[w] > 1) refuse(where + ".order", fmt::format("names wire {}, which is in another one already", w));
+            check_member(setup, spec, w);
+        }
+        any = true;
+    }
+    if (any) check_scheme(setup);
+    for (std::size_t w = 0; w < setup.wires.size(); ++w)
+        if (setup.wires[w].feed.behind != 0 && !merged_spec_of(setup, static_cast<int>(w)))
+            refuse(fmt::format("wires[{}].feed.behind", w),
+                   "is not 0, expected it with instruments of one centreline (merged) only");
+}
+
+}  // namespace seldinger

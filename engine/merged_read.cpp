@@ -1,0 +1,192 @@
+// Instruments that share one centreline: what their hands feel, and each by itself.
+
+#include "merged.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+
+namespace {
+
+/// The wall's force on an instrument along the line, + towards the tip [N].
+double axial_contact(World::Impl& state, int wire)
+{
+    if (!state.contact) return 0;
+    const RodView rod = state.rods.view(wire);
+    std::vector<Vec3> force(static_cast<std::size_t>(rod.n), Vec3::Zero());
+    state.contact->add_nodal_forces(wire, force);
+    double sum = 0;
+    for (int i = 0; i < rod.n; ++i) {
+        Vec3 tangent = Vec3::Zero();
+        if (i > 0) tangent += rod.tangent(i - 1);
+        if (i < rod.n - 1) tangent += rod.tangent(i);
+        sum -= force[i].dot(tangent.normalized());
+    }
+    return sum;
+}
+
+double mass_rate(const WireSection* section)
+{
+    return section ? section->density * std::numbers::pi * section->radius * section->radius : 0.0;
+}
+
+/// A push takes away of what is twisted behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds [N].
+double twist_behind(const World::Impl& state, const MergedGroup& group, const CoaxialHands& hands, int k)
+{
+    const double torque = hands.torque[k];
+    const double stiffness = state.setup.wires[group.wires()[k]].wire.shaft.twist_stiffness;
+    return group.shared.base.behind[k] > 0 ? 0.5 * torque * torque / stiffness : 0.0;
+}
+
+/// Weight against a push of instrument k alone: each change of its section moves into the cell that it lies in.
+double weight_of(World::Impl& state, const MergedGroup& group, int k)
+{
+    const RodView line = state.rods.view(group.line());
+    double force = 0;
+    const auto& pieces = group.shared.rod.pieces;
+    for (std::size_t p = 0; p + 1 < pieces.size(); ++p) {
+        const double more = mass_rate(pieces[p + 1].section[k]) - mass_rate(pieces[p].section[k]);
+        if (more == 0) continue;
+        const double s = pieces[p].end;
+        int i = 0;  // cell that it is in
+        while (i < line.n - 1 && s >= 0.5 * (line.material_s[i] + line.material_s[i + 1])) ++i;
+        force -= more * state.setup.gravity.dot(line.pos(i) - group.feed.point);
+    }
+    return force;
+}
+
+}  // namespace
+
+void read_hands(World::Impl& state, MergedGroup& group)
+{
+    const CoaxialHands hands = state.solver->coaxial_hands(group.line());
+    const RodView line = state.rods.view(group.line());
+    const int count = group.shared.count(), base = line.n - 2;
+    const double stretched = (line.pos(base + 1) - line.pos(base)).norm() / line.rest_length[base];
+    double of_leader = hands.push(group.leader, group.leader, count) + twist_behind(state, group, hands, group.leader) +
+                       line.mass[base + 1] * stretched * state.setup.gravity.dot(line.tangent(base));
+    for (int k = 0; k < count; ++k) {
+        WireResult& result = state.results[group.wires()[k]];
+        result.hand_torque = -hands.torque[k];
+        if (k == group.leader) continue;
+        const double beside = weight_of(state, group, k) - axial_contact(state, group.wires()[k]);
+        result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(state, group, hands, k);
+        of_leader -= beside;
+    }
+    state.results[group.wires()[group.leader]].hand_force = of_leader;
+}
+
+MergedWork merged_work(World::Impl& state, const MergedGroup& group)
+{
+    const CoaxialHands hands = state.solver->coaxial_hands(group.line());
+    MergedWork work;
+    work.feed = hands.line_force * group.feed.grown;
+    work.hand = group.weight_work;
+    for (int k = 0; k < group.shared.count(); ++k) {
+        work.feed += hands.offset_force[k] * group.slid[k];
+        if (group.slid[k] != 0) work.hand -= axial_contact(state, group.wires()[k]) * group.slid[k];
+        work.feed += twist_behind(state, group, hands, k) * state.feeds[group.wires()[k]].grown;
+        work.turning += hands.torque[k] * group.turned[k];
+    }
+    work.hand += work.feed;
+    return work;
+}
+
+namespace {
+
+/// One that is not in yet: the last half edge of it, in the introducer.
+void show_outside(World::Impl& state, const MergedGroup& group, int k)
+{
+    const int w = group.wires()[k];
+    state.shown->set_node_count(w, 2);
+    const RodView own = state.shown->view(w);
+    const FeedState& feed = state.feeds[w];
+    for (const std::span<double>& array : state.shown->arrays(w)) std::ranges::fill(array, 0.0);
+    for (int i = 0; i < 2; ++i) {
+        own.material_s[i] = i * group.feed.edge / 2;
+        own.set_pos(i, feed.point + (feed.advance - own.material_s[i]) * feed.direction);
+        own.set_vel(i, feed.speed * feed.direction);
+        own.theta[i] = -feed.turn;
+        own.set_tangent(i, -feed.direction);
+        own.set_ref_d1(i, feed.director);
+    }
+    own.rest_length[0] = group.feed.edge / 2;
+    own.radius[0] = own.radius[1] = state.setup.wires[w].wire.shaft.radius;
+}
+
+/// Stiffness, mass and radius of its own.
+void show_section(const RodView& own, const WireSpec& spec)
+{
+    for (int i = 0; i < own.n; ++i) {
+        const double s = own.material_s[i];
+        const int j = std::min(i, own.n - 2);
+        const WireSection& at = spec.at(std::clamp(s, 0.0, spec.length));
+        const WireSection& along = spec.at(std::clamp(0.5 * (own.material_s[j] + own.material_s[j + 1]), 0.0, spec.length));
+        own.bend_stiffness[i] = at.bend_stiffness;
+        own.twist_stiffness[i] = at.twist_stiffness;
+        own.stretch_stiffness[i] = along.stretch_stiffness;
+        own.radius[i] = along.radius;
+        own.mass[i] = mass_rate(&at) * own.voronoi_length(i);
+        own.rest_kappa1[i] = at.rest_curvature[0] * own.voronoi_length(i);
+        own.rest_kappa2[i] = at.rest_curvature[1] * own.voronoi_length(i);
+    }
+}
+
+void show(World::Impl& state, const MergedGroup& group, int k)
+{
+    const int w = group.wires()[k];
+    const RodView line = state.rods.view(group.line()), angles = state.rods.view(w);
+    const double tip = -group.shared.rod.instrument[k].offset, hub = line.material_s[line.n - 1];
+    const double least = 1e-6 * group.feed.edge;
+    state.shown_from[w] = 0;
+    if (!group.feed.inside || !(hub - tip > least)) return show_outside(state, group, k);
+    int edge = 0;  // that its tip is on
+    while (edge < line.n - 2 && line.material_s[edge + 1] - tip <= least) ++edge;
+    state.shown_from[w] = edge;
+    const int n = line.n - edge;
+    state.shown->set_node_count(w, n);
+    const RodView own = state.shown->view(w);
+    const auto to = state.shown->arrays(w);
+    const auto from = state.rods.arrays(group.line());
+    for (std::size_t a = 0; a < to.size(); ++a) std::ranges::copy(from[a].subspan(edge, n), to[a].begin());
+    for (int i = 0; i < n; ++i) {
+        own.material_s[i] -= tip;
+        own.theta[i] = angles.theta[i + edge];
+        own.spin_rate[i] = angles.spin_rate[i + edge];
+        own.spin_acc[i] = angles.spin_acc[i + edge];
+    }
+    const double share = std::clamp((tip - line.material_s[edge]) / line.rest_length[edge], 0.0, 1.0);
+    own.set_pos(0, (1 - share) * line.pos(edge) + share * line.pos(edge + 1));
+    own.set_vel(0, (1 - share) * line.vel(edge) + share * line.vel(edge + 1));
+    own.material_s[0] = 0;
+    own.rest_length[0] = own.material_s[1];
+    own.ref_twist[0] = own.clamp_twist_a[0] = 0;
+    show_section(own, state.setup.wires[w].wire);
+    for (int j = 0; j < n - 1; ++j) own.spin_inertia[j] = angles.spin_inertia[j + edge];
+}
+
+}  // namespace
+
+std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire)
+{
+    const std::vector<Vec3>& all = state.results[wire].nodal_contact;
+    const int from = state.shown_from[wire], n = state.shown->node_count(wire);
+    std::vector<Vec3> force(static_cast<std::size_t>(n), Vec3::Zero());
+    // what is on the node before its tip is on the edge that the tip is on
+    for (int i = 0; i < n && from + i < static_cast<int>(all.size()); ++i) force[i] = all[from + i];
+    return force;
+}
+
+void show_groups(World::Impl& state)
+{
+    for (const auto& group : state.merged)
+        for (int k = 0; k < group->shared.count(); ++k) {
+            const int w = group->wires()[k];
+            state.shown->set_curvature(w, state.rods.view(group->line()).curvature);
+            show(state, *group, k);
+        }
+}
+
+}  // namespace seldinger

@@ -1,0 +1,259 @@
+// Births and merges of the node next to the hub of instruments that share a centreline.
+
+#include "rod/coaxial_split.h"
+
+#include "core/check.h"
+#include "rod/transport.h"
+
+#include <algorithm>
+
+namespace seldinger {
+
+namespace {
+
+CoaxialTrial now_of(RodArrays& rods, std::span<const int> wires)
+{
+    const RodView line = rods.view(wires[0]);
+    CoaxialTrial now{line.x, line.y, line.z, {}};
+    for (std::size_t k = 0; k < wires.size(); ++k) now.theta[k] = rods.view(wires[k]).theta;
+    return now;
+}
+
+double axial_force(const RodView& line, int j)
+{
+    return line.stretch_stiffness[j] * ((line.pos(j + 1) - line.pos(j)).norm() / line.rest_length[j] - 1);
+}
+
+Vec3 momentum(const RodView& line, int last)
+{
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i <= last; ++i) sum += line.mass[i] * line.vel(i);
+    return sum;
+}
+
+/// Common shift of the velocities of the nodes up to `last` that gives them this momentum.
+void set_momentum(const RodView& line, int last, const Vec3& wanted)
+{
+    double mass = 0;
+    for (int i = 0; i <= last; ++i) mass += line.mass[i];
+    const Vec3 shift = (wanted - momentum(line, last)) / mass;
+    for (int i = 0; i <= last; ++i) line.set_vel(i, line.vel(i) + shift);
+}
+
+Vec3 forwards(const RodView& line, int j) { return (line.pos(j) - line.pos(j + 1)).normalized(); }
+
+/// Tangent of edge j from its nodes, and a director carried to it.
+void set_edge_frame(const RodView& line, int j, const Vec3& from, const Vec3& d1)
+{
+    const Vec3 t = (line.pos(j + 1) - line.pos(j)).normalized();
+    line.set_tangent(j, t);
+    line.set_ref_d1(j, unit_normal(parallel_transport(d1, from, t, one_plus_cos(from, t)), t));
+}
+
+/// Reference twist at inner node i of the present frames, nearest to `last`.
+double inner_reference(const RodView& line, int i, double last)
+{
+    const Vec3 te = line.tangent(i - 1), tf = line.tangent(i);
+    return unwrap(signed_angle(parallel_transport(line.ref_d1(i - 1), te, tf, one_plus_cos(te, tf)), line.ref_d1(i), tf), last);
+}
+
+/// The same between the base edge and the sleeve.
+double sleeve_reference(const RodView& line, const CoaxialBase& base, double last)
+{
+    const Vec3 te = line.tangent(line.n - 2);
+    const Vec3 carried = parallel_transport(line.ref_d1(line.n - 2), te, base.tangent, one_plus_cos(te, base.tangent));
+    return unwrap(signed_angle(carried, base.director, base.tangent), last);
+}
+
+/// Lengths of the edges from `first` on such that they carry `force`, their sum being about `length`. @return rest length added
+double set_lengths(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, int first, double force, double length)
+{
+    const RodView line = rods.view(wires[0]);
+    prepare_group(rods, wires, rod);  // the stiffness of edges that are about as long
+    double s = line.material_s[first];
+    const double begin = s;
+    for (int j = first; j < line.n - 1; ++j) {
+        const double chord = (line.pos(j + 1) - line.pos(j)).norm();
+        s += std::clamp(chord / (1 + force / line.stretch_stiffness[j]), 0.5 * line.rest_length[j], 2 * line.rest_length[j]);
+        line.material_s[j + 1] = s;
+    }
+    prepare_group(rods, wires, rod);
+    return s - begin - length;
+}
+
+/// Twist per length of an instrument on both sides of an edge [rad/m].
+struct TwistRates {
+    double inner = 0, base = 0;
+    TwistRates(const RodView& own, const RodView& line)
+    {
+        const int a = line.n - 2;
+        if (a > 0) inner = (own.theta[a] - own.theta[a - 1] + line.ref_twist[a]) / line.voronoi_length(a);
+        base = (own.theta[a + 1] - own.theta[a] + line.clamp_twist_a[a + 1]) / (0.5 * line.rest_length[a]);
+    }
+};
+
+/// Moves the node next to the hub sideways to where the elastic forces on it balance (rod/split.cpp, balance_born_node).
+void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, double force,
+                       double length)
+{
+    constexpr int most_rounds = 12;
+    constexpr double balanced = 1e-12;  // of the base edge's length
+    const RodView line = rods.view(wires[0]);
+    const int m = line.n - 2, a = m - 1;
+    RodFrames frames(line.n, 1);
+    std::vector<double> gradient(static_cast<std::size_t>(rod.dofs().count(line.n)));
+    for (int round = 0; round < most_rounds; ++round) {
+        set_lengths(rods, wires, rod, a, force, length);
+        if (!update_coaxial(rod, line, now_of(rods, wires), base, frames)) return;
+        std::fill(gradient.begin(), gradient.end(), 0.0);
+        add_coaxial(rod, line, now_of(rods, wires), base, frames, gradient, nullptr, HessianMode::None);
+        const auto at = [&](int c) { return gradient[rod.dofs().position(m, c)]; };
+        Vec3 pull(at(0), at(1), at(2));
+        const Vec3 t = frames.tangent[m];
+        pull -= pull.dot(t) * t;
+        const double inner = line.rest_length[a], outer = line.rest_length[m], both = 1 / inner + 1 / outer;
+        const double stiffness = 2 * line.bend_stiffness[m + 1] / (outer * outer * outer) +
+                                 line.bend_stiffness[m] / line.voronoi_length(m) * both * both +
+                                 (a > 0 ? line.bend_stiffness[a] / (line.voronoi_length(a) * inner * inner) : 0.0);
+        const Vec3 shift = pull / stiffness;
+        line.set_pos(m, line.pos(m) - shift);
+        if (shift.norm() < balanced * outer) break;
+    }
+}
+
+/// Frames of the last edges from `first` on anew. @return how the reference twists at node `first` and at the sleeve have changed
+std::array<double, 2> refresh_frames(RodArrays& rods, std::span<const int> wires, const CoaxialBase& base, int first,
+                                     const Vec3& tangent, const Vec3& d1, double at_sleeve)
+{
+    const RodView line = rods.view(wires[0]);
+    for (int j = first; j < line.n - 1; ++j) set_edge_frame(line, j, tangent, d1);
+    for (int i = first + 1; i < line.n - 1; ++i) line.ref_twist[i] = inner_reference(line, i, 0);
+    std::array<double, 2> change{};
+    if (first > 0) {
+        const double before = line.ref_twist[first];
+        line.ref_twist[first] = inner_reference(line, first, before);
+        change[0] = line.ref_twist[first] - before;
+    }
+    line.ref_twist[line.n - 1] = 0;
+    for (int i = first; i < line.n; ++i) line.clamp_twist_a[i] = line.clamp_twist_b[i] = 0;
+    line.clamp_twist_a[line.n - 1] = sleeve_reference(line, base, at_sleeve);
+    change[1] = line.clamp_twist_a[line.n - 1] - at_sleeve;
+    return change;
+}
+
+}  // namespace
+
+void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
+{
+    const RodView line = rods.view(wires[0]);
+    prepare_coaxial(rod, line);
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const RodView own = rods.view(wires[k]);
+        for (int j = 0; j < line.n - 1; ++j) own.spin_inertia[j] = rod.spin_inertia[k][j];
+        if (k == 0) continue;
+        for (int i = 0; i < line.n; ++i) {
+            own.material_s[i] = line.material_s[i];
+            own.rest_length[i] = line.rest_length[i];
+            own.bend_stiffness[i] = line.bend_stiffness[i];
+            own.radius[i] = rod.instrument[k].spec->shaft.radius;
+            own.stretch_stiffness[i] = own.twist_stiffness[i] = own.mass[i] = 0;
+            own.rest_kappa1[i] = own.rest_kappa2[i] = own.rest_twist[i] = 0;
+        }
+    }
+}
+
+void follow_line(RodArrays& rods, std::span<const int> wires)
+{
+    const RodView line = rods.view(wires[0]);
+    for (const int w : wires.subspan(1)) {
+        const RodView own = rods.view(w);
+        for (int i = 0; i < line.n; ++i) {
+            own.set_pos(i, line.pos(i));
+            own.set_vel(i, line.vel(i));
+            own.set_tangent(i, line.tangent(i));
+            own.set_ref_d1(i, line.ref_d1(i));
+            own.ax[i] = line.ax[i], own.ay[i] = line.ay[i], own.az[i] = line.az[i];
+            own.ref_twist[i] = line.ref_twist[i];
+            own.clamp_twist_a[i] = line.clamp_twist_a[i];
+            own.clamp_twist_b[i] = 0;
+        }
+    }
+}
+
+SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base,
+                               double fraction)
+{
+    RodView line = rods.view(wires[0]);
+    const int a = line.n - 2;
+    const double length = line.rest_length[a], force = axial_force(line, a), at_sleeve = line.clamp_twist_a[a + 1];
+    const Vec3 tangent = line.tangent(a), d1 = line.ref_d1(a), carried = momentum(line, line.n - 1);
+    std::vector<TwistRates> rates;
+    for (const int w : wires) rates.emplace_back(rods.view(w), line);
+    // a parabola that leaves the sleeve along it and comes to the node before
+    const Vec3 from = line.pos(a), to = line.pos(a + 1), chord = from - to;
+    const double u = 1 - fraction;
+    const Vec3 position = to - u * (1 - u) * chord.norm() * base.tangent + u * u * chord;
+
+    for (const int w : wires) rods.insert_node(w, a + 1);
+    line = rods.view(wires[0]);
+    line.set_pos(a + 1, position);
+    line.material_s[a + 1] = line.material_s[a] + fraction * length;
+    line.material_s[a + 2] = line.material_s[a] + length;
+    for (const int w : wires) {
+        const RodView own = rods.view(w);
+        own.theta[a + 1] = own.theta[a];
+        own.spin_rate[a + 1] = own.spin_rate[a];
+        own.spin_acc[a + 1] = own.spin_acc[a];
+    }
+    follow_line(rods, wires);
+    balance_born_node(rods, wires, rod, base, force, length);
+    const double added = set_lengths(rods, wires, rod, a, force, length);
+    const std::array<double, 2> change = refresh_frames(rods, wires, base, a, tangent, d1, at_sleeve);
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const RodView own = rods.view(wires[k]);
+        const double angle = own.theta[a];
+        own.theta[a] = angle - 0.5 * rates[k].inner * line.rest_length[a + 1] - change[0];
+        own.theta[a + 1] = angle + 0.5 * rates[k].base * line.rest_length[a] + change[1];
+    }
+    for (const std::span<double> acc : {line.ax, line.ay, line.az}) acc[a + 1] = fraction * acc[a + 2] + (1 - fraction) * acc[a];
+    // the new node leaves the sleeve along the arc that its base edge is a chord of, as fast as the inner edge's length demands
+    const Vec3 out = (2 * forwards(line, a + 1) + base.tangent).normalized(), inner = forwards(line, a);
+    line.set_vel(a + 1, inner.dot(line.vel(a)) / inner.dot(out) * out);
+    set_momentum(line, a + 1, carried - line.mass[a + 2] * line.vel(a + 2));
+    follow_line(rods, wires);
+    return {added, forwards(line, a + 1).dot(line.vel(a + 1))};
+}
+
+SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base)
+{
+    RodView line = rods.view(wires[0]);
+    const int node = line.n - 2, a = node - 1;
+    SEL_ASSERT(a >= 0);
+    const double first = line.rest_length[a], second = line.rest_length[node], length = first + second;
+    const double force = (first * axial_force(line, a) + second * axial_force(line, node)) / length;
+    const Vec3 tangent = line.tangent(a), d1 = line.ref_d1(a), carried = momentum(line, line.n - 1);
+    const double ref = line.ref_twist[node], at_sleeve = line.clamp_twist_a[line.n - 1], share = second / length;
+    std::vector<double> twists, spins;
+    for (const int w : wires) {
+        const RodView own = rods.view(w);
+        twists.push_back(own.theta[node] - own.theta[a] + ref);
+        const double inertia = own.spin_inertia[a] + own.spin_inertia[node];
+        const double momentum_of = own.spin_inertia[a] * own.spin_rate[a] + own.spin_inertia[node] * own.spin_rate[node];
+        spins.push_back(inertia > 0 ? momentum_of / inertia : 0);
+    }
+    for (const int w : wires) rods.erase_node(w, node);
+    line = rods.view(wires[0]);
+    const double added = set_lengths(rods, wires, rod, a, force, length);
+    const std::array<double, 2> change = refresh_frames(rods, wires, base, a, tangent, d1, at_sleeve + ref);
+    const double halves = a > 0 ? 0.5 : 1;
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const RodView own = rods.view(wires[k]);
+        own.theta[a] += share * twists[k] + halves * (change[1] - change[0]);
+        own.spin_rate[a] = spins[k];
+    }
+    set_momentum(line, line.n - 2, carried - line.mass[line.n - 1] * line.vel(line.n - 1));
+    follow_line(rods, wires);
+    return {added, forwards(line, line.n - 2).dot(line.vel(line.n - 2))};
+}
+
+}  // namespace seldinger

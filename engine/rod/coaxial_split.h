@@ -1,0 +1,25 @@
+#pragma once
+// Nodes at the hub of instruments that share a centreline come and go while these are fed, as those of a wire do (rod/split.h):
+// what they carry does not jump.
+//
+// A new node is put where its bending forces balance, both new edges carry the old one's axial force, and each instrument keeps
+// its twist per length at both neighbours. It moves so that no edge is stretched.
+
+#include "rod/coaxial.h"
+#include "rod/split.h"
+
+namespace seldinger {
+
+/// @param wires  of `rods`: the line, then its passengers (solve/coaxial_group.h); all have as many nodes at the same places
+/// @param fraction  of the base edge that stays tipwards of the new node
+SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base,
+                               double fraction);
+/// Takes out the node next to the hub.
+SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base);
+
+/// prepare_coaxial(), and what of it passengers keep.
+void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod);
+/// The line's places and frames into the passengers' arrays.
+void follow_line(RodArrays& rods, std::span<const int> wires);
+
+}  // namespace seldinger

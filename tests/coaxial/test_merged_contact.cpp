@@ -1,0 +1,170 @@
+// Instruments that share one centreline in a vessel: whose surface touches, what each hand feels of it.
+
+#include "support/world_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm.
+WorldSetup in_a_bend(double catheter, double wire)
+{
+    TestSetup made;
+    made.gravity = Vec3::Zero();
+    add_bend(made, 4e-3, 0.04);
+    WireSpec outer = steel_wire(0.3, 151), inner = steel_wire(0.3, 151);
+    outer.shaft.radius = 0.9e-3;
+    outer.shaft.bend_stiffness = 3e-5;
+    outer.shaft.twist_stiffness = 2.3e-5;
+    outer.shaft.mu_sliding = 0.1;
+    outer.shaft.mu_static = 0.12;
+    for (const auto& [spec, advance] : {std::pair(outer, catheter), std::pair(inner, wire)}) {
+        made.wires.push_back(fed_wire(spec, {0, 0, 0}, 0));
+        made.wires.back().feed.keys = {{0, advance, 0}};
+    }
+    made.systems = {2};
+    made.integrator.damping_mass = 5;
+    WorldSetup setup = made;
+    setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
+    return setup;
+}
+
+struct Place {
+    double catheter, wire;  // [m]
+};
+
+/// Steps of 1 ms from one place to the other.
+void go(World& world, const Place& from, const Place& to, int steps)
+{
+    for (int k = 1; k <= steps; ++k) {
+        const double share = static_cast<double>(k) / steps;
+        Control control;
+        control.move_to(0, from.catheter + share * (to.catheter - from.catheter), 0);
+        control.move_to(1, from.wire + share * (to.wire - from.wire), 0);
+        REQUIRE_FALSE(step(world, control, 1e-3).failed());
+    }
+}
+
+double turned_over(const EnergyLedger& ledger)
+{
+    return std::max({std::abs(ledger.hand), std::abs(ledger.wire), ledger.friction, ledger.scheme, ledger.damping});
+}
+
+}  // namespace
+
+TEST_SUITE("coaxial/merged contact")
+{
+    // What the ledger misses is what contact has stored in points of the wire that the catheter passes over, which are let go.
+    // The sum of both hands is the force at the inlet but for the energy per length there, (1/2) B kappa^2 of a straight lead-in.
+    TEST_CASE("property: pushed round a bend one after the other and back, with energy and momentum closed")
+    {
+        const Place start{0.01, 0.02}, wire_out{0.01, 0.1}, over_it{0.07, 0.1}, ahead{0.1, 0.08}, back{0.03, 0.02};
+        World world(in_a_bend(start.catheter, start.wire));
+        Place at = start;
+        for (const Place& next : {wire_out, over_it, ahead, back}) {
+            CAPTURE(next.catheter);
+            go(world, at, next, 800);
+            at = next;
+            const WireReadings outer = world.readings(0), inner = world.readings(1);
+            CHECK(std::abs(outer.energy.open()) < 0.02 * turned_over(outer.energy));
+            CHECK(outer.outside == 0);
+            CHECK(inner.outside == 0);
+            CHECK(outer.momentum.error().norm() < 1e-6);
+            const double hands = outer.hand_force + inner.hand_force;
+            CHECK(std::abs(hands - outer.base_force.x()) < 0.05 * std::abs(hands) + 2e-5);
+            for (const int w : {0, 1})
+                CHECK(world.rod(w).material_s[world.rod(w).n - 1] == about(w == 0 ? at.catheter : at.wire).epsilon(1e-3));
+        }
+    }
+
+    // The wire slides out of a catheter that stands still: all of its friction is in its own hand.
+    TEST_CASE("property: friction is felt by the hand of the instrument that it acts on")
+    {
+        World world(in_a_bend(0.01, 0.02));
+        go(world, {0.01, 0.02}, {0.03, 0.04}, 200);
+        go(world, {0.03, 0.04}, {0.03, 0.1}, 600);
+        const WireReadings wire = world.readings(1);
+        REQUIRE(wire.friction > 1e-3);
+        CHECK(wire.sliding == about(wire.friction).epsilon(1e-6));
+        CHECK(world.readings(0).friction < 0.02 * wire.friction);
+        World slippery([] {
+            WorldSetup setup = in_a_bend(0.01, 0.02);
+            setup.wires[1].wire.shaft.mu_sliding = setup.wires[1].wire.shaft.mu_static = 0;
+            return setup;
+        }());
+        go(slippery, {0.01, 0.02}, {0.03, 0.04}, 200);
+        go(slippery, {0.03, 0.04}, {0.03, 0.1}, 600);
+        // friction presses the wire against the bend a little more, exp(mu phi) - 1 instead of mu phi, and changes the shape that
+        // the catheter would be pushed into
+        const double more = wire.hand_force - slippery.readings(1).hand_force;
+        CHECK(more == about(wire.friction).epsilon(0.15));
+        CHECK(std::abs(world.readings(0).hand_force - slippery.readings(0).hand_force) < 0.2 * wire.friction);
+    }
+
+    TEST_CASE("property: a run in a vessel that is taken up again ends with the same bits")
+    {
+        World whole(in_a_bend(0.01, 0.02)), first(in_a_bend(0.01, 0.02)), second(in_a_bend(0.01, 0.02));
+        for (World* world : {&whole, &first}) go(*world, {0.01, 0.02}, {0.05, 0.09}, 350);
+        second.restore_state(first.save_state());
+        CHECK(second.contacts().size() == first.contacts().size());
+        for (World* world : {&whole, &second}) go(*world, {0.05, 0.09}, {0.09, 0.07}, 200);
+        CHECK(second.state_hash() == whole.state_hash());
+        CHECK(second.readings(0).energy.hand == whole.readings(0).energy.hand);
+    }
+
+    TEST_CASE("property: a catheter that has not come yet changes nothing")
+    {
+        WorldSetup both = in_a_bend(0, 0.02), one = both;
+        one.wires.erase(one.wires.begin());
+        one.coaxial.clear();
+        one.systems.clear();
+        World group(both), alone(one);
+        go(group, {0, 0.02}, {0, 0.1}, 800);
+        for (int k = 1; k <= 800; ++k) {
+            Control control;
+            control.move_to(0, 0.02 + 1e-4 * k, 0);
+            REQUIRE_FALSE(step(alone, control, 1e-3).failed());
+        }
+        // births at the hub put their nodes a little differently
+        CHECK((group.rod(1).pos(0) - alone.rod(0).pos(0)).norm() < 5e-5);
+        CHECK(group.readings(1).friction == about(alone.readings(0).friction).epsilon(0.02));
+        CHECK(group.readings(1).hand_force == about(alone.readings(0).hand_force).epsilon(0.02));
+    }
+
+    TEST_CASE("bad input: what cannot share a centreline is named")
+    {
+        const auto message = [](const WorldSetup& setup) {
+            try {
+                World world(setup);
+            } catch (const std::exception& error) {
+                return std::string(error.what());
+            }
+            return std::string();
+        };
+        WorldSetup setup = in_a_bend(0.02, 0.05);
+        CHECK(message(setup).empty());
+        setup.coaxial[0].order = {0};
+        CHECK(message(setup).find("coaxial[0].order: names 1 instruments, expected 2 to 4") != std::string::npos);
+        setup.coaxial[0].order = {0, 2};
+        CHECK(message(setup).find("names wire 2, expected 0 to 1") != std::string::npos);
+        setup = in_a_bend(0.02, 0.05);
+        setup.systems = {1, 1};
+        CHECK(message(setup).find("in different systems") != std::string::npos);
+        setup = in_a_bend(0.02, 0.05);
+        setup.integrator.newmark = true;
+        CHECK(message(setup).find("integrator: ") != std::string::npos);
+        setup = in_a_bend(0.02, 0.05);
+        setup.wires[1].feed.point.x() += 1e-3;
+        CHECK(message(setup).find("wires[1].feed: has another inlet") != std::string::npos);
+        setup = in_a_bend(0.02, 0.05);
+        setup.coaxial.clear();
+        setup.wires[1].feed.behind = 0.1;
+        CHECK(message(setup).find("wires[1].feed.behind") != std::string::npos);
+    }
+}

@@ -1,0 +1,141 @@
+// Instruments that share one centreline pushed and drawn through each other: energy, hands, who leads, what is saved.
+
+#include "coaxial/merged_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+/// A catheter with a bent end over a wire with another one.
+WorldSetup catheter_and_wire(double catheter, double wire, double edge = 2e-3)
+{
+    WorldSetup setup = merged_setup({instrument_of(0.6, 2e-4, 1.5e-4, 0.03, 15), instrument_of(0.8, 1e-4, 7.7e-5, 0.02, 25)},
+                                    {catheter, wire}, edge, Scheme::Newton);
+    setup.gravity = {0, 0, -9.81};
+    setup.integrator.damping_mass = 20;
+    setup.integrator.tolerance = 1e-7;
+    return setup;
+}
+
+struct Way {
+    double until, catheter, wire, turn;  // [s], [m], [m], of the wire [rad]
+};
+
+/// Steps `first` to `last` along straight ways between places. @return how many failed
+int follow(World& world, const std::vector<Way>& ways, double dt, int first, int last)
+{
+    int failed = 0;
+    for (int k = first; k <= last; ++k) {
+        const double t = k * dt;
+        std::size_t w = 1;
+        while (w + 1 < ways.size() && ways[w].until < t - 1e-12) ++w;
+        const Way &a = ways[w - 1], &b = ways[w];
+        const double share = std::clamp((t - a.until) / (b.until - a.until), 0.0, 1.0);
+        const auto at = [&](double Way::*what) { return a.*what + share * (b.*what - a.*what); };
+        Control control;
+        control.move_to(0, at(&Way::catheter), 0);
+        control.move_to(1, at(&Way::wire), at(&Way::turn));
+        failed += step(world, control, dt).failed();
+    }
+    return failed;
+}
+
+// The wire goes out of the catheter and turns, comes back into it, and the catheter goes on over it and back
+const std::vector<Way> through_each_other = {{0, 0.05, 0.06, 0},     {0.3, 0.05, 0.09, 1.0},  {0.6, 0.07, 0.09, 1.0},
+                                             {0.9, 0.07, 0.05, 1.0}, {1.2, 0.08, 0.05, -0.5}, {1.5, 0.05, 0.08, 0}};
+
+}  // namespace
+
+TEST_SUITE("coaxial/merged feeding")
+{
+    TEST_CASE("property: through each other, with the energies closed")
+    {
+        World world(catheter_and_wire(0.05, 0.06));
+        CHECK(follow(world, through_each_other, 1e-3, 1, 1500) == 0);
+        CHECK(std::abs(world.readings(0).inserted) < 1e-12);
+        CHECK(std::abs(world.readings(1).inserted - 0.02) < 1e-12);
+        const EnergyLedger& ledger = world.readings(0).energy;
+        const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.wire), ledger.damping, ledger.scheme});
+        CHECK(std::abs(ledger.open()) < 0.002 * turned_over);  // 0.05 %: of the feed's jolts at the start and at the turns
+        CHECK(world.readings(0).energy_made < 0.01 * turned_over);
+        // each as long as it is in, its nodes where the line is
+        for (const int w : {0, 1}) {
+            const ConstRodView rod = world.rod(w);
+            const double inside = w == 0 ? 0.05 : 0.08;
+            CHECK(rod.material_s[0] == 0);
+            CHECK(rod.material_s[rod.n - 1] == about(inside).epsilon(1e-3));
+            CHECK(rod.pos(rod.n - 1).norm() < 1e-12);
+        }
+    }
+
+    TEST_CASE("property: a run that is taken up again ends with the same bits")
+    {
+        World whole(catheter_and_wire(0.05, 0.06)), first(catheter_and_wire(0.05, 0.06)), second(catheter_and_wire(0.05, 0.06));
+        (void)follow(whole, through_each_other, 2e-3, 1, 600);
+        (void)follow(first, through_each_other, 2e-3, 1, 400);
+        second.restore_state(first.save_state());
+        CHECK(second.state_hash() == first.state_hash());
+        (void)follow(second, through_each_other, 2e-3, 401, 600);
+        CHECK(second.state_hash() == whole.state_hash());
+    }
+
+    TEST_CASE("property: two systems side by side are each what it is alone")
+    {
+        const WorldSetup one = catheter_and_wire(0.05, 0.06), other = catheter_and_wire(0.04, 0.07);
+        WorldSetup both = one;
+        both.wires.insert(both.wires.end(), other.wires.begin(), other.wires.end());
+        both.systems = {2, 2};
+        both.coaxial.push_back(other.coaxial[0]);
+        both.coaxial[1].order = {2, 3};
+        World alone(one), alone_too(other), together(both);
+        for (int k = 1; k <= 200; ++k) {
+            Control a, b, c;
+            a.move_to(0, 0.05, 0), a.move_to(1, 0.06 + 1e-4 * k, 0.005 * k);
+            b.move_to(0, 0.04 + 2e-4 * k, 0), b.move_to(1, 0.07, 0);
+            c.move_to(0, 0.05, 0), c.move_to(1, 0.06 + 1e-4 * k, 0.005 * k);
+            c.move_to(2, 0.04 + 2e-4 * k, 0), c.move_to(3, 0.07, 0);
+            CHECK_FALSE(step(alone, a, 1e-3).failed());
+            CHECK_FALSE(step(alone_too, b, 1e-3).failed());
+            CHECK_FALSE(step(together, c, 1e-3).failed());
+        }
+        CHECK(together.state_hash(0) == alone.state_hash(0));
+        CHECK(together.state_hash(1) == alone_too.state_hash(0));
+    }
+
+    // Both from the introducer; alone in it the wire is what it is without a catheter that has not come yet
+    TEST_CASE("property: from the introducer on, and a wire alone in the group is a wire")
+    {
+        WorldSetup setup = catheter_and_wire(0, 0);
+        setup.wires[0].feed.advance = setup.wires[1].feed.advance = 0;
+        World world(setup);
+        WorldSetup plain = setup;
+        plain.wires.erase(plain.wires.begin());
+        plain.coaxial.clear();
+        plain.systems.clear();
+        World wire(plain);
+        for (int k = 1; k <= 600; ++k) {
+            Control both, single;
+            both.move_to(1, 1e-4 * k, 0.002 * k);
+            single.move_to(0, 1e-4 * k, 0.002 * k);
+            REQUIRE_FALSE(step(world, both, 1e-3).failed());
+            REQUIRE_FALSE(step(wire, single, 1e-3).failed());
+        }
+        // the same equations; births at the hub differ by what a polygon's node is off, (kappa h)^2 h
+        CHECK((world.rod(1).pos(0) - wire.rod(0).pos(0)).norm() < 2e-5);
+        CHECK(std::abs(world.readings(1).hand_force - wire.readings(0).hand_force) < 2e-3);
+        CHECK(std::abs(world.readings(1).hand_torque - wire.readings(0).hand_torque) < 1e-6);
+        CHECK(std::abs(world.readings(0).hand_force) < 1e-6);
+        for (int k = 1; k <= 400; ++k) {
+            Control both;
+            both.move_to(0, 1e-4 * k, 0);
+            REQUIRE_FALSE(step(world, both, 1e-3).failed());
+        }
+        CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
+    }
+}
