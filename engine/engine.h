@@ -41,6 +41,8 @@ public:
     [[nodiscard]] int system_count() const;
     /// Which system an instrument belongs to.
     [[nodiscard]] int system_of(int wire) const;
+    /// The instruments of a system: from the first up to, without it, the second number.
+    [[nodiscard]] std::pair<int, int> wires_of(int system) const;
     [[nodiscard]] double time() const;
     [[nodiscard]] double time(int wire) const;  // of a wire that failed or retired, where it stopped
     [[nodiscard]] long step_count() const;
@@ -50,6 +52,9 @@ public:
     [[nodiscard]] ConstRodView rod(int wire) const;
     [[nodiscard]] const std::vector<ContactRow>& contacts() const;  // all wires, fetched from the device on demand
     [[nodiscard]] WireReadings readings(int wire) const;
+    /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
+    /// own equations per fed wire. Changes no state.
+    void watch_hand_stiffness();
     /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
@@ -76,6 +81,10 @@ public:
     [[nodiscard]] std::vector<std::uint8_t> save_state() const;
     /// @throws Error BadFile: not the state of such a world. The world is then unchanged
     void restore_state(const std::vector<std::uint8_t>& bytes);
+    /// The same of one system, whoever else is in the world: what comes then has the bits that it had after save_state(system),
+    /// the system's own time included. @throws Error BadFile: not the state of such a system. The world is then unchanged
+    [[nodiscard]] std::vector<std::uint8_t> save_state(int system) const;
+    void restore_state(int system, const std::vector<std::uint8_t>& bytes);
 
     /// What was on and why, one "name: value (reason)" per entry, for summary.json.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> model() const;
@@ -108,8 +117,8 @@ void load_vessel(WorldSetup& setup);
 /// A scene file as a program of its own needs it.
 struct LoadedScene {
     WorldSetup setup;
-    std::vector<FeedKey> keys;      // of the wire's hub: control.follow(0, scene.keys); empty: it is not fed
-    double dt = 0, duration = 0;    // [s]
+    std::vector<std::vector<FeedKey>> keys;  // of each hub: control.follow(k, scene.keys[k]); empty: it is not fed
+    double dt = 0, duration = 0;             // [s]
 };
 
 /// Reads a scene (docs/scene-file.md) and loads its vessel. @param overrides  as of --set, "table.key=value"

@@ -29,7 +29,7 @@ namespace seldinger {
 struct WireResult {
     ContactTotals contact;
     std::vector<Vec3> nodal_contact;  // [capacity] [N]
-    double hand_force = 0, hand_torque = 0;
+    double hand_force = 0, hand_torque = 0, hand_stiffness = 0;
     Vec3 base_force = Vec3::Zero();
     double kinetic = 0, elastic = 0, gravitational = 0;
     double residual = 0;
@@ -99,6 +99,7 @@ struct World::Impl {
     std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
     std::vector<WireResult> results;                            // per wire
     std::vector<ContactRow> rows;                               // what contacts() last returned
+    bool hand_stiffness_watched = false;
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<WallShape> wall_shape;  // made when first asked for
@@ -118,6 +119,8 @@ struct World::Impl {
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
+    /// After it, where hand stiffness is watched.
+    void read_hand_stiffness(int wire);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
     void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;

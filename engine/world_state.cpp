@@ -111,6 +111,41 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
     }
 }
 
+std::vector<std::uint8_t> World::save_state(int system) const
+{
+    const Impl& s = *impl_;
+    std::vector<std::uint8_t> bytes;
+    for (const int w : s.wires_of(system)) s.put_wire(bytes, w);
+    for (const int w : s.wires_of(system)) s.terms.save_wire(bytes, w);
+    for (const int w : s.wires_of(system)) put_audit(bytes, s.audits[w]);
+    return bytes;
+}
+
+namespace {
+
+void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& bytes)
+{
+    const std::uint8_t* at = bytes.data();
+    const std::uint8_t* end = at + bytes.size();
+    for (const int w : s.wires_of(system)) s.take_wire(at, end, w);
+    for (const int w : s.wires_of(system)) s.terms.restore_wire(at, end, w);
+    for (const int w : s.wires_of(system)) take_audit(at, end, s.audits[w]);
+    if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this system's; it was written by another one");
+}
+
+}  // namespace
+
+void World::restore_state(int system, const std::vector<std::uint8_t>& bytes)
+{
+    const std::vector<std::uint8_t> before = save_state(system);
+    try {
+        take_system(*impl_, system, bytes);
+    } catch (...) {
+        take_system(*impl_, system, before);
+        throw;
+    }
+}
+
 namespace {
 
 std::string hash_of(const std::vector<std::uint8_t>& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }

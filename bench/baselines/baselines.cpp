@@ -20,6 +20,7 @@ std::string why_not_cantilever(const Scene& scene)
     const bool tip_forces = std::all_of(scene.loads.begin(), scene.loads.end(), [](const LoadSpec& load) {
         return load.at.kind == WirePoint::Kind::Tip && load.moment.isZero();
     });
+    if (scene.instrument_count() > 1) return "the baselines know one wire";
     if (scene.vessel.shape != VesselShape::None || scene.feed.on) return "the baselines have no contact and are not fed";
     if (!straight || !still || !scene.wire.sections.empty() || !clamped || !tip_forces || !scene.links.empty())
         return "the baselines know uniform straight wires, clamped at the base, with forces at the tip";

@@ -56,6 +56,8 @@ ActiveSet::ActiveSet(device::Context& context, const QuadratureSet& quadrature, 
 
 void ActiveSet::forget() { std::fill(listed_.begin(), listed_.end(), 0); }
 
+void ActiveSet::forget(const WireQuadrature& wire) { std::fill_n(listed_.begin() + wire.begin, wire.capacity, 0); }
+
 void ActiveSet::list_wire(std::size_t w, const NearWall& near)
 {
     const WireQuadrature& wire = quadrature_.wires[w];

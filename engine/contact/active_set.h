@@ -33,6 +33,7 @@ public:
     void rebuild(const NearWall& near, std::span<const std::uint8_t> active);
     /// What was evaluated in earlier steps is forgotten.
     void forget();
+    void forget(const WireQuadrature& wire);
 
     [[nodiscard]] const ActiveList& all() const { return all_; }
     /// The points and edges of the wires that are evaluated now, when those are not all: a world of many wires solves on until

@@ -106,4 +106,9 @@ void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     take_bytes(bytes, end, radius_reduction_t0_.data(), radius_reduction_t0_.size());
 }
 
+void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end, const WireQuadrature& wire)
+{
+    take_bytes(bytes, end, radius_reduction_t0_.data() + wire.begin, wire.capacity);
+}
+
 }  // namespace seldinger

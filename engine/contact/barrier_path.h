@@ -31,6 +31,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) const;
     void save(std::vector<std::uint8_t>& bytes, const WireQuadrature& wire) const;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end, const WireQuadrature& wire);
     void warm_up(device::Queue at, ContactParams none, const QuadratureBuffers& buffers);
 
 private:

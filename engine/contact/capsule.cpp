@@ -258,4 +258,13 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
     near_.forget();
 }
 
+void CapsuleContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    const WireQuadrature& points = quadrature_.wires[wire];
+    states_.restore_wire(bytes, end, wire);
+    if (barrier_) barrier_->restore(bytes, end, points);
+    active_.forget(points);
+    near_.forget(points);
+}
+
 }  // namespace seldinger

@@ -37,6 +37,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) override;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
 private:
     void set_limits();

@@ -68,6 +68,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) override = 0;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override = 0;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override = 0;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override = 0;
 
 protected:
     ContactMethod(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree);

@@ -71,15 +71,16 @@ struct NarrowParams {
 };
 [[nodiscard]] NarrowParams narrow(const ContactParams& par);
 
-/// Writes records, narrowed where the context asks for it. `scratch` must stay as it is until the next read() or finish() on the
-/// queue.
+/// Writes records from the first-th on, narrowed where the context asks for it. `scratch` must stay as it is until the next read()
+/// or finish() on the queue.
 template <class Record>
 void write_records(device::Context& context, device::Queue queue, const device::Buffer& to, const std::vector<Record>& from,
-                   std::vector<std::uint32_t>& scratch)
+                   std::vector<std::uint32_t>& scratch, std::size_t first = 0)
 {
-    if (!context.float32()) return context.write(queue, to, from.data(), from.size() * sizeof(Record));
+    const std::size_t size = device_size<Record>(context);
+    if (!context.float32()) return context.write(queue, to, from.data(), from.size() * size, first * size);
     narrow_words(record_words<Record>, from.data(), from.size(), scratch);
-    context.write(queue, to, scratch.data(), scratch.size() * sizeof(std::uint32_t));
+    context.write(queue, to, scratch.data(), scratch.size() * sizeof(std::uint32_t), first * size);
 }
 
 /// Reads `count` records from the first-th on, and waits.

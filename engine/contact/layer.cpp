@@ -327,4 +327,30 @@ void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     context_.finish(light);
 }
 
+void LayerContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    std::uint64_t count = 0;
+    take_bytes(bytes, end, &count, 1);
+    if (count * sizeof(ContactState) > static_cast<std::size_t>(end - bytes))
+        throw Error(ExitCode::BadFile,
+                    "the saved state is shorter than this scene's; it was written by another scene or version");
+    std::vector<Key> keys(count);
+    std::vector<ContactState> own(count), states(last_keys_.size());
+    take_bytes(bytes, end, keys.data(), count);
+    take_bytes(bytes, end, own.data(), count);
+    take_bytes(bytes, end, &epochs_[wire], 1);
+    for (Key& key : keys)
+        key = {static_cast<std::uint32_t>(wire), key.edge + static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
+    context_.enter(light);
+    context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
+    const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), Key{static_cast<std::uint32_t>(wire), 0, 0});
+    const auto last = std::lower_bound(first, last_keys_.end(), Key{static_cast<std::uint32_t>(wire) + 1, 0, 0});
+    const auto at = first - last_keys_.begin(), behind = last - last_keys_.begin();
+    last_keys_.insert(last_keys_.erase(first, last), keys.begin(), keys.end());
+    states.insert(states.erase(states.begin() + at, states.begin() + behind), own.begin(), own.end());
+    states_t0_ = device::Buffer(context_, std::max<std::size_t>(states.size(), 1) * sizeof(ContactState));
+    context_.write(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
+    context_.finish(light);
+}
+
 }  // namespace seldinger

@@ -25,6 +25,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) override;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
 private:
     // a pair by what survives the step: wire, edge of the wire, triangle

@@ -118,6 +118,13 @@ void NearWall::forget()
     std::fill(counts_.begin(), counts_.end(), 0u);
 }
 
+void NearWall::forget(const WireQuadrature& wire)
+{
+    std::fill_n(at_.begin() + wire.begin, wire.capacity, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    std::fill_n(clear_.begin() + wire.begin, wire.capacity, 0.0);
+    std::fill_n(counts_.begin() + wire.begin, wire.capacity, 0u);
+}
+
 /// Quadrature points of which nothing is known any more. @return whether there are any
 bool NearWall::mark(bool all)
 {

@@ -27,6 +27,7 @@ public:
     bool renew(const ContactParams& par);
     /// All of it.
     void forget();
+    void forget(const WireQuadrature& wire);
     /// Launches each kernel once with nothing to do.
     void warm_up(device::Queue at, const ContactParams& none);
 

@@ -95,4 +95,15 @@ void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
     context_.finish(device::Queue::Inline);
 }
 
+void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    WireQuadrature& own = quadrature_.wires[wire];
+    std::vector<ContactState> states(2 * static_cast<std::size_t>(own.capacity));
+    take_bytes(bytes, end, states.data(), states.size());
+    take_bytes(bytes, end, &own.epoch, 1);
+    context_.enter(device::Queue::Inline);
+    write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));
+    context_.finish(device::Queue::Inline);
+}
+
 }  // namespace seldinger

@@ -26,6 +26,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire);
 
     [[nodiscard]] const device::Buffer& models() const { return models_; }        // [points]
     [[nodiscard]] const device::Buffer& places() const { return places_; }        // [points]

@@ -60,6 +60,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) override;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
     /// Of the control vertices [3V] [m], and what contact has done on them since the beginning [J].
     [[nodiscard]] std::vector<double> displacement(int system) const;
@@ -77,6 +78,7 @@ private:
     struct System;
     [[nodiscard]] System& of(int wire) const { return *systems_[system_of_[wire]]; }
     void put_feet(std::vector<std::uint8_t>& bytes, int wire) const;
+    void take_feet(const std::uint8_t*& bytes, const std::uint8_t* end, int wire);
     void place_and_copy(RodArrays& rods, int wire);
     void start_step(System& system, double h) const;
     void list_rows(System& system) const;

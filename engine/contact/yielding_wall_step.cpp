@@ -292,6 +292,20 @@ void YieldingWall::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     put_feet(bytes, wire);
 }
 
+void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    System& system = of(wire);
+    const int first = rods_.node_begin(wire) - system.first_node;
+    for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {};
+    for (int i = first; i < first + rods_.node_count(wire); ++i) {
+        WallFoot& foot = system.stations.foot(i);
+        take_bytes(bytes, end, &foot, 1);
+        if (foot.triangle >= wall_.surface().topology().triangle_count() ||
+            !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
+            throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
+    }
+}
+
 void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     contact_.restore(bytes, end);
@@ -299,18 +313,16 @@ void YieldingWall::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
         system->dynamics.restore(bytes, end);
         system->begun = false;
     }
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        System& system = of(w);
-        const int first = rods_.node_begin(w) - system.first_node;
-        for (int i = first; i < first + rods_.capacity(w); ++i) system.stations.foot(i) = {};
-        for (int i = first; i < first + rods_.node_count(w); ++i) {
-            WallFoot& foot = system.stations.foot(i);
-            take_bytes(bytes, end, &foot, 1);
-            if (foot.triangle >= wall_.surface().topology().triangle_count() ||
-                !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
-                throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
-        }
-    }
+    for (int w = 0; w < rods_.wire_count(); ++w) take_feet(bytes, end, w);
+}
+
+void YieldingWall::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    System& system = of(wire);
+    contact_.restore_wire(bytes, end, wire);
+    if (system.wires.front() == wire) system.dynamics.restore(bytes, end);
+    system.begun = false;
+    take_feet(bytes, end, wire);
 }
 
 }  // namespace seldinger

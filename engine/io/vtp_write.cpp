@@ -105,7 +105,8 @@ std::string pvd_text(std::span<const PvdEntry> entries)
     std::string text =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
     for (const PvdEntry& entry : entries)
-        text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", entry.time, entry.file);
+        text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" {}file=\"{}\"/>\n", entry.time, entry.part,
+                            entry.name.empty() ? "" : fmt::format("name=\"{}\" ", entry.name), entry.file);
     return text + "</Collection>\n</VTKFile>\n";
 }
 

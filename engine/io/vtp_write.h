@@ -47,6 +47,8 @@ private:
 struct PvdEntry {
     double time = 0;   // [s]
     std::string file;  // relative to the .pvd
+    int part = 0;      // of several files of one time
+    std::string name;  // of that part
 };
 [[nodiscard]] std::string pvd_text(std::span<const PvdEntry> entries);
 

@@ -44,7 +44,7 @@ void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c
     take_bytes(at, end, &c.vessel_hash, 1);
     take_bytes(at, end, &c.status, 1);
     take_bytes(at, end, &c.tally, 1);
-    take_bytes(at, end, &c.trace_bytes, 1);
+    take_list(at, end, c.trace_bytes);
     take_list(at, end, c.wire_frames);
     take_list(at, end, c.contact_frames);
     take_list(at, end, c.state);
@@ -60,7 +60,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c)
     put_bytes(payload, &c.vessel_hash, 1);
     put_bytes(payload, &c.status, 1);
     put_bytes(payload, &c.tally, 1);
-    put_bytes(payload, &c.trace_bytes, 1);
+    put_list(payload, c.trace_bytes);
     put_list(payload, c.wire_frames);
     put_list(payload, c.contact_frames);
     put_list(payload, c.state);

@@ -1,10 +1,19 @@
 // Makes the .vtp text of the wire (with radius, curvature, material coordinate), of the contacts and of the wall.
 #include "scene/frames.h"
 
+#include "scene/scene.h"
+
 #include <fmt/format.h>
 
 namespace seldinger {
-std::string frame_name(const char* stem, std::int64_t step) { return fmt::format("{}_{:06}.vtp", stem, step); }
+
+std::string frame_name(const std::string& stem, std::int64_t step) { return fmt::format("{}_{:06}.vtp", stem, step); }
+
+std::string series_of(const Scene& scene, int instrument)
+{
+    const std::string& label = scene.instrument(instrument).label;
+    return label.empty() ? "wire" : label;
+}
 
 std::string wire_vtp(const WireOutput& wire)
 {

@@ -1,15 +1,20 @@
 #pragma once
 // One moment of a run as VTK files: the wire, its contacts, and the wall.
 
-#include "output.h"
 #include "io/vtp_write.h"
+#include "output.h"
 
 #include <string>
 
 namespace seldinger {
 
+struct Scene;
+
 /// "wire_000120.vtp"
-[[nodiscard]] std::string frame_name(const char* stem, std::int64_t step);
+[[nodiscard]] std::string frame_name(const std::string& stem, std::int64_t step);
+
+/// What files of an instrument are called after: its name; "wire" of the one of [wire].
+[[nodiscard]] std::string series_of(const Scene& scene, int instrument);
 
 /// One polyline, tip first. Point data: radius [m], material_s [m], curvature [1/m] (|kb| per Voronoi length, 0 at the ends),
 /// contact_force [N], velocity [m/s].

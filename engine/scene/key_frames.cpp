@@ -13,7 +13,8 @@ namespace {
 std::vector<std::vector<FeedKey>> keys_of(std::span<const Scene> scenes)
 {
     std::vector<std::vector<FeedKey>> keys;
-    for (const Scene& scene : scenes) keys.push_back(scene.feed.keys);
+    for (const Scene& scene : scenes)
+        for (int k = 0; k < scene.instrument_count(); ++k) keys.push_back(scene.instrument(k).feed.keys);
     return keys;
 }
 

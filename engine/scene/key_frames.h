@@ -14,7 +14,7 @@ class KeyFrames {
 public:
     /// @param keys  per instrument, times increasing [s]; empty: the instrument is not fed
     explicit KeyFrames(std::vector<std::vector<FeedKey>> keys);
-    /// Of one instrument per scene.
+    /// Of the instruments of each scene in turn.
     explicit KeyFrames(std::span<const Scene> scenes);
     explicit KeyFrames(const Scene& scene);
     KeyFrames(const KeyFrames& other) : KeyFrames(other.keys_) {}

@@ -3,7 +3,9 @@
 // the checkpoint. It records Output, which is read from the world between steps.
 //
 // Frames are named after their step (wire_000120.vtp), so that a resumed run writes the same files again. Rows of trace.csv hold
-// the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before.
+// the accepted state of their step; newton, flags and step_ms are the worst, the union and the mean since the row before. Of a
+// scene of [[instrument]] tables trace.csv reads all instruments as one (joint_readings.h), trace_NAME.csv, NAME.csv and the
+// series NAME.pvd each one alone.
 
 #include "core/file_io.h"
 #include "scene/checkpoint.h"
@@ -53,15 +55,18 @@ public:
 
 private:
     void take_in(const Output& now, const StepReport& report);
+    void begin_traces(const std::vector<std::uint64_t>& kept);
     void write_row(const Output& now);
+    [[nodiscard]] std::string row_of(const WireReadings& r, const WireOutput& wire, const Output& now,
+                                     const std::string& contact);
     void write_wire_frame(const Output& now);
     void write_contact_frame(const Output& now);
     void write_collections();
     [[nodiscard]] unsigned frame_parts() const;
     [[nodiscard]] std::string wall_fields(const Output& now);
     [[nodiscard]] std::string energy_fields(const EnergyLedger& ledger);
-    [[nodiscard]] std::string patch_fields(const WireOutput& wire);
-    void write_wire_table(const WireOutput& wire);
+    [[nodiscard]] std::string patch_fields(double area, double pressure);
+    void write_wire_table(const WireOutput& wire, const std::string& name);
     void write_contact_table(const Output& now);
     [[nodiscard]] std::string csv(double value);
 
@@ -71,10 +76,10 @@ private:
     std::filesystem::path dir_;
     std::uint64_t vessel_hash_ = 0;
     bool has_wall_ = false;
-    bool yields_ = false;  // and it yields
-    AppendFile trace_;
+    bool yields_ = false;             // and it yields
+    std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
     RunTally tally_;
-    WireReadings readings_;  // of the last accepted step
+    WireReadings readings_;  // of all instruments, in the last accepted step
     std::vector<FrameMark> wire_frames_, contact_frames_;
     std::vector<std::string> warnings_;
 };

@@ -26,10 +26,13 @@ double prescribed_until(const Scene& scene)
     const auto include = [&](const auto& rows) {
         if (!rows.empty()) end = std::max(end, rows.back()[0]);
     };
-    if (scene.feed.on) end = scene.feed.keys.back().t;
-    for (const HoldSpec& hold : scene.holds) include(hold.move), include(hold.turn);
-    for (const LinkSpec& link : scene.links) include(link.move);
-    for (const LoadSpec& load : scene.loads) end = std::max(end, load.ramp);
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const SceneInstrument& instrument = scene.instrument(k);
+        if (instrument.feed.on) end = std::max(end, instrument.feed.keys.back().t);
+        for (const HoldSpec& hold : instrument.holds) include(hold.move), include(hold.turn);
+        for (const LinkSpec& link : instrument.links) include(link.move);
+        for (const LoadSpec& load : instrument.loads) end = std::max(end, load.ramp);
+    }
     return end;
 }
 

@@ -3,9 +3,11 @@
 // SI throughout; angles in radians.
 
 #include "engine.h"
+#include "scene/scene_xray.h"
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,7 +19,8 @@ struct LoadedVessel;  // scene/vessel_load.h
 
 enum class Until { Time, Rest };
 
-/// [contact] of a scene: friction is a property of the wire's sections (WireSection), these are what a section has that says nothing.
+/// [contact] of a scene: friction is a property of the wire's sections (WireSection), these are what a section has that says
+/// nothing.
 struct SceneContact : ContactSpec {
     double mu_static = 0.12, mu_sliding = 0.10;
 };
@@ -35,7 +38,31 @@ struct SceneFeed {
     [[nodiscard]] FeedKey at(double t) const;
 };
 
-struct Scene {
+/// [task] of a scene: what a trainee is to do in a live session, and within which limits.
+struct TaskSpec {
+    enum class Target { None, Point, Branch };
+    bool on = false;
+    std::string text;  // what to do, in words
+    Target target = Target::None;
+    Vec3 point = Vec3::Zero();  // Point: the tip comes within `radius` of it [m]
+    double radius = 0.005;
+    int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
+    double beyond = 0.01;  // the tip is as far into it, along its axis [m]
+    double wall_force = 0, time = 0, fluoroscopy = 0;  // limits [N], [s], [s]; 0: none
+};
+
+/// One instrument of a scene, and what [[hold]], [[load]] and [[link]] say of it.
+struct SceneInstrument {
+    std::string label;  // `name` of its [[instrument]]; empty: it is the one of [wire] and [feed]
+    WireSpec wire;
+    SceneFeed feed;
+    std::vector<HoldSpec> holds;
+    std::vector<LoadSpec> loads;
+    std::vector<LinkSpec> links;
+};
+
+/// As an instrument, the first one: the only one of most scenes.
+struct Scene : SceneInstrument {
     std::filesystem::path source;  // file that it was read from, for messages
     std::string name;
     std::string planned;           // what `seldinger plan` chose this model for (summary.json, `model`); else empty
@@ -46,20 +73,24 @@ struct Scene {
     int record_every = 10;  // steps between rows of trace.csv
     std::int64_t seed = 0;  // of whatever draws at random (batch)
     bool start_settled = false;
-    WireSpec wire;
+    std::vector<SceneInstrument> others;  // the instruments after the first
+    std::optional<CoaxialSpec> coaxial;   // which of them are inside each other
     IntegratorSpec integrator;
     VesselSpec vessel;  // paths absolute
     SceneContact contact;
-    SceneFeed feed;
-    std::vector<HoldSpec> holds;
-    std::vector<LoadSpec> loads;
-    std::vector<LinkSpec> links;
+    bool instruments_touch = false;                          // WorldSetup's
+    TaskSpec task;
     int wire_every = 1;                                      // steps between frames of the wire; 0: none
     int contacts_every = 1;                                  // steps between frames of the contacts; 0: none
+    SceneCArm carm;                                          // how it is looked at by X-ray
+    SceneContrast contrast;
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 
     /// round(duration / dt); sub-steps are not counted.
     [[nodiscard]] long steps() const;
+    [[nodiscard]] int instrument_count() const { return 1 + static_cast<int>(others.size()); }
+    [[nodiscard]] SceneInstrument& instrument(int k) { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
+    [[nodiscard]] const SceneInstrument& instrument(int k) const { return const_cast<Scene&>(*this).instrument(k); }
 };
 
 /// When the last thing that the scene prescribes has come to its end [s]; rest before that is a pause.
@@ -85,8 +116,9 @@ inline constexpr long steps_at_rest = 10;
 /// @throws Error BadFile, BadScene
 [[nodiscard]] WorldSetup make_setup(const Scene& scene, int device_index = -1, RepairReport* report = nullptr);
 
-/// One world for the wires of several scenes that agree in everything but [wire], [feed], [[hold]], [[load]], [[link]] and the
-/// coefficients of [contact]. @param vessel  of these scenes, loaded
+/// One world for several scenes, each a system of its own, that agree in everything but their instruments, [feed], [[hold]],
+/// [[load]],
+/// [[link]] and the coefficients of [contact]. @param vessel  of these scenes, loaded
 [[nodiscard]] WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int device_index);
 
 /// Bending, twisting and stretching stiffness of a round solid wire: B = E pi r^4 / 4, C = G pi r^4 / 2 with

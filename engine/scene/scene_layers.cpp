@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -28,6 +29,8 @@ struct Layer {
     toml::table root;
     bool has_preset = false;  // here or in what it includes
 };
+
+using Notes = std::vector<std::pair<std::string, std::string>>;
 
 /// Files from the scene to the one that is being read, as canonical paths.
 using Chain = std::vector<fs::path>;
@@ -89,34 +92,46 @@ std::vector<std::string> nearest_names(const std::string& name)
     return near;
 }
 
-/// [wire] of the instrument that `preset` names.
-toml::table wire_of_preset(const toml::node& preset)
+/// [wire] of the instrument that `preset` names. @param path  of the table that names it
+toml::table wire_of_preset(const toml::node& preset, const std::string& path)
 {
+    const std::string key = path + ".preset";
     const std::string name = preset.is_string() ? *preset.value<std::string>() : "";
     if (name.empty())
-        fail_at(preset.source(), "wire.preset", "expected an instrument's name in quotes; `seldinger instruments` lists them");
+        fail_at(preset.source(), key, "expected an instrument's name in quotes; `seldinger instruments` lists them");
     const std::vector<std::string> names = instrument_names();
     if (!std::binary_search(names.begin(), names.end(), name))
-        fail_at(preset.source(), "wire.preset",
+        fail_at(preset.source(), key,
                 fmt::format("no instrument is called \"{}\"; the nearest are {}; all are in {} (`seldinger instruments`)", name,
                             fmt::join(nearest_names(name), ", "), instrument_file("").parent_path().string()));
     toml::table file = read_instrument(instrument_file(name));
     return std::move(*file["wire"].as_table());
 }
 
-/// Brings the instrument of `wire.preset` in, under what [wire] says or, with `replace`, in place of it.
-/// @return its name, where there is one
-std::optional<std::string> bring_in_preset(toml::table& root, bool replace)
+/// [wire], or each [[instrument]], with its path.
+void for_each_wire(toml::table& root, const std::function<void(toml::table&, const std::string&)>& visit)
 {
-    toml::table* wire = root["wire"].as_table();
-    const toml::node* preset = wire ? wire->get("preset") : nullptr;
-    if (!preset) return std::nullopt;
-    toml::table instrument = wire_of_preset(*preset);
-    const std::string name = *preset->value<std::string>();
-    wire->erase("preset");
-    if (replace) erase_keys(*wire, instrument_keys);
-    lay_wire_under(*wire, std::move(instrument));
-    return name;
+    if (toml::table* wire = root["wire"].as_table()) visit(*wire, "wire");
+    toml::array* list = root["instrument"].as_array();
+    for (std::size_t k = 0; list && k < list->size(); ++k)
+        if (toml::table* table = (*list)[k].as_table()) visit(*table, fmt::format("instrument.{}", k));
+}
+
+/// Brings the instruments that are named as `preset` in, under what the table says or, with `replace`, in place of it.
+/// @return the key and the name of each
+Notes bring_in_presets(toml::table& root, bool replace)
+{
+    Notes brought;
+    for_each_wire(root, [&](toml::table& wire, const std::string& path) {
+        const toml::node* preset = wire.get("preset");
+        if (!preset) return;
+        toml::table instrument = wire_of_preset(*preset, path);
+        brought.emplace_back(path + ".preset", *preset->value<std::string>());
+        wire.erase("preset");
+        if (replace) erase_keys(wire, instrument_keys);
+        lay_wire_under(wire, std::move(instrument));
+    });
+    return brought;
 }
 
 /// What `include` says, as places in the file: a text or a list of them.
@@ -146,11 +161,11 @@ fs::path full_path(const fs::path& file)
 }
 
 /// Layers come from the top down: the first preset is the one that shows.
-void note_preset(LayeredScene& whole, const std::string& name)
+void note_preset(LayeredScene& whole, const std::pair<std::string, std::string>& brought)
 {
     const bool known =
-        std::any_of(whole.notes.begin(), whole.notes.end(), [](const auto& n) { return n.first == "wire.preset"; });
-    if (!known) whole.notes.emplace_back("wire.preset", name);
+        std::any_of(whole.notes.begin(), whole.notes.end(), [&](const auto& n) { return n.first == brought.first; });
+    if (!known) whole.notes.push_back(brought);
 }
 
 void note_include(LayeredScene& whole, const std::string& file)
@@ -185,9 +200,9 @@ Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, L
 Layer read_layer(const std::string& text, const fs::path& file, Chain& chain, LayeredScene& whole)
 {
     Layer layer{parse_toml(text, file)};
-    if (const auto preset = bring_in_preset(layer.root, false)) {
-        layer.has_preset = true;
-        note_preset(whole, *preset);
+    for (const auto& brought : bring_in_presets(layer.root, false)) {
+        layer.has_preset |= brought.first == "wire.preset";
+        note_preset(whole, brought);
     }
     if (const toml::node* include = layer.root.get("include")) {
         const std::vector<const toml::node*> items = included(*include);
@@ -202,14 +217,15 @@ bool is_preset(const std::string& text)
 {
     std::string key = text.substr(0, text.find('='));
     std::erase_if(key, [](char c) { return c == ' ' || c == '\t'; });
-    return key == "wire.preset" && text.find('=') != std::string::npos;
+    const bool of_wire = key == "wire.preset" || (key.starts_with("instrument.") && key.ends_with(".preset"));
+    return of_wire && text.find('=') != std::string::npos;
 }
 
 /// A wire shorter than its instrument is the far end of it: sections that the instrument brought end where the wire does.
-void fit_sections(toml::table& root)
+void fit_sections(toml::table& wire)
 {
-    const std::optional<double> length = root["wire"]["length_m"].value<double>();
-    toml::array* sections = root["wire"]["section"].as_array();
+    const std::optional<double> length = wire["length_m"].value<double>();
+    toml::array* sections = wire["section"].as_array();
     if (!length || !(*length > 0) || !sections || sections->empty()) return;
     const auto& source = sections->source().path;
     if (!source || full_path(*source).parent_path() != full_path(instrument_file("")).parent_path()) return;
@@ -263,14 +279,14 @@ LayeredScene layer_scene(const std::string& text, const fs::path& file, std::spa
     for (const std::string& entry : overrides) {
         if (!is_preset(entry)) continue;
         apply_override(scene.root, entry);
-        if (const auto name = bring_in_preset(scene.root, true)) {
-            std::erase_if(scene.notes, [](const auto& note) { return note.first == "wire.preset"; });
-            note_preset(scene, *name);
+        for (const auto& brought : bring_in_presets(scene.root, true)) {
+            std::erase_if(scene.notes, [&](const auto& note) { return note.first == brought.first; });
+            note_preset(scene, brought);
         }
     }
     for (const std::string& entry : overrides)
         if (!is_preset(entry)) apply_override(scene.root, entry);
-    fit_sections(scene.root);
+    for_each_wire(scene.root, [](toml::table& wire, const std::string&) { fit_sections(wire); });
     return scene;
 }
 

@@ -21,6 +21,8 @@ inline constexpr Choice<bool> start_words[] = {{"placed", false}, {"settled", tr
 inline constexpr Choice<CurvatureMeasure> curvature_words[] = {{"angle", CurvatureMeasure::Angle},
                                                                {"tangent", CurvatureMeasure::Tangent}};
 inline constexpr Choice<bool> rest_words[] = {{"straight", false}, {"placed", true}};
+inline constexpr Choice<CoaxialSpec::Model> coaxial_words[] = {{"merged", CoaxialSpec::Model::Merged},
+                                                               {"separate", CoaxialSpec::Model::Separate}};
 inline constexpr Choice<bool> wall_words[] = {{"rigid", false}, {"elastic", true}};
 inline constexpr Choice<bool> rims_words[] = {{"held", true}, {"free", false}};
 inline constexpr Choice<Scheme> scheme_words[] = {
@@ -46,6 +48,7 @@ inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", Friction
                                                          {"sign", FrictionLaw::Sign},
                                                          {"none", FrictionLaw::None}};
 inline constexpr Choice<Precision> precision_words[] = {{"float64", Precision::Float64}, {"float32", Precision::Float32}};
+inline constexpr Choice<BodyShape> body_words[] = {{"ellipsoid", BodyShape::Ellipsoid}, {"none", BodyShape::None}};
 inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
 
 /// The word of a value.

@@ -1,4 +1,4 @@
-// Reads a scene's tables in their order and checks each against those before; [wire] and [vessel] have files of their own.
+// Reads a scene's tables in their order and checks each against those before; instruments and [vessel] have files of their own.
 #include "scene/scene_read.h"
 
 #include "core/error.h"
@@ -77,25 +77,11 @@ void read_contact_stiffness(const TableReader& t, ContactSpec& spec)
         t.fail("exponent", "stiffness = \"from-wall\" fixes it at 1.5; take it out or give stiffness a number");
 }
 
-const std::initializer_list<std::string_view> contact_keys = {"detection",
-                                                              "normal",
-                                                              "friction",
-                                                              "stiffness",
-                                                              "exponent",
-                                                              "restitution",
-                                                              "mu_static",
-                                                              "mu_sliding",
-                                                              "rolling",
-                                                              "rolling_alpha",
-                                                              "rolling_sigma_b_pa",
-                                                              "rolling_sigma_s_pa",
-                                                              "rolling_hardness_pa",
-                                                              "layer_height_m",
-                                                              "pair_distance_m",
-                                                              "samples_per_edge",
-                                                              "overlap_m",
-                                                              "barrier_distance_m",
-                                                              "precision"};
+const std::initializer_list<std::string_view> contact_keys = {
+    "detection",           "normal",         "friction",        "stiffness",        "exponent",           "restitution",
+    "mu_static",           "mu_sliding",     "rolling",         "rolling_alpha",    "rolling_sigma_b_pa", "rolling_sigma_s_pa",
+    "rolling_hardness_pa", "layer_height_m", "pair_distance_m", "samples_per_edge", "overlap_m",          "barrier_distance_m",
+    "precision",           "instruments"};
 
 /// What the laws of kernels/shared/multiplier_law.h cannot be joined with.
 void check_hard_law(const TableReader& t, const Scene& scene)
@@ -126,8 +112,12 @@ void check_precision(const TableReader& t, const ContactSpec& spec)
 /// Lengths that are measured against the wire, so after it has been read.
 void check_contact_lengths(const TableReader& t, const Scene& scene)
 {
-    double radius = scene.wire.shaft.radius;
-    for (const WireSectionRange& range : scene.wire.sections) radius = std::min(radius, range.section.radius);
+    double radius = range_end;
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const WireSpec& wire = scene.instrument(k).wire;
+        radius = std::min(radius, wire.shaft.radius);
+        for (const WireSectionRange& range : wire.sections) radius = std::min(radius, range.section.radius);
+    }
     const auto check = [&](std::string_view key, double value, double part, const char* words) {
         if (value > part * radius)
             t.fail(key,
@@ -159,118 +149,9 @@ void read_contact(const toml::table& table, Scene& scene)
     t.count("samples_per_edge", spec.samples_per_edge, 1, 1000);
     t.number("overlap_m", spec.overlap, positive);
     t.number("barrier_distance_m", spec.barrier_distance, positive);
+    t.flag("instruments", scene.instruments_touch);
     check_hard_law(t, scene);
     check_precision(t, scene.contact);
-}
-
-FeedKey read_feed_key(const toml::node& node, const FeedKey& before, bool first)
-{
-    const toml::table* table = node.as_table();
-    if (!table) fail_at(node.source(), "feed.keys", "expected {t_s = ..., advance_m = ..., turn_rad = ...}");
-    const TableReader t(*table, "feed.keys", {"t_s", "advance_m", "turn_rad"});
-    FeedKey key;
-    key.turn = before.turn;
-    t.need("t_s");
-    t.need("advance_m");
-    t.number("t_s", key.t, not_negative);
-    t.number("advance_m", key.advance, not_negative);
-    t.number("turn_rad", key.turn, any_number);
-    if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
-    return key;
-}
-
-void read_feed(const toml::table& table, Scene& scene)
-{
-    const TableReader t(table, "feed", {"point", "direction", "inlet", "keys"});
-    SceneFeed& feed = scene.feed;
-    feed.on = true;
-    constexpr std::string_view inlets[] = {"auto"};
-    feed.inlet_auto = t.word_index("inlet", inlets) == 0;
-    if (feed.inlet_auto) {
-        t.refuse("point", "contradicts inlet = \"auto\"; give one or the other");
-        t.refuse("direction", "contradicts inlet = \"auto\"; give one or the other");
-        if (scene.vessel.shape == VesselShape::None) t.fail("inlet", "needs a [vessel]; give point and direction instead");
-    } else {
-        t.need("point", "where the wire enters (or inlet = \"auto\")");
-        t.need("direction", "the way that the wire enters (or inlet = \"auto\")");
-        t.vector("point", feed.point);
-        t.direction("direction", feed.direction);
-    }
-    t.need("keys", "what is fed when");
-    const toml::array* keys = t.node("keys")->as_array();
-    if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
-    for (const toml::node& node : *keys) {
-        const bool first = feed.keys.empty();
-        feed.keys.push_back(read_feed_key(node, first ? FeedKey{} : feed.keys.back(), first));
-        if (feed.keys.back().advance > scene.wire.length)
-            fail_at(node.as_table()->get("advance_m")->source(), "feed.keys.advance_m",
-                    fmt::format("{} m is more than the whole wire, {} m; make wire.length_m longer", feed.keys.back().advance,
-                                scene.wire.length));
-    }
-}
-
-template <std::size_t N>
-std::vector<std::array<double, N>> timed_rows(const TableReader& t, std::string_view key, std::string_view form)
-{
-    std::vector<std::vector<double>> rows;
-    std::vector<std::array<double, N>> result;
-    if (!t.rows(key, rows, N, 1, form)) return result;
-    check_times(t, key, rows);
-    for (const auto& row : rows) std::copy(row.begin(), row.end(), result.emplace_back().begin());
-    return result;
-}
-
-void read_hold(const toml::table& table, const std::string& path, Scene& scene)
-{
-    const TableReader t(table, path, {"at", "position", "direction", "spin", "move", "turn", "velocity_m_s"});
-    HoldSpec hold;
-    read_point(t, scene.wire, hold.at);
-    if (scene.feed.on && hold.at.kind == WirePoint::Kind::Base)
-        t.fail("at", "the base is held by [feed] already; hold another point or take [feed] out");
-    t.flag("position", hold.position);
-    t.flag("direction", hold.direction);
-    t.flag("spin", hold.spin);
-    if (!hold.position && !hold.direction && !hold.spin)
-        t.fail("position", "this hold holds nothing; set position, direction or spin to true");
-    hold.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
-    hold.turn = timed_rows<2>(t, "turn", "[t_s, rad]");
-    t.vector("velocity_m_s", hold.velocity);
-    if (!hold.position) {
-        t.refuse("move", "needs position = true");
-        t.refuse("velocity_m_s", "needs position = true");
-    }
-    if (!hold.spin) t.refuse("turn", "needs spin = true");
-    if (scene.integrator.scheme == Scheme::Static && !hold.velocity.isZero())
-        t.fail("velocity_m_s",
-               "has no end, and scheme = \"static\" looks for the state at the end; give move = [[t_s, dx, dy, dz], ...]");
-    scene.holds.push_back(std::move(hold));
-}
-
-void read_load(const toml::table& table, const std::string& path, Scene& scene)
-{
-    const TableReader t(table, path, {"at", "force_n", "moment_nm", "ramp_s"});
-    LoadSpec load;
-    t.need("at", "\"base\", \"tip\" or metres from the tip");
-    read_point(t, scene.wire, load.at);
-    if (!t.has("force_n") && !t.has("moment_nm")) t.fail("force_n", "is missing; give force_n or moment_nm");
-    t.vector("force_n", load.force);
-    t.vector("moment_nm", load.moment);
-    t.number("ramp_s", load.ramp, not_negative);
-    scene.loads.push_back(load);
-}
-
-void read_link(const toml::table& table, const std::string& path, Scene& scene)
-{
-    const TableReader t(table, path, {"at", "anchor", "stiffness_n_m", "move"});
-    LinkSpec link;
-    t.need("at", "\"base\", \"tip\" or metres from the tip");
-    read_point(t, scene.wire, link.at);
-    t.need("anchor");
-    t.vector("anchor", link.anchor);
-    t.need("stiffness_n_m");
-    t.number("stiffness_n_m", link.stiffness, positive);
-    link.move = timed_rows<4>(t, "move", "[t_s, dx, dy, dz]");
-    scene.links.push_back(std::move(link));
 }
 
 void read_wall_load(const toml::table& table, const std::string& path, Scene& scene)
@@ -298,7 +179,45 @@ void read_output(const toml::table& table, Scene& scene)
     t.count("contacts_every", scene.contacts_every, 0, static_cast<int>(most_steps));
 }
 
-/// The table of that name, or null when the scene has none.
+Scene read_root(const toml::table& root, const std::filesystem::path& file)
+{
+    Scene scene;
+    scene.source = file;
+    const TableReader all(root, "",
+                          {"scene", "wire", "instrument", "coaxial", "integrator", "vessel", "contact", "feed", "hold", "load",
+                           "link", "wall_load", "task", "carm", "contrast", "output"});
+    // an absent table reads as an empty one that stands where the file begins
+    auto table = [&](std::string_view name) -> const toml::table& {
+        static const toml::table none = toml::parse("");
+        const toml::table* found = find_table(root, name);
+        return found ? *found : none;
+    };
+    if (!all.has("instrument")) all.need("wire", "every scene has one [wire], or several [[instrument]]");
+    for (const auto name : {"wire", "integrator", "scene"})
+        (void)find_table(root, name);  // a wrong type is said before a missing table
+    if (root.at_path("integrator.scheme").value<std::string>() != "static") all.need("scene", "a table with duration_s and dt_s");
+    read_integrator(table("integrator"), scene);
+    read_scene_table(table("scene"), scene);
+    read_contact(table("contact"), scene);
+    if (!all.has("instrument") && all.has("coaxial")) all.fail("coaxial", "joins several [[instrument]]; take it out");
+    const toml::table* feed = find_table(root, "feed");
+    if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
+    if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
+    if (all.has("instrument")) read_instruments(root, scene);
+    else if (feed) read_feed_table(*feed, "feed", false, scene, scene);
+    check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
+    read_holds_and_loads(root, scene);
+    for_each_table(root, "wall_load", "wall_load",
+                   [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
+    if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
+    if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
+    if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
+    read_output(table("output"), scene);
+    return scene;
+}
+
+}  // namespace
+
 const toml::table* find_table(const toml::table& root, std::string_view name)
 {
     const toml::node* node = root.get(name);
@@ -306,74 +225,18 @@ const toml::table* find_table(const toml::table& root, std::string_view name)
     return node ? node->as_table() : nullptr;
 }
 
-void read_list(const toml::table& root, const std::string& name, Scene& scene,
-               void (*read)(const toml::table&, const std::string&, Scene&))
+void for_each_table(const toml::table& parent, const std::string& name, const std::string& path,
+                    const std::function<void(const toml::table&, const std::string&)>& read)
 {
-    const toml::node* node = root.get(name);
+    const toml::node* node = parent.get(name);
     if (!node) return;
     const toml::array* list = node->as_array();
-    if (!list) fail_at(node->source(), name, fmt::format("expected tables [[{}]]; write two brackets", name));
+    if (!list) fail_at(node->source(), path, fmt::format("expected tables [[{}]]; write two brackets", path));
     int index = 0;
     for (const toml::node& item : *list) {
-        if (!item.is_table()) fail_at(item.source(), name, fmt::format("expected tables [[{}]]", name));
-        read(*item.as_table(), fmt::format("{}.{}", name, index++), scene);
+        if (!item.is_table()) fail_at(item.source(), path, fmt::format("expected tables [[{}]]", path));
+        read(*item.as_table(), fmt::format("{}.{}", path, index++));
     }
-}
-
-Scene read_root(const toml::table& root, const std::filesystem::path& file)
-{
-    Scene scene;
-    scene.source = file;
-    const TableReader all(root, "",
-                          {"scene", "wire", "integrator", "vessel", "contact", "feed", "hold", "load", "link", "wall_load",
-                           "output"});
-    // an absent table reads as an empty one that stands where the file begins
-    auto table = [&](std::string_view name) -> const toml::table& {
-        static const toml::table none = toml::parse("");
-        const toml::table* found = find_table(root, name);
-        return found ? *found : none;
-    };
-    all.need("wire", "every scene has one [wire]");
-    for (const auto name : {"wire", "integrator", "scene"})
-        (void)find_table(root, name);  // a wrong type is said before a missing table
-    if (root.at_path("integrator.scheme").value<std::string>() != "static") all.need("scene", "a table with duration_s and dt_s");
-    read_integrator(table("integrator"), scene);
-    read_scene_table(table("scene"), scene);
-    read_contact(table("contact"), scene);
-    read_wire_table(table("wire"), root, scene);
-    check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
-    if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
-    if (const toml::table* feed = find_table(root, "feed")) read_feed(*feed, scene);
-    read_list(root, "hold", scene, read_hold);
-    read_list(root, "load", scene, read_load);
-    read_list(root, "link", scene, read_link);
-    read_list(root, "wall_load", scene, read_wall_load);
-    read_output(table("output"), scene);
-    return scene;
-}
-
-}  // namespace
-
-void read_point(const TableReader& t, const WireSpec& wire, WirePoint& point)
-{
-    const toml::node* at = t.node("at");
-    if (!at) return;
-    const auto word = at->is_string() ? at->value<std::string>() : std::nullopt;
-    if (word == "base") point.kind = WirePoint::Kind::Base;
-    else if (word == "tip") point.kind = WirePoint::Kind::Tip;
-    else if (!at->is_number()) t.fail("at", "expected \"base\", \"tip\" or metres from the tip");
-    else {
-        point.kind = WirePoint::Kind::Distance;
-        t.number("at", point.from_tip, not_negative);
-        if (point.from_tip > wire.length) t.fail("at", fmt::format("expected at most the wire's length, {} m", wire.length));
-    }
-}
-
-void check_times(const TableReader& t, std::string_view key, const std::vector<std::vector<double>>& rows)
-{
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        if (rows[i][0] < 0 || (i > 0 && rows[i][0] <= rows[i - 1][0]))
-            t.fail(key, "expected times from 0 on that increase; sort the rows");
 }
 
 Scene read_scene_text(const std::string& text, const std::filesystem::path& file, std::span<const std::string> overrides)

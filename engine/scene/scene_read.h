@@ -1,20 +1,43 @@
 #pragma once
 // The readers of a scene's tables, one each; private to scene/. A reader fills its part of the Scene and checks it against the
-// parts read before (order: integrator, scene, contact, wire, vessel, feed, holds, loads, links, output).
+// parts read before (order: integrator, scene, contact, vessel, instruments with their feeds, holds, loads, links, output).
 
 #include "scene/scene.h"
 #include "scene/toml_table.h"
 
+#include <functional>
+
 namespace seldinger {
 
-/// [wire] with its sections and placement; `root` tells whether it is fed.
-void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene);
 void read_vessel_table(const toml::table& table, Scene& scene);  // [vessel]
+void read_task_table(const toml::table& table, Scene& scene);    // [task]
 
-/// The spelled form of `at`: "base", "tip" or metres from the tip, at most the wire's length.
-void read_point(const TableReader& t, const WireSpec& wire, WirePoint& point);
+/// Properties, sections and placement of an instrument. @param path  of the table, "wire" or "instrument.1"
+/// @param extra  further keys that the table may have   @param fed  whether it has a feed   @param scene  takes the notes
+void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
+                     SceneInstrument& into, Scene& scene);
 
-/// Error when times of rows [t, ...] are negative or do not increase.
-void check_times(const TableReader& t, std::string_view key, const std::vector<std::vector<double>>& rows);
+/// Where an instrument enters and its key frames. @param inherits  it enters where another one does: no inlet of its own
+void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene);
+
+void read_carm_table(const toml::table& table, Scene& scene);      // [carm]
+void read_contrast_table(const toml::table& table, Scene& scene);  // [contrast]
+
+/// A path of the scene as an absolute one; relative paths start at the folder of the file that has them (the scene's own for
+/// --set). @throws Error BadFile when missing
+[[nodiscard]] std::filesystem::path existing_file(const TableReader& t, std::string_view key, const Scene& scene);
+
+/// [[instrument]] with their feeds, and [coaxial].
+void read_instruments(const toml::table& root, Scene& scene);
+
+/// [[hold]], [[load]], [[link]], each to the instrument that it names.
+void read_holds_and_loads(const toml::table& root, Scene& scene);
+
+/// Calls `read` for each of the tables [[name]], with its path "name.0".
+void for_each_table(const toml::table& parent, const std::string& name, const std::string& path,
+                    const std::function<void(const toml::table&, const std::string&)>& read);
+
+/// The table of that name, or null when the scene has none.
+[[nodiscard]] const toml::table* find_table(const toml::table& root, std::string_view name);
 
 }  // namespace seldinger

@@ -1,4 +1,4 @@
-// [wire], its sections and its placement.
+// What an instrument is: its properties, its sections and its placement ([wire], [[instrument]]).
 #include "scene/scene_read.h"
 
 #include "core/error.h"
@@ -30,7 +30,7 @@ void read_properties(const TableReader& t, WireSection& s)
 }
 
 /// A wire cannot need less force to start sliding than to go on: mu_static is raised to mu_sliding, and the summary says so.
-void order_friction(double& mu_static, double mu_sliding, const char* where, Scene& scene)
+void order_friction(double& mu_static, double mu_sliding, const std::string& where, Scene& scene)
 {
     if (mu_static >= mu_sliding) return;
     scene.notes.emplace_back(fmt::format("{}.mu_static", where),
@@ -38,21 +38,21 @@ void order_friction(double& mu_static, double mu_sliding, const char* where, Sce
     mu_static = mu_sliding;
 }
 
-void read_section(const toml::table& table, const std::string& path, Scene& scene)
+void read_section(const toml::table& table, const std::string& path, WireSpec& wire, Scene& scene)
 {
     const TableReader t(table, path,
                         {"from_tip_m", "radius_m", "density", "youngs_pa", "poisson", "bend_nm2", "twist_nm2", "stretch_n",
                          "mu_static", "mu_sliding", "rest_curvature_1_m"});
     WireSectionRange range;
-    range.section = scene.wire.shaft;
+    range.section = wire.shaft;
     t.need("from_tip_m", "the stretch [from, to] in metres from the tip");
     const toml::array* ends = t.node("from_tip_m")->as_array();
     if (!ends || ends->size() != 2 || !(*ends)[0].is_number() || !(*ends)[1].is_number())
         t.fail("from_tip_m", "expected [from, to] in metres from the tip");
     range.begin = *(*ends)[0].value<double>();
     range.end = *(*ends)[1].value<double>();
-    if (!(range.begin >= 0 && range.begin < range.end && range.end <= scene.wire.length))
-        t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", scene.wire.length));
+    if (!(range.begin >= 0 && range.begin < range.end && range.end <= wire.length))
+        t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", wire.length));
     read_properties(t, range.section);
     if (t.has("rest_curvature_1_m")) {
         const toml::array* k = t.node("rest_curvature_1_m")->as_array();
@@ -62,8 +62,8 @@ void read_section(const toml::table& table, const std::string& path, Scene& scen
             range.section.rest_curvature[static_cast<Eigen::Index>(i)] = *value;
         }
     }
-    order_friction(range.section.mu_static, range.section.mu_sliding, path.c_str(), scene);
-    scene.wire.sections.push_back(range);
+    order_friction(range.section.mu_static, range.section.mu_sliding, path, scene);
+    wire.sections.push_back(range);
 }
 
 void read_points(const TableReader& t, WireSpec& wire)
@@ -88,11 +88,10 @@ void read_points(const TableReader& t, WireSpec& wire)
 /// The first director of a wire whose scene gives none: z, or x for a wire along z.
 Vec3 default_normal(const Vec3& direction) { return std::abs(direction.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX(); }
 
-void read_place(const toml::table& table, Scene& scene)
+void read_place(const toml::table& table, const std::string& path, WireSpec& wire)
 {
-    const TableReader t(table, "wire.place",
-                        {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m"});
-    WirePlacement& place = scene.wire.place;
+    const TableReader t(table, path, {"shape", "base", "direction", "normal", "bend_radius_m", "twist_rad", "points", "from_m"});
+    WirePlacement& place = wire.place;
     t.choice("shape", place.shape, place_words);
     t.vector("base", place.base);
     t.direction("direction", place.direction);
@@ -117,7 +116,7 @@ void read_place(const toml::table& table, Scene& scene)
     t.number("bend_radius_m", place.bend_radius, positive);
     t.number("twist_rad", place.twist, any_number);
     t.number("from_m", place.from, not_negative);
-    if (place.shape == PlaceShape::Points) read_points(t, scene.wire);
+    if (place.shape == PlaceShape::Points) read_points(t, wire);
 }
 
 void read_nodes(const TableReader& t, WireSpec& wire)
@@ -149,15 +148,16 @@ void refuse_placement(const TableReader& t)
         t.fail("rest", "a fed wire is not placed; use rest_curvature_1_m in [[wire.section]], or take [feed] out");
 }
 
-void read_sections(const TableReader& t, Scene& scene)
+/// Where it is at first, how it moves there and what shape is free of stress.
+void read_start(const TableReader& t, const std::string& path, bool fed, WireSpec& wire)
 {
-    const toml::node* sections = t.node("section");
-    if (!sections) return;
-    if (!sections->is_array()) t.fail("section", "expected tables [[wire.section]]; write two brackets");
-    int index = 0;
-    for (const toml::node& item : *sections->as_array()) {
-        if (!item.is_table()) t.fail("section", "expected tables [[wire.section]]");
-        read_section(*item.as_table(), fmt::format("wire.section.{}", index++), scene);
+    if (fed) refuse_placement(t);
+    t.choice("rest", wire.place.rest_is_placed, rest_words);
+    t.vector("velocity_m_s", wire.place.velocity);
+    t.number("spin_rad_s", wire.place.spin_rate, any_number);
+    if (const toml::node* place = t.node("place")) {
+        if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
+        read_place(*place->as_table(), path + ".place", wire);
     }
 }
 
@@ -167,20 +167,22 @@ void check_lumen(const TableReader& t, WireSpec& wire)
     double lumen = 0, thinnest = wire.shaft.radius;
     t.number("lumen_radius_m", lumen, not_negative);
     for (const WireSectionRange& range : wire.sections) thinnest = std::min(thinnest, range.section.radius);
-    if (lumen >= thinnest)
-        t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", thinnest));
+    if (lumen >= thinnest) t.fail("lumen_radius_m", fmt::format("expected less than the smallest outer radius, {} m", thinnest));
     wire.lumen_radius = lumen;
 }
 
 }  // namespace
 
-void read_wire_table(const toml::table& table, const toml::table& root, Scene& scene)
+void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
+                     SceneInstrument& into, Scene& scene)
 {
-    const TableReader t(table, "wire", {"length_m",     "radius_m",   "density",        "nodes",    "min_edge_m", "max_edge_m",
-                                        "edge_error_m", "youngs_pa",  "poisson",        "bend_nm2", "twist_nm2",  "stretch_n",
-                                        "mu_static",    "mu_sliding", "curvature",      "place",    "rest",       "velocity_m_s",
-                                        "spin_rad_s",   "section",    "lumen_radius_m", "preset"});
-    WireSpec& wire = scene.wire;
+    std::vector<std::string_view> keys = {
+        "length_m", "radius_m",     "density",    "nodes",     "min_edge_m",     "max_edge_m", "edge_error_m", "youngs_pa",
+        "poisson",  "bend_nm2",     "twist_nm2",  "stretch_n", "mu_static",      "mu_sliding", "curvature",    "place",
+        "rest",     "velocity_m_s", "spin_rad_s", "section",   "lumen_radius_m", "preset"};
+    keys.insert(keys.end(), extra);
+    const TableReader t(table, path, keys);
+    WireSpec& wire = into.wire;
     for (const auto key : {"length_m", "radius_m", "density"}) t.need(key);
     if (!t.has("youngs_pa"))
         for (const auto key : {"bend_nm2", "twist_nm2", "stretch_n"})
@@ -190,21 +192,14 @@ void read_wire_table(const toml::table& table, const toml::table& root, Scene& s
     wire.shaft.mu_static = scene.contact.mu_static;
     wire.shaft.mu_sliding = scene.contact.mu_sliding;
     read_properties(t, wire.shaft);
-    order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, "wire", scene);
+    order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, path, scene);
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
     read_nodes(t, wire);
     t.choice("curvature", wire.curvature, curvature_words);
-
-    if (root.contains("feed")) refuse_placement(t);
-    t.choice("rest", wire.place.rest_is_placed, rest_words);
-    t.vector("velocity_m_s", wire.place.velocity);
-    t.number("spin_rad_s", wire.place.spin_rate, any_number);
-    if (const toml::node* place = t.node("place")) {
-        if (!place->is_table()) t.fail("place", "expected { shape = \"straight\", base = [x, y, z], ... }");
-        read_place(*place->as_table(), scene);
-    }
-    read_sections(t, scene);
+    read_start(t, path, fed, wire);
+    for_each_table(table, "section", path + ".section",
+                   [&](const toml::table& section, const std::string& where) { read_section(section, where, wire, scene); });
     check_lumen(t, wire);
 }
 

@@ -3,15 +3,18 @@
 
 #include "core/error.h"
 #include "io/mesh_file.h"
+#include "rod/place.h"
 #include "scene/scene_names.h"
 #include "scene/start_inside.h"
 #include "scene/vessel_load.h"
+#include "shared/segment.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -21,8 +24,9 @@ namespace {
 // A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
 // is worth pushing against and the widest ventricle lie well inside.
 constexpr double narrowest = 0.05, widest = 1000;
+constexpr double far_apart = std::numeric_limits<double>::infinity();
 
-[[noreturn]] void fail(const Scene& scene, const char* key, const std::string& message, ExitCode code = ExitCode::BadScene)
+[[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message, ExitCode code = ExitCode::BadScene)
 {
     throw Error(code, fmt::format("{}: {}: {}", scene.source.string(), key, message));
 }
@@ -50,9 +54,16 @@ std::string_view fitting_unit(double lumen_radius, const std::string& units, dou
     return *std::min_element(std::begin(unit_words), std::end(unit_words), [&](auto a, auto b) { return misfit(a) < misfit(b); });
 }
 
-void check_size(const Scene& scene, const LoadedVessel& vessel)
+/// How messages call a key of an instrument: "wire.place", "instrument.1.place"; `feed` stands alone.
+std::string key_of(const Scene& scene, int k, const char* key)
 {
-    const double lumen = typical_radius(vessel), wire = scene.wire.shaft.radius;
+    if (!scene.label.empty()) return fmt::format("instrument.{}.{}", k, key);
+    return std::string_view(key).starts_with("feed") ? key : fmt::format("wire.{}", key);
+}
+
+void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& vessel)
+{
+    const double lumen = typical_radius(vessel), wire = spec.shaft.radius;
     if (lumen == 0 || (lumen >= narrowest * wire && lumen <= widest * wire)) return;
     const std::string sizes = fmt::format("the lumen's radius is {:.3g} mm, the wire's {:.3g} mm", 1e3 * lumen, 1e3 * wire);
     if (scene.vessel.shape != VesselShape::Mesh)
@@ -64,17 +75,18 @@ void check_size(const Scene& scene, const LoadedVessel& vessel)
              unit == scene.vessel.units ? "check wire.radius_m too (metres)" : fmt::format("units = \"{}\" would fit", unit)));
 }
 
-void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
+void place_feed(const Scene& scene, int k, const LoadedVessel& vessel, FeedSpec& feed)
 {
-    if (!scene.feed.inlet_auto) return;
+    if (!scene.instrument(k).feed.inlet_auto) return;
+    const std::string key = key_of(scene, k, "feed.inlet");
     if (scene.vessel.shape == VesselShape::Plane)
-        fail(scene, "feed.inlet", "a plane has no inlet: its border is no opening; give point and direction");
+        fail(scene, key, "a plane has no inlet: its border is no opening; give point and direction");
     try {
         const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
         feed.point = inlet.point;
         feed.direction = inlet.direction;
     } catch (const Error& error) {
-        fail(scene, "feed.inlet", error.what(), error.code());
+        fail(scene, key, error.what(), error.code());
     }
 }
 
@@ -82,7 +94,7 @@ void place_feed(const Scene& scene, const LoadedVessel& vessel, FeedSpec& feed)
 class StartPlaces {
 public:
     StartPlaces(const LoadedVessel& vessel, bool has_lumen) : vessel_(vessel), has_lumen_(has_lumen) {}
-    void check(const Scene& scene, const FeedSpec& feed)
+    void check(const Scene& scene, int k, const FeedSpec& feed)
     {
         const LumenPlace place = lumen().locate(feed.point);
         if (place.inside()) return;
@@ -90,16 +102,16 @@ public:
         const std::string where = place.opening >= 0 ? fmt::format("beyond opening {} of the vessel, {:.4g} mm from its rim",
                                                                    place.opening, 1e3 * (place.nearest - p).norm())
                                                      : fmt::format("{:.4g} mm outside the lumen", -1e3 * place.signed_distance);
-        fail(scene, scene.feed.inlet_auto ? "feed.inlet" : "feed.point",
+        fail(scene, key_of(scene, k, scene.instrument(k).feed.inlet_auto ? "feed.inlet" : "feed.point"),
              fmt::format("[{:.6g}, {:.6g}, {:.6g}] is {}; expected a point inside (metres; `seldinger vessel` lists the inlets)",
                          p.x(), p.y(), p.z(), where));
     }
 
     /// @return what was done to have it start inside
-    std::string check(const Scene& scene, WireSpec& wire)
+    std::string check(const Scene& scene, int k, WireSpec& wire)
     {
         StartInside start = start_inside(wire, vessel_.centreline, lumen());
-        if (!start.refused.empty()) fail(scene, "wire.place", start.refused);
+        if (!start.refused.empty()) fail(scene, key_of(scene, k, "place"), start.refused);
         return std::move(start.moved);
     }
 
@@ -115,6 +127,47 @@ private:
     bool has_lumen_;
     std::optional<LumenQuery> lumen_;
 };
+
+/// Whether one of the two is inside the other.
+bool coaxial(const Scene& scene, int a, int b)
+{
+    if (!scene.coaxial) return false;
+    const std::vector<int>& order = scene.coaxial->order;
+    const auto has = [&](int k) { return std::find(order.begin(), order.end(), k) != order.end(); };
+    return has(a) && has(b);
+}
+
+/// Least distance between the axes of two instruments as they start [m].
+double start_distance(const WireSetup& a, const WireSetup& b, std::span<const Vec3> path)
+{
+    if (a.feed.on || b.feed.on) return a.feed.on && b.feed.on ? (a.feed.point - b.feed.point).norm() : far_apart;
+    RodArrays rods(std::vector<int>{uniform_node_count(a.wire), uniform_node_count(b.wire)});
+    place_wire(rods, 0, a.wire, path);
+    place_wire(rods, 1, b.wire, path);
+    const RodView first = rods.view(0), second = rods.view(1);
+    const auto point = [](const RodView& rod, int i) { return make_vec3(rod.pos(i).x(), rod.pos(i).y(), rod.pos(i).z()); };
+    double least2 = far_apart;
+    for (int i = 0; i + 1 < first.n; ++i)
+        for (int j = 0; j + 1 < second.n; ++j)
+            least2 = std::min(least2, segments_distance2(point(first, i), point(first, i + 1) - point(first, i), point(second, j),
+                                                         point(second, j + 1) - point(second, j)));
+    return std::sqrt(least2);
+}
+
+/// Two instruments that are not inside each other start beside each other. Less than half of what they are thick between their
+/// axes is one place, not two that touch.
+void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span<const Vec3> path)
+{
+    for (int b = 1; b < scene.instrument_count(); ++b)
+        for (int a = 0; a < b; ++a) {
+            if (coaxial(scene, a, b)) continue;
+            const double distance = start_distance(wires[a], wires[b], path);
+            if (distance >= 0.5 * (wires[a].wire.shaft.radius + wires[b].wire.shaft.radius)) continue;
+            fail(scene, key_of(scene, b, wires[b].feed.on ? "feed" : "place"),
+                 fmt::format("is where \"{}\" is, {:.3g} mm between their axes; put them apart{}", scene.instrument(a).label,
+                             1e3 * distance, wires[b].feed.on ? ", or one inside the other with [coaxial]" : ""));
+        }
+}
 
 }  // namespace
 
@@ -132,16 +185,26 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     const bool has_lumen = first.vessel.shape != VesselShape::None && first.vessel.shape != VesselShape::Plane;
     StartPlaces places(vessel, has_lumen);
     for (const Scene& scene : scenes) {
-        WireSetup wire{scene.wire, scene.feed.inlet(), scene.contact, scene.holds, scene.loads, scene.links, {}};
-        if (has_lumen) check_size(scene, vessel);
-        if (wire.feed.on) {
-            place_feed(scene, vessel, wire.feed);
-            if (has_lumen) places.check(scene, wire.feed);
-        } else if (first.vessel.shape != VesselShape::None) {
-            wire.start = places.check(scene, wire.wire);
+        const std::size_t begin = setup.wires.size();
+        for (int k = 0; k < scene.instrument_count(); ++k) {
+            const SceneInstrument& from = scene.instrument(k);
+            WireSetup wire{from.wire, from.feed.inlet(), scene.contact, from.holds, from.loads, from.links, {}, from.label};
+            if (has_lumen) check_size(scene, from.wire, vessel);
+            if (wire.feed.on) {
+                place_feed(scene, k, vessel, wire.feed);
+                if (has_lumen) places.check(scene, k, wire.feed);
+            } else if (first.vessel.shape != VesselShape::None) {
+                wire.start = places.check(scene, k, wire.wire);
+            }
+            setup.wires.push_back(std::move(wire));
         }
-        setup.wires.push_back(std::move(wire));
+        check_apart(scene, std::span(setup.wires).subspan(begin), vessel.centreline.main_points());
+        setup.systems.push_back(scene.instrument_count());
+        if (!scene.coaxial) continue;
+        setup.coaxial.push_back(*scene.coaxial);
+        for (int& wire : setup.coaxial.back().order) wire += static_cast<int>(begin);
     }
+    setup.instruments_touch = first.instruments_touch;
     setup.gravity = first.gravity;
     setup.start_settled = first.start_settled;
     setup.integrator = first.integrator;
@@ -155,7 +218,9 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
 LoadedScene load_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
 {
     const Scene scene = read_scene(file, overrides);
-    return {make_setup(scene), scene.feed.keys, scene.dt, scene.duration};
+    LoadedScene loaded{make_setup(scene), {}, scene.dt, scene.duration};
+    for (int k = 0; k < scene.instrument_count(); ++k) loaded.keys.push_back(scene.instrument(k).feed.keys);
+    return loaded;
 }
 
 }  // namespace seldinger

@@ -2,6 +2,7 @@
 #include "scene/scene_names.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -105,10 +106,13 @@ std::string place_text(const WirePlacement& p)
     return out + (p.points.empty() ? " }" : "] }");
 }
 
-void write_wire(std::string& out, const Scene& scene)
+/// [wire], or one [[instrument]].
+void write_wire(std::string& out, const SceneInstrument& instrument)
 {
-    const WireSpec& wire = scene.wire;
-    TableText t(out, "[wire]");
+    const bool one = instrument.label.empty();
+    const WireSpec& wire = instrument.wire;
+    TableText t(out, one ? "[wire]" : "[[instrument]]");
+    if (!one) t.word("name", instrument.label);
     t.num("length_m", wire.length);
     if (wire.nodes == 0) t.word("nodes", "adaptive");
     else t.whole("nodes", wire.nodes);
@@ -116,12 +120,12 @@ void write_wire(std::string& out, const Scene& scene)
     write_properties(t, wire.shaft, false);
     t.num("lumen_radius_m", wire.lumen_radius);
     t.word("curvature", word_of(curvature_words, wire.curvature));
-    if (!scene.feed.on) {
+    if (!instrument.feed.on) {
         t.raw("place", place_text(wire.place)).word("rest", word_of(rest_words, wire.place.rest_is_placed));
         t.vector("velocity_m_s", wire.place.velocity).num("spin_rad_s", wire.place.spin_rate);
     }
     for (const WireSectionRange& range : wire.sections) {
-        TableText s(out, "[[wire.section]]");
+        TableText s(out, one ? "[[wire.section]]" : "[[instrument.section]]");
         s.raw("from_tip_m", fmt::format("[{}, {}]", real(range.begin), real(range.end)));
         write_properties(s, range.section, range.section.youngs > 0);
         s.raw("rest_curvature_1_m",
@@ -178,7 +182,7 @@ void write_vessel(std::string& out, const VesselSpec& v, const std::filesystem::
     if (!v.centreline.empty()) t.word("centreline", rebased(v.centreline, folder));
 }
 
-void write_contact(std::string& out, const SceneContact& c)
+void write_contact(std::string& out, const SceneContact& c, bool instruments)
 {
     TableText t(out, "[contact]");
     t.word("detection", word_of(detection_words, c.detection)).word("normal", word_of(normal_words, c.normal));
@@ -191,20 +195,47 @@ void write_contact(std::string& out, const SceneContact& c)
     t.num_unless_zero("layer_height_m", c.layer_height).num_unless_zero("pair_distance_m", c.pair_distance);
     if (c.samples_per_edge > 0) t.whole("samples_per_edge", c.samples_per_edge);
     t.num_unless_zero("overlap_m", c.overlap).num_unless_zero("barrier_distance_m", c.barrier_distance);
-    t.word("precision", word_of(precision_words, c.precision));
+    t.word("precision", word_of(precision_words, c.precision)).flag("instruments", instruments);
 }
 
-void write_feed(std::string& out, const SceneFeed& feed)
+/// @param inlet  false: it enters where the instrument around it does
+void write_feed(std::string& out, const SceneFeed& feed, std::string_view header, bool inlet)
 {
     if (!feed.on) return;
-    TableText t(out, "[feed]");
-    if (feed.inlet_auto) t.word("inlet", "auto");
-    else t.vector("point", feed.point).vector("direction", feed.direction);
+    TableText t(out, header);
+    if (inlet && feed.inlet_auto) t.word("inlet", "auto");
+    else if (inlet) t.vector("point", feed.point).vector("direction", feed.direction);
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
         keys +=
             fmt::format("    {{ t_s = {}, advance_m = {}, turn_rad = {} }},\n", real(key.t), real(key.advance), real(key.turn));
     t.raw("keys", keys + "]");
+}
+
+/// Whether instrument k is in another one.
+bool is_inside(const Scene& scene, int k)
+{
+    if (!scene.coaxial) return false;
+    const std::vector<int>& order = scene.coaxial->order;
+    return std::find(order.begin() + 1, order.end(), k) != order.end();
+}
+
+void write_instruments(std::string& out, const Scene& scene)
+{
+    const bool one = scene.label.empty();
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const SceneInstrument& instrument = scene.instrument(k);
+        write_wire(out, instrument);
+        write_feed(out, instrument.feed, one ? "[feed]" : "[instrument.feed]", !is_inside(scene, k));
+    }
+    if (!scene.coaxial) return;
+    TableText t(out, "[coaxial]");
+    std::string names;
+    for (const int k : scene.coaxial->order)
+        names += (names.empty() ? "" : ", ") + quoted(std::string_view(scene.instrument(k).label));
+    t.raw("order", "[" + names + "]").word("model", word_of(coaxial_words, scene.coaxial->model));
+    t.num("mu_static", scene.coaxial->mu_static).num("mu_sliding", scene.coaxial->mu_sliding);
+    t.num_unless_zero("stiffness", scene.coaxial->stiffness);
 }
 
 void write_at(TableText& t, const WirePoint& at)
@@ -213,32 +244,80 @@ void write_at(TableText& t, const WirePoint& at)
     else t.word("at", at.kind == WirePoint::Kind::Base ? "base" : "tip");
 }
 
-void write_holds_and_loads(std::string& out, const Scene& scene)
+void write_task(std::string& out, const TaskSpec& task)
 {
-    for (const HoldSpec& hold : scene.holds) {
+    if (!task.on) return;
+    TableText t(out, "[task]");
+    if (!task.text.empty()) t.word("text", task.text);
+    t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("time_s", task.time);
+    t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
+    if (task.target == TaskSpec::Target::Point)
+        t.raw("target", fmt::format("{{ point = {}, radius_m = {} }}", vec(task.point), real(task.radius)));
+    if (task.target == TaskSpec::Target::Branch)
+        t.raw("target", fmt::format("{{ branch = {}, beyond_m = {} }}", task.branch, real(task.beyond)));
+}
+
+void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
+{
+    const auto begin = [&](TableText& t, const WirePoint& at) -> TableText& {
+        if (!instrument.label.empty()) t.word("instrument", instrument.label);
+        write_at(t, at);
+        return t;
+    };
+    for (const HoldSpec& hold : instrument.holds) {
         TableText t(out, "[[hold]]");
-        write_at(t, hold.at);
-        t.flag("position", hold.position).flag("direction", hold.direction).flag("spin", hold.spin);
+        begin(t, hold.at).flag("position", hold.position).flag("direction", hold.direction).flag("spin", hold.spin);
         if (!hold.move.empty()) t.raw("move", rows(hold.move));
         if (!hold.turn.empty()) t.raw("turn", rows(hold.turn));
         if (hold.position) t.vector("velocity_m_s", hold.velocity);
     }
-    for (const LoadSpec& load : scene.loads) {
+    for (const LoadSpec& load : instrument.loads) {
         TableText t(out, "[[load]]");
-        write_at(t, load.at);
-        t.vector("force_n", load.force).vector("moment_nm", load.moment).num("ramp_s", load.ramp);
+        begin(t, load.at).vector("force_n", load.force).vector("moment_nm", load.moment).num("ramp_s", load.ramp);
     }
-    for (const LinkSpec& link : scene.links) {
+    for (const LinkSpec& link : instrument.links) {
         TableText t(out, "[[link]]");
-        write_at(t, link.at);
-        t.vector("anchor", link.anchor).num("stiffness_n_m", link.stiffness);
+        begin(t, link.at).vector("anchor", link.anchor).num("stiffness_n_m", link.stiffness);
         if (!link.move.empty()) t.raw("move", rows(link.move));
     }
-    for (const WallLoad& load : scene.vessel.loads) {
+}
+
+void write_wall_loads(std::string& out, const VesselSpec& vessel)
+{
+    for (const WallLoad& load : vessel.loads) {
         TableText t(out, "[[wall_load]]");
         t.num("pressure_pa", load.pressure);
         if (!load.force.isZero(0)) t.vector("at", load.at).vector("force_n", load.force);
     }
+}
+
+void write_carm(std::string& out, const SceneCArm& arm, const std::filesystem::path& folder)
+{
+    if (!arm.on) return;
+    TableText t(out, "[carm]");
+    if (!arm.isocentre_auto) t.vector("isocentre", arm.isocentre);
+    t.vector("head", arm.head).vector("back", arm.back).num("sid_m", arm.sid).num("sod_m", arm.sod).num("field_m", arm.field);
+    t.num("kvp", arm.kvp).num("photons", arm.photons).num("blur_m", arm.blur).word("body", word_of(body_words, arm.body));
+    t.vector("body_m", arm.body_axes).word("bone_units", arm.bone_units);
+    if (!arm.bone.empty()) t.word("bone", rebased(arm.bone, folder));
+    std::string keys;
+    for (const CArmKey& key : arm.keys)
+        keys +=
+            fmt::format("    {{ t_s = {}, lao_deg = {}, cra_deg = {} }},\n", real(key.t), real(key.lao_deg), real(key.cra_deg));
+    if (!keys.empty()) t.raw("keys", "[\n" + keys + "]");
+}
+
+void write_contrast(std::string& out, const SceneContrast& contrast)
+{
+    if (!contrast.on) return;
+    TableText t(out, "[contrast]");
+    if (!contrast.at_auto) t.vector("at", contrast.at);
+    if (!contrast.inflow_auto) t.vector("inflow", contrast.inflow);
+    t.num("speed_m_s", contrast.speed).num("spread", contrast.spread);
+    std::string keys;
+    for (const ContrastKey& key : contrast.keys)
+        keys += fmt::format("    {{ t_s = {}, iodine_mg_ml = {} }},\n", real(key.t), real(key.iodine));
+    t.raw("keys", "[\n" + keys + "]");
 }
 
 }  // namespace
@@ -252,7 +331,7 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     t.vector("gravity", scene.gravity).num("duration_s", scene.duration).num("dt_s", scene.dt);
     t.word("until", word_of(until_words, scene.until)).whole("record_every", scene.record_every).whole("seed", scene.seed);
     t.word("start", word_of(start_words, scene.start_settled));
-    write_wire(out, scene);
+    write_instruments(out, scene);
     const IntegratorSpec& integrator = scene.integrator;
     TableText i(out, "[integrator]");
     i.word("scheme", word_of(scheme_words, integrator.scheme));
@@ -261,9 +340,12 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     i.num("tolerance", integrator.tolerance).num("damping_mass_1_s", integrator.damping_mass);
     i.num("damping_stiffness_s", integrator.damping_stiffness);
     write_vessel(out, scene.vessel, folder);
-    write_contact(out, scene.contact);
-    write_feed(out, scene.feed);
-    write_holds_and_loads(out, scene);
+    write_contact(out, scene.contact, scene.instruments_touch);
+    for (int k = 0; k < scene.instrument_count(); ++k) write_holds_and_loads(out, scene.instrument(k));
+    write_wall_loads(out, scene.vessel);
+    write_task(out, scene.task);
+    write_carm(out, scene.carm, folder);
+    write_contrast(out, scene.contrast);
     TableText o(out, "[output]");
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     return out;

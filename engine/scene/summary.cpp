@@ -99,6 +99,27 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     out["wall_far_steps"] = tally.far_steps;
 }
 
+/// Each instrument of [[instrument]] tables by itself.
+Json instruments_of(const World& world, const Scene& scene, std::vector<std::string>& lost)
+{
+    Json list = Json::array();
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const WireReadings r = world.readings(k);
+        const Vec3 tip = world.rod(k).pos(0);
+        Json one = {{"name", scene.instrument(k).label}};
+        Numbers number(one);
+        number.set("inserted_m", r.inserted);
+        number.set("turned_rad", r.turned);
+        one["nodes"] = r.nodes;
+        number.set("hand_force_n", r.hand_force);
+        number.set("hand_torque_nm", r.hand_torque);
+        one["tip_m"] = {tip.x(), tip.y(), tip.z()};
+        for (const std::string& key : number.lost()) lost.push_back(scene.instrument(k).label + "." + key);
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
 std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes& notes, const std::vector<std::string>& lost)
 {
     std::vector<std::string> list = notes.warnings;
@@ -189,6 +210,8 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     out["nodes"] = r.nodes;
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
+    std::vector<std::string> lost;
+    if (!notes.scene->label.empty()) out["instruments"] = instruments_of(world, *notes.scene, lost);
     out["halved_steps"] = tally.halved_steps;
     out["at_rest"] = world.at_rest();
     out["stage_ms"] = stages_of(tally);
@@ -198,7 +221,8 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     out["device"] = world.device_name();
     out["version"] = version();
     out["resumes"] = tally.resumes;
-    out["warnings"] = all_warnings(tally, notes, number.lost());
+    lost.insert(lost.begin(), number.lost().begin(), number.lost().end());
+    out["warnings"] = all_warnings(tally, notes, lost);
     // names may hold bytes that are not UTF-8: replaced, never a crash
     return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

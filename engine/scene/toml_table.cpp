@@ -74,10 +74,9 @@ void fail_at(const toml::source_region& where, std::string_view key, std::string
                 one_line(key.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {}: {}", place, key, message)));
 }
 
-TableReader::TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known)
+TableReader::TableReader(const toml::table& table, std::string path, std::span<const std::string_view> words)
     : table_(table), path_(std::move(path))
 {
-    const std::span<const std::string_view> words(known.begin(), known.size());
     for (const auto& [key, value] : table_) {
         if (std::find(words.begin(), words.end(), key.str()) != words.end()) continue;
         // the key's own place, unless --set made it

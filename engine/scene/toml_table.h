@@ -42,7 +42,11 @@ inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio abo
 class TableReader {
 public:
     /// @param known  every key that the table may have; any other is an error here and now
-    TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known);
+    TableReader(const toml::table& table, std::string path, std::span<const std::string_view> known);
+    TableReader(const toml::table& table, std::string path, std::initializer_list<std::string_view> known)
+        : TableReader(table, std::move(path), std::span(known.begin(), known.size()))
+    {
+    }
 
     [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
     [[nodiscard]] const toml::table& table() const { return table_; }

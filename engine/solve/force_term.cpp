@@ -173,4 +173,9 @@ void ForceTerms::restore(const std::uint8_t*& bytes, const std::uint8_t* end) co
     for (ForceTerm* term : list_) term->restore(bytes, end);
 }
 
+void ForceTerms::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) const
+{
+    for (ForceTerm* term : list_) term->restore_wire(bytes, end, wire);
+}
+
 }  // namespace seldinger

@@ -134,6 +134,8 @@ public:
     virtual void save(std::vector<std::uint8_t>& /*bytes*/) {}
     virtual void save_wire(std::vector<std::uint8_t>& /*bytes*/, int /*wire*/) {}
     virtual void restore(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/) {}
+    /// What save_wire() wrote, of a wire of the same model, becomes this wire's; the others stay as they are.
+    virtual void restore_wire(const std::uint8_t*& /*bytes*/, const std::uint8_t* /*end*/, int /*wire*/) {}
 };
 
 /// The terms that act on a set of wires, asked as one. Without any, nothing acts and nothing limits a trial. Terms are not owned.
@@ -183,6 +185,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) const;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) const;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) const;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) const;
 
 private:
     std::vector<ForceTerm*> list_;

@@ -2,6 +2,7 @@
 #include "study/batch.h"
 
 #include "core/error.h"
+#include "scene/joint_readings.h"
 
 #include <fmt/format.h>
 
@@ -20,11 +21,9 @@ std::string shared_part(Scene scene, const Scene& first)
     scene.record_every = first.record_every;
     scene.wire_every = first.wire_every;
     scene.contacts_every = first.contacts_every;
-    scene.wire = first.wire;
-    scene.feed = first.feed;
-    scene.holds = first.holds;
-    scene.loads = first.loads;
-    scene.links = first.links;
+    static_cast<SceneInstrument&>(scene) = first;
+    scene.others = first.others;
+    scene.coaxial = first.coaxial;
     SceneContact& contact = scene.contact;
     const SceneContact& other = first.contact;
     contact.stiffness_from_wall = other.stiffness_from_wall;
@@ -88,12 +87,12 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     world_ = std::make_unique<World>(make_setup(scenes, std::move(vessel), device));
 }
 
-void BatchWorld::finish(int wire, RunStatus status, std::vector<BatchRow>& rows)
+void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& rows)
 {
-    Run& run = runs_[static_cast<std::size_t>(wire)];
-    rows.push_back(make_row(run.index, status, *world_, wire, run.tally));
+    Run& run = runs_[static_cast<std::size_t>(system)];
+    rows.push_back(make_row(run.index, status, *world_, system, run.tally));
     run.finished = true;
-    world_->retire(world_->system_of(wire));
+    world_->retire(system);
     --left_;
 }
 
@@ -102,13 +101,21 @@ void BatchWorld::settle_all(std::vector<BatchRow>& rows)
     settled_ = true;
     if (!scene_.start_settled && scene_.integrator.scheme != Scheme::Static) return;
     (void)settle(*world_);
-    for (int w = 0; w < world_->wire_count(); ++w) {
-        const bool failed = world_->report(w).failed();
-        if (!failed)
-            runs_[static_cast<std::size_t>(w)].tally.take_in(world_->readings(w), world_->report(w).flags,
-                                                             world_->report(w).newton_iterations);
-        if (failed || scene_.integrator.scheme == Scheme::Static) finish(w, failed ? RunStatus::Stopped : RunStatus::Done, rows);
+    for (int k = 0; k < world_->system_count(); ++k) {
+        const WireReport own = joint_report(*world_, k);
+        if (!own.failed())
+            runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
+        if (own.failed() || scene_.integrator.scheme == Scheme::Static)
+            finish(k, own.failed() ? RunStatus::Stopped : RunStatus::Done, rows);
     }
+}
+
+bool BatchWorld::at_rest(int system) const
+{
+    const auto [first, end] = world_->wires_of(system);
+    bool all = true;
+    for (int w = first; w < end; ++w) all = all && world_->at_rest(w);
+    return all;
 }
 
 std::vector<BatchRow> BatchWorld::step()
@@ -118,22 +125,22 @@ std::vector<BatchRow> BatchWorld::step()
     if (finished()) return rows;
     const StepReport report = seldinger::step(*world_, key_frames_.control(), scene_.dt);
     stages_ += report.times;
-    for (int w = 0; w < world_->wire_count(); ++w) {
-        Run& run = runs_[static_cast<std::size_t>(w)];
+    for (int k = 0; k < world_->system_count(); ++k) {
+        Run& run = runs_[static_cast<std::size_t>(k)];
         if (run.finished) continue;
-        const WireReport& own = world_->report(w);
+        const WireReport own = joint_report(*world_, k);
         if (own.failed()) {
-            finish(w, RunStatus::Stopped, rows);
+            finish(k, RunStatus::Stopped, rows);
             continue;
         }
         run.tally.steps++;
-        run.tally.take_in(world_->readings(w), own.flags, own.newton_iterations);
+        run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
         bool done = run.tally.steps >= scene_.steps();
         if (scene_.until == Until::Rest) {
-            run.tally.rest_steps = world_->at_rest(w) ? run.tally.rest_steps + 1 : 0;
-            done = done || (run.tally.rest_steps >= steps_at_rest && world_->time(w) >= run.moving_until);
+            run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
+            done = done || (run.tally.rest_steps >= steps_at_rest && world_->time(world_->wires_of(k).first) >= run.moving_until);
         }
-        if (done) finish(w, RunStatus::Done, rows);
+        if (done) finish(k, RunStatus::Done, rows);
     }
     return rows;
 }
@@ -169,8 +176,8 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
     std::vector<std::uint8_t> state(size);
     take_bytes(at, end, state.data(), state.size());
     world_->restore_state(state);
-    for (std::size_t w = 0; w < runs_.size(); ++w)
-        if (runs_[w].finished) world_->retire(world_->system_of(static_cast<int>(w)));
+    for (std::size_t k = 0; k < runs_.size(); ++k)
+        if (runs_[k].finished) world_->retire(static_cast<int>(k));
 }
 
 }  // namespace seldinger

@@ -1,6 +1,7 @@
 #pragma once
-// Many runs of one scene: runs whose scenes share vessel, time step and schemes are wires of one World, stepped in lockstep with
-// one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run alone.
+// Many runs of one scene: runs whose scenes share vessel, time step and schemes are systems of one World, stepped in lockstep
+// with one launch per stage for all; the others get worlds of their own, one after the other. A run's bits are those of the run
+// alone.
 
 #include "core/bytes.h"
 #include "scene/key_frames.h"
@@ -31,7 +32,7 @@ struct BatchSource {
 inline constexpr std::size_t most_wires = 96;  // the records of more do not fit a core's caches: a tenth slower at a thousand
 [[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source);
 
-/// One world of a batch and how its wires fare.
+/// One world of a batch and how its systems fare.
 class BatchWorld {
 public:
     BatchWorld(const BatchSource& source, std::span<const std::size_t> runs, LoadedVessel vessel, int device);
@@ -56,11 +57,12 @@ private:
         RunTally tally;
         bool finished = false;
     };
-    void finish(int wire, RunStatus status, std::vector<BatchRow>& rows);
+    void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
+    [[nodiscard]] bool at_rest(int system) const;
     void settle_all(std::vector<BatchRow>& rows);
 
     Scene scene_;            // of the first run: what they share
-    std::vector<Run> runs_;  // in the order of the world's wires
+    std::vector<Run> runs_;  // in the order of the world's systems
     KeyFrames key_frames_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
     std::size_t left_ = 0;  // runs not finished

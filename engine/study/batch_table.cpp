@@ -2,6 +2,7 @@
 #include "study/batch_table.h"
 
 #include "io/npz_write.h"
+#include "scene/joint_readings.h"
 
 #include <fmt/format.h>
 
@@ -44,15 +45,16 @@ std::string text_of(const std::array<char, 16>& hash) { return {hash.begin(), ha
 
 }  // namespace
 
-BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int wire, const RunTally& tally)
+BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally)
 {
     BatchRow row;
     row.run = run;
     row.status = status;
-    const WireReadings r = world.readings(wire);
-    const Vec3 tip = world.rod(wire).pos(0);
+    const WireReadings r = joint_readings(world, system);
+    const int first = world.wires_of(system).first;
+    const Vec3 tip = world.rod(first).pos(0);
     row.numbers = {static_cast<double>(tally.steps),
-                   world.time(wire),
+                   world.time(first),
                    r.inserted,
                    r.turned,
                    static_cast<double>(r.nodes),
@@ -79,7 +81,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int wi
                    tip.x(),
                    tip.y(),
                    tip.z()};
-    const std::string hash = world.state_hash(wire);
+    const std::string hash = world.state_hash(system);
     std::copy_n(hash.begin(), row.state_hash.size(), row.state_hash.begin());
     return row;
 }

@@ -55,8 +55,8 @@ struct BatchRow {
 };
 static_assert(std::is_trivially_copyable_v<BatchRow>);
 
-/// @param wire  of the world, in the state that the row is to show
-[[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int wire, const RunTally& tally);
+/// @param system  of the world, in the state that the row is to show; tip and hand are its first instrument's
+[[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally);
 
 /// Rows by run: run, the varied keys, status, batch_columns, state_hash. A number that is not finite is an empty field.
 [[nodiscard]] std::string batch_csv(const Sweep& sweep, std::vector<BatchRow> rows);

@@ -152,6 +152,19 @@ void add_walls(Collection& models, const Scene& scene, bool quick, const WallEdg
     if (!quick) add(true, walls.of_level(2, 1.5), 1 * ms);
 }
 
+/// Instruments inside each other: one centreline for all, or a rod each.
+void add_coaxial(Collection& models, const Scene& scene, bool quick)
+{
+    if (!scene.coaxial) return;
+    for (const Choice<CoaxialSpec::Model>& word : coaxial_words)
+        for (const double dt : {1 * ms, 5 * ms, frame}) {
+            if (word.value == scene.coaxial->model || (quick && dt == 5 * ms)) continue;
+            Model model = basis(usual_nodes, dt);
+            model.coaxial = word.value;
+            models.add("coaxial", fmt::format("{} · {}", word.word, step_name(dt)), model);
+        }
+}
+
 void add_adaptive(Collection& models, bool quick)
 {
     add_grid(models, "adaptive", {0}, {1 * ms, frame}, {Scheme::Newton});
@@ -241,6 +254,7 @@ std::vector<ChartModel> chart_models(const Scene& scene, bool quick, const std::
         add_grid(models, "cheap", {13, 25, 51}, {5 * ms, frame, half_rate}, {newton, linearised});
         add_grid(models, "cheap", {201}, {5 * ms, frame}, {newton, linearised});
     }
+    add_coaxial(models, scene, quick);
     add_adaptive(models, quick);
     if (touches) {
         add_published(models, scene, quick);

@@ -5,6 +5,8 @@
 #include "scene/scene_names.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
 
 namespace seldinger {
 namespace {
@@ -31,13 +33,30 @@ std::vector<Enum> keep_available(const Choice<Enum> (&words)[N], std::optional<E
     return kept;
 }
 
+/// What a model says of the instruments themselves.
+void apply_to_wire(const Model& model, WireSpec& wire, double first_length)
+{
+    if (model.nodes) {
+        const double edges = (*model.nodes - 1) * wire.length / first_length;
+        wire.nodes = *model.nodes == 0 ? 0 : std::max(3, static_cast<int>(std::lround(edges)) + 1);
+    }
+    if (model.min_edge) wire.min_edge = *model.min_edge;
+    if (model.max_edge) wire.max_edge = *model.max_edge;
+    const auto everywhere = [&](double WireSection::*member, const std::optional<double>& value) {
+        if (!value) return;
+        wire.shaft.*member = *value;
+        for (WireSectionRange& range : wire.sections) range.section.*member = *value;
+    };
+    everywhere(&WireSection::stretch_stiffness, model.stretch_stiffness);
+    everywhere(&WireSection::radius, model.radius);
+}
+
 }  // namespace
 
 Scene apply(const Model& model, Scene scene)
 {
-    if (model.nodes) scene.wire.nodes = *model.nodes;
-    if (model.min_edge) scene.wire.min_edge = *model.min_edge;
-    if (model.max_edge) scene.wire.max_edge = *model.max_edge;
+    for (int k = 0; k < scene.instrument_count(); ++k) apply_to_wire(model, scene.instrument(k).wire, scene.wire.length);
+    if (model.coaxial && scene.coaxial) scene.coaxial->model = *model.coaxial;
     if (model.dt) scene.dt = *model.dt;
     if (model.scheme) scene.integrator.scheme = *model.scheme;
     if (model.trapezoid) {
@@ -60,13 +79,6 @@ Scene apply(const Model& model, Scene scene)
         scene.contact.stiffness = *model.linear_stiffness;
         scene.contact.exponent = 1;
     }
-    const auto everywhere = [&](double WireSection::*member, const std::optional<double>& value) {
-        if (!value) return;
-        scene.wire.shaft.*member = *value;
-        for (WireSectionRange& range : scene.wire.sections) range.section.*member = *value;
-    };
-    everywhere(&WireSection::stretch_stiffness, model.stretch_stiffness);
-    everywhere(&WireSection::radius, model.radius);
     if (model.damping_mass) scene.integrator.damping_mass = *model.damping_mass;
     return scene;
 }
@@ -81,6 +93,7 @@ Model model_of(const Scene& scene)
     model.tolerance = scene.integrator.tolerance;
     model.spin = scene.integrator.spins == Spins::Kept;
     if (scene.integrator.scheme != Scheme::Static) model.dt = scene.dt, model.trapezoid = scene.integrator.newmark;
+    if (scene.coaxial) model.coaxial = scene.coaxial->model;
     if (scene.vessel.shape == VesselShape::None) return model;
     model.detection = scene.contact.detection;
     model.normal = scene.contact.normal;
@@ -95,17 +108,23 @@ Model model_of(const Scene& scene)
 std::vector<std::string> set_texts(const Model& model, const Scene& scene)
 {
     std::vector<std::string> texts;
-    const auto set = [&](const char* key, auto value) { texts.push_back(fmt::format("{}={}", key, value)); };
-    if (model.nodes && *model.nodes > 0) set("wire.nodes", *model.nodes);
-    if (model.nodes && *model.nodes == 0) set("wire.nodes", "adaptive");
-    if (model.min_edge) set("wire.min_edge_m", *model.min_edge);
-    if (model.max_edge) set("wire.max_edge_m", *model.max_edge);
+    const auto set = [&](const std::string& key, auto value) { texts.push_back(fmt::format("{}={}", key, value)); };
+    const Scene changed = apply(model, scene);
+    for (int k = 0; k < scene.instrument_count(); ++k) {
+        const std::string path = scene.label.empty() ? "wire." : fmt::format("instrument.{}.", k);
+        const WireSpec& wire = changed.instrument(k).wire;
+        if (model.nodes && wire.nodes > 0) set(path + "nodes", wire.nodes);
+        if (model.nodes && wire.nodes == 0) set(path + "nodes", "adaptive");
+        if (model.min_edge) set(path + "min_edge_m", *model.min_edge);
+        if (model.max_edge) set(path + "max_edge_m", *model.max_edge);
+        if (model.stretch_stiffness) set(path + "stretch_n", *model.stretch_stiffness);
+        if (model.radius) set(path + "radius_m", *model.radius);
+    }
+    if (model.coaxial && scene.coaxial) set("coaxial.model", word_of(coaxial_words, *model.coaxial));
     if (model.dt) set("scene.dt_s", *model.dt);
     if (model.scheme) set("integrator.scheme", word_of(scheme_words, *model.scheme));
     if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
     if (model.tolerance) set("integrator.tolerance", *model.tolerance);
-    if (model.stretch_stiffness) set("wire.stretch_n", *model.stretch_stiffness);
-    if (model.radius) set("wire.radius_m", *model.radius);
     if (model.damping_mass) set("integrator.damping_mass_1_s", *model.damping_mass);
     if (model.spin) set("integrator.spins", word_of(spins_words, *model.spin ? Spins::Kept : Spins::Auto));
     if (scene.vessel.shape == VesselShape::None) return texts;
@@ -141,6 +160,7 @@ std::string label(const Model& model)
     if (model.elastic_wall) add(*model.elastic_wall ? "elastic wall" : "rigid wall");
     if (model.wall_edge)
         add(*model.wall_edge > 0 ? fmt::format("wall edge {:.3g} mm", 1e3 * *model.wall_edge) : "wall edge chosen");
+    if (model.coaxial) add(std::string(word_of(coaxial_words, *model.coaxial)) + " instruments");
     if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
     if (model.restitution) add(fmt::format("restitution {:g}", *model.restitution));
     if (model.linear_stiffness) add(fmt::format("wall {:.3g} N/m^2", *model.linear_stiffness));
@@ -156,6 +176,7 @@ std::string why_not(const Model& model, const Scene& scene)
     const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall ||
                          model.wall_edge || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
+    if (model.coaxial && !scene.coaxial) return "the scene has no instruments inside each other";
     try {
         // the scene reader is the one place that knows what goes together and what is built
         (void)read_scene_text(write_scene(apply(model, scene), scene.source.parent_path()), scene.source);

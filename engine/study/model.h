@@ -13,7 +13,7 @@ namespace seldinger {
 struct Model {
     std::string name;          // in tables and pictures; unique within a table. Empty: label() stands in
     std::string baseline;      // empty: the engine; else the name under which an application registered another simulation
-    std::optional<int> nodes;  // over the whole wire; 0: adaptive
+    std::optional<int> nodes;  // over the whole (first) wire, others with edges as long; 0: adaptive
     std::optional<double> min_edge, max_edge;  // adaptive only [m]
     std::optional<double> dt;                  // [s]
     std::optional<Scheme> scheme;
@@ -26,6 +26,7 @@ struct Model {
     std::optional<bool> elastic_wall;
     std::optional<double> wall_edge;  // of its control mesh [m]
     std::optional<Precision> precision;
+    std::optional<CoaxialSpec::Model> coaxial;  // of instruments inside each other
     // what the published method leaves open, and is searched for its best (study/published.h)
     std::optional<double> restitution;        // [-]
     std::optional<double> linear_stiffness;   // of a linear wall in place of the scene's law [N/m^2]

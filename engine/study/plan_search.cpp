@@ -305,6 +305,10 @@ std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& wa
         if (own.normal != law)
             all.push_back(exchange(law == NormalLaw::Impulse ? "contact by impulses" : "published damping of contact",
                                    "the scene's normal law", &Model::normal, law, own.normal));
+    if (scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Separate)
+        all.push_back({"one centreline for all instruments", "a rod for each instrument",
+                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Merged; },
+                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Separate; }, false});
     if (!scene.integrator.newmark)
         all.push_back({"the trapezoid rule", "backward Euler", [](Model& m) { m.trapezoid = true; },
                        [](Model& m) { m.trapezoid.reset(); }, false});

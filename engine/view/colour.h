@@ -34,8 +34,10 @@ inline constexpr std::uint32_t tissue = 0xf2bba8;       // the lumen's far wall
 inline constexpr std::uint32_t tissue_deep = 0xb0574b;  // the same at grazing view
 inline constexpr std::uint32_t glass = 0x97332e;        // the near wall's rim
 inline constexpr std::uint32_t wire = 0x15304f;         // blued steel
-inline constexpr std::uint32_t halo = 0xfff4ea;         // light line around wire and contacts
-inline constexpr std::uint32_t outline = 0x6f7b86;      // where a wall was that has moved
+// of several instruments in turn: apart from each other for whoever confuses hues too, and in grey
+inline constexpr std::uint32_t instruments[] = {0x1f7a8c, wire, 0x7d4e9e, 0x8a6d1d};
+inline constexpr std::uint32_t halo = 0xfff4ea;     // light line around wire and contacts
+inline constexpr std::uint32_t outline = 0x6f7b86;  // where a wall was that has moved
 inline constexpr std::uint32_t ink = 0x1f2933, faint_ink = 0x616e7c, accent = 0x0b69c7;
 }  // namespace palette
 

@@ -123,11 +123,17 @@ double draw_readings(Canvas& canvas, const Font& font, const LegendFacts& facts,
 
 double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y)
 {
-    if (!(facts.wire_radius > 0)) return y;
     const double unit = facts.layout.unit, size = 12 * unit, thick = std::max(facts.least_pixels, 3 * unit);
-    y += 24 * unit;
-    canvas.line(x + 2 * unit, y - 4 * unit, x + 26 * unit, y - 4 * unit, thick, palette::wire);
-    canvas.text(font, x + 36 * unit, y, size, fmt::format("wire, \u00d8 {:.3g} mm", 2e3 * facts.wire_radius), palette::ink);
+    const WireFrame& frame = *facts.frame;
+    y += 6 * unit;
+    for (std::size_t k = 0; k < frame.wires.size(); ++k) {
+        if (frame.wires[k].radius.empty()) continue;
+        y += 18 * unit;
+        const std::string name = frame.wires[k].name.empty() ? "wire" : frame.wires[k].name;
+        canvas.line(x + 2 * unit, y - 4 * unit, x + 26 * unit, y - 4 * unit, thick, instrument_colour(frame, k));
+        canvas.text(font, x + 36 * unit, y, size, fmt::format("{}, \u00d8 {:.3g} mm", name, 2e3 * frame.wires[k].radius[0]),
+                    palette::ink);
+    }
     if (facts.widened) {
         y += 16 * unit;
         canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels),
@@ -175,6 +181,11 @@ ColourBar wall_bar(const WallScale& scale)
 }
 
 }  // namespace
+
+std::uint32_t instrument_colour(const WireFrame& frame, std::size_t k)
+{
+    return frame.wires[k].name.empty() ? palette::wire : palette::instruments[k % std::size(palette::instruments)];
+}
 
 double round_up_125(double value) { return round_up(value, {1, 2, 5}); }
 double round_force_up(double value) { return round_up(value, {1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8}); }

@@ -32,9 +32,11 @@ struct LegendFacts {
     double force_scale = 0;  // [N] at the top of the scale; 0: no scale
     WallScale wall_scale;    // top 0: the wall is not coloured
     double least_pixels = 3;
-    bool widened = false;    // some wire was drawn wider than it is
-    double wire_radius = 0;  // [m] at the tip's side, of the first wire
+    bool widened = false;  // some wire was drawn wider than it is
 };
+
+/// sRGB of wire k: the wire's own, or one of several.
+[[nodiscard]] std::uint32_t instrument_colour(const WireFrame& frame, std::size_t k);
 
 void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts);
 

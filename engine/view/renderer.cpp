@@ -77,6 +77,16 @@ double strongest(const WireFrame& frame)
     return force;
 }
 
+/// Of several; 0: there is one.
+double thinnest_radius(const WireFrame& frame)
+{
+    if (frame.wires.size() < 2) return 0;
+    double radius = std::numeric_limits<double>::infinity();
+    for (const WireLine& wire : frame.wires)
+        if (!wire.radius.empty()) radius = std::min(radius, *std::min_element(wire.radius.begin(), wire.radius.end()));
+    return radius;
+}
+
 void set_colour(GLuint program, const char* name, const Rgb& c)
 {
     glProgramUniform3f(program, glGetUniformLocation(program, name), c.r, c.g, c.b);
@@ -279,16 +289,20 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
         return 1.0 / pixels_per_metre(view.camera, view.viewport, std::max(depth_there, view.nearest));
     };
     const auto grown = [](TubeStation s, double by) { return s.radius += by, s; };
-    for (const WireLine& wire : frame.wires) {
+    const double thinnest = thinnest_radius(frame);
+    for (std::size_t k = 0; k < frame.wires.size(); ++k) {
+        const WireLine& wire = frame.wires[k];
         std::vector<TubeStation> line = smooth_line(wire.nodes, wire.radius), outline;
         for (TubeStation& s : line) {
-            const double px = pixel(s.position), least = 0.5 * look.least_pixels * px;
+            // what is drawn wider than it is keeps what is inside it inside
+            const double px = pixel(s.position), share = thinnest > 0 ? std::min(s.radius / thinnest, 3.0) : 1.0;
+            const double least = 0.5 * look.least_pixels * px * share;
             widened = widened || s.radius < least;
             s.radius = std::max(s.radius, least);
             s.pull = 2.5 * s.radius + 2 * px;
             outline.push_back(grown(s, 1.1 * unit * px));
         }
-        add_tube(body, line, rgb_from_hex(palette::wire), origin);
+        add_tube(body, line, rgb_from_hex(instrument_colour(frame, k)), origin);
         add_tube(halo, outline, rgb_from_hex(palette::halo), origin);
     }
     const double top = force_scale > 0 ? force_scale : 1;
@@ -474,7 +488,6 @@ void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View
     if (moved) facts.wall_scale = wall_scale;
     facts.least_pixels = look.least_pixels;
     facts.widened = widened;
-    if (!frame.wires.empty() && !frame.wires[0].radius.empty()) facts.wire_radius = frame.wires[0].radius[0];
     Canvas canvas(pixels, width, height);
     draw_legend(canvas, *font, facts);
 }

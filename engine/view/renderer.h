@@ -17,6 +17,7 @@ namespace seldinger {
 struct WireLine {
     std::vector<Vec3> nodes;     // tip to hub [m]
     std::vector<double> radius;  // [m], one per node
+    std::string name;            // of an instrument among several
 };
 
 /// One contact of the picture.

@@ -48,14 +48,15 @@ WallMesh read_wall(const fs::path& path)
 /// wire_000123.vtp lies beside contacts_000123.vtp and wall_000123.vtp.
 fs::path beside(const fs::path& wire, const char* stem)
 {
-    std::string name = wire.filename().string();
-    const std::size_t at = name.find("wire");
-    return at == std::string::npos ? fs::path() : wire.parent_path() / name.replace(at, 4, stem);
+    const std::string name = wire.filename().string();
+    const std::size_t at = name.rfind('_');
+    return at == std::string::npos ? fs::path() : wire.parent_path() / (stem + name.substr(at));
 }
 
 struct Listed {
     double time;  // [s]
     fs::path file;
+    std::string name;  // of the instrument, among several
 };
 
 std::vector<Listed> read_collection(const fs::path& pvd)
@@ -65,15 +66,22 @@ std::vector<Listed> read_collection(const fs::path& pvd)
     if (!parsed) fail(pvd, std::string("not a ParaView collection (") + parsed.description() + ")");
     std::vector<Listed> list;
     for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet"))
-        list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / node.attribute("file").as_string()});
+        list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / node.attribute("file").as_string(),
+                        node.attribute("name").as_string()});
     return list;
 }
 
 std::vector<FrameFile> read_frame_list(const fs::path& pvd)
 {
     std::vector<FrameFile> frames;
-    for (const Listed& listed : read_collection(pvd))
-        frames.push_back({listed.time, listed.file, beside(listed.file, "contacts"), beside(listed.file, "wall")});
+    for (const Listed& listed : read_collection(pvd)) {
+        const fs::path contacts = beside(listed.file, "contacts");
+        // instruments of one frame stand one after the other
+        if (frames.empty() || frames.back().contacts != contacts)
+            frames.push_back({listed.time, {}, {}, contacts, beside(listed.file, "wall")});
+        frames.back().wires.push_back(listed.file);
+        frames.back().names.push_back(listed.name);
+    }
     if (frames.empty()) fail(pvd, "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
     return frames;
 }
@@ -230,7 +238,11 @@ WireFrame read_frame(const RunFolder& run, std::size_t index)
 {
     const FrameFile& file = run.frames.at(index);
     WireFrame frame;
-    frame.wires = read_wires(file.wire);
+    for (std::size_t k = 0; k < file.wires.size(); ++k)
+        for (WireLine& line : read_wires(file.wires[k])) {
+            line.name = file.names[k];
+            frame.wires.push_back(std::move(line));
+        }
     if (!file.contacts.empty() && fs::exists(file.contacts)) frame.contacts = read_contacts(file.contacts);
     frame.time = file.time;
     const TraceRow row = row_at(run.trace, file.time);

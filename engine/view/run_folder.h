@@ -10,10 +10,11 @@ namespace seldinger {
 
 /// One recorded frame, not yet read.
 struct FrameFile {
-    double time = 0;                 // [s]
-    std::filesystem::path wire;      // wire_######.vtp
-    std::filesystem::path contacts;  // contacts_######.vtp; may be absent
-    std::filesystem::path wall;      // wall_######.vtp; may be absent
+    double time = 0;                           // [s]
+    std::vector<std::filesystem::path> wires;  // wire_######.vtp, or NAME_######.vtp of each instrument
+    std::vector<std::string> names;            // of the instruments; "" of the only one
+    std::filesystem::path contacts;            // contacts_######.vtp; may be absent
+    std::filesystem::path wall;                // wall_######.vtp; may be absent
 };
 
 /// One row of trace.csv, as far as it is shown.

@@ -99,7 +99,7 @@ TEST_SUITE("scene/recorder")
         saved.status = RunStatus::Interrupted;
         saved.tally.steps = 123;
         saved.tally.friction_max = 0.25;
-        saved.trace_bytes = 4567;
+        saved.trace_bytes = {4567, 89};
         saved.wire_frames = {{0, 0.0}, {3, 0.003}};
         saved.state = {1, 2, 3, 255};
         write_checkpoint(file, saved);
@@ -108,7 +108,7 @@ TEST_SUITE("scene/recorder")
         CHECK(read.vessel_hash == 77);
         CHECK(read.status == RunStatus::Interrupted);
         CHECK(std::memcmp(&read.tally, &saved.tally, sizeof(RunTally)) == 0);
-        CHECK(read.trace_bytes == 4567);
+        CHECK(read.trace_bytes == saved.trace_bytes);
         REQUIRE(read.wire_frames.size() == 2);
         CHECK(read.wire_frames[1].step == 3);
         CHECK(read.contact_frames.empty());

@@ -292,4 +292,37 @@ TEST_SUITE("step/worlds")
         }
         CHECK(halved > 0);
     }
+
+    TEST_CASE("property: one system goes back to what it was, and the others go on")
+    {
+        for (const Detection detection : {Detection::Swept, Detection::Layer, Detection::Nodes}) {
+            CAPTURE(static_cast<int>(detection));
+            FedWorld world(three_wires(detection));
+            run(world, 60);
+            const std::vector<std::uint8_t> saved = world.save_state(1);
+            const double then = world.time(1);
+            run(world, 40);
+            const std::vector<double> after = state_of(world, 1), first = state_of(world, 0), last = state_of(world, 2);
+            world.restore_state(1, saved);
+            CHECK(world.time(1) == then);
+            CHECK(world.save_state(1) == saved);
+            CHECK(same_bits(state_of(world, 0), first));
+            CHECK(same_bits(state_of(world, 2), last));
+            run(world, 40);  // the others 40 steps farther
+            CHECK(same_bits(state_of(world, 1), after));
+            CHECK_FALSE(same_bits(state_of(world, 0), first));
+        }
+    }
+
+    TEST_CASE("regression: the state of another system is refused, and nothing has changed")
+    {
+        FedWorld world(three_wires(Detection::Swept));
+        run(world, 5);
+        const std::string before = world.state_hash();
+        CHECK_THROWS_AS(world.restore_state(0, world.save_state(2)), Error);
+        std::vector<std::uint8_t> longer = world.save_state(0);
+        longer.push_back(0);
+        CHECK_THROWS_AS(world.restore_state(0, longer), Error);
+        CHECK(world.state_hash() == before);
+    }
 }

@@ -1,0 +1,20 @@
+#pragma once
+// The instruments of a system read as one: what trace.csv and a batch's table say of several.
+
+#include "output.h"
+
+#include <span>
+
+namespace seldinger {
+
+class World;
+
+/// What the hand does (inserted, turned, its force and torque) is the first one's; counts, forces and energies are sums; overlaps
+/// and what else is a worst is the largest. Of one instrument: its own, bit for bit.
+[[nodiscard]] WireReadings joint_readings(const World& world, int system);
+[[nodiscard]] WireReadings joint_readings(std::span<const WireOutput> wires);
+
+/// The worst of all, all flags together.
+[[nodiscard]] WireReport joint_report(const World& world, int system);
+
+}  // namespace seldinger

@@ -1,0 +1,65 @@
+// Feeds: where an instrument enters, and its key frames.
+#include "scene/scene_read.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+namespace {
+
+FeedKey read_feed_key(const toml::node& node, const std::string& path, const FeedKey& before, bool first)
+{
+    const toml::table* table = node.as_table();
+    if (!table) fail_at(node.source(), path, "expected {t_s = ..., advance_m = ..., turn_rad = ...}");
+    const TableReader t(*table, path, {"t_s", "advance_m", "turn_rad"});
+    FeedKey key;
+    key.turn = before.turn;
+    t.need("t_s");
+    t.need("advance_m");
+    t.number("t_s", key.t, not_negative);
+    t.number("advance_m", key.advance, not_negative);
+    t.number("turn_rad", key.turn, any_number);
+    if (!first && key.t <= before.t) t.fail("t_s", "expected times that increase; sort the keys");
+    return key;
+}
+
+void read_inlet(const TableReader& t, const Scene& scene, SceneFeed& feed)
+{
+    constexpr std::string_view inlets[] = {"auto"};
+    feed.inlet_auto = t.word_index("inlet", inlets) == 0;
+    if (feed.inlet_auto) {
+        t.refuse("point", "contradicts inlet = \"auto\"; give one or the other");
+        t.refuse("direction", "contradicts inlet = \"auto\"; give one or the other");
+        if (scene.vessel.shape == VesselShape::None) t.fail("inlet", "needs a [vessel]; give point and direction instead");
+        return;
+    }
+    t.need("point", "where the wire enters (or inlet = \"auto\")");
+    t.need("direction", "the way that the wire enters (or inlet = \"auto\")");
+    t.vector("point", feed.point);
+    t.direction("direction", feed.direction);
+}
+
+}  // namespace
+
+void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene)
+{
+    const TableReader t(table, path, {"point", "direction", "inlet", "keys"});
+    SceneFeed& feed = into.feed;
+    feed.on = true;
+    if (!inherits) read_inlet(t, scene, feed);
+    else
+        for (const auto key : {"inlet", "point", "direction"})
+            t.refuse(key, "is that of the outer instrument: those inside each other enter at one place; take it out");
+    t.need("keys", "what is fed when");
+    const toml::array* keys = t.node("keys")->as_array();
+    if (!keys || keys->empty()) t.fail("keys", "expected [ {t_s = 0.0, advance_m = 0.0, turn_rad = 0.0}, ... ]");
+    for (const toml::node& node : *keys) {
+        const bool first = feed.keys.empty();
+        feed.keys.push_back(read_feed_key(node, path + ".keys", first ? FeedKey{} : feed.keys.back(), first));
+        if (feed.keys.back().advance > into.wire.length)
+            fail_at(node.as_table()->get("advance_m")->source(), path + ".keys.advance_m",
+                    fmt::format("{} m is more than the whole wire, {} m; make {}length_m longer", feed.keys.back().advance,
+                                into.wire.length, into.label.empty() ? "wire." : ""));
+    }
+}
+
+}  // namespace seldinger

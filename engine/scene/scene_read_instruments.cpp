@@ -1,0 +1,176 @@
+// Several instruments: [[instrument]] with their feeds, and [coaxial], which says what is inside what.
+#include "scene/scene_read.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace seldinger {
+namespace {
+
+constexpr std::size_t most_instruments = 16, longest_name = 40;
+// A run names files after its instruments, beside these.
+constexpr std::string_view taken_names[] = {"trace", "contacts",   "wall",  "vessel", "summary",
+                                            "scene", "checkpoint", "frame", "picture"};
+
+void check_name(const TableReader& t, const std::string& name, const Scene& scene, int count)
+{
+    const bool plain =
+        std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
+    if (name.empty() || name.size() > longest_name || !plain)
+        t.fail("name", fmt::format("expected 1 to {} letters, digits, - and _: files are named after it", longest_name));
+    if (std::find(std::begin(taken_names), std::end(taken_names), name) != std::end(taken_names))
+        t.fail("name", fmt::format("\"{}\" is what a run calls a file of its own; choose another", name));
+    for (int k = 0; k < count; ++k)
+        if (scene.instrument(k).label == name)
+            t.fail("name", fmt::format("\"{}\" is instrument {} already; choose another", name, k));
+}
+
+/// The table of each instrument, named.
+std::vector<const toml::table*> read_names(const toml::table& root, Scene& scene)
+{
+    std::vector<const toml::table*> tables;
+    for_each_table(root, "instrument", "instrument", [&](const toml::table& table, const std::string& path) {
+        std::vector<std::string_view> any;  // keys are looked at when the whole table is read
+        for (const auto& [key, value] : table) any.push_back(key.str());
+        const TableReader t(table, path, any);
+        if (tables.size() == most_instruments) t.fail("name", fmt::format("expected at most {} instruments", most_instruments));
+        t.need("name", "what the instrument is called in messages and files");
+        std::string name;
+        t.text("name", name);
+        check_name(t, name, scene, static_cast<int>(tables.size()));
+        if (!tables.empty()) scene.others.emplace_back();
+        scene.instrument(static_cast<int>(tables.size())).label = name;
+        tables.push_back(&table);
+    });
+    if (tables.empty()) fail_at(root.get("instrument")->source(), "instrument", "expected at least one table [[instrument]]");
+    return tables;
+}
+
+std::vector<int> read_order(const TableReader& t, const Scene& scene)
+{
+    t.need("order", "names of instruments, outer first, e.g. [\"catheter\", \"wire\"]");
+    const toml::array* names = t.node("order")->as_array();
+    if (!names || names->size() < 2) t.fail("order", "expected two names of instruments at least, outer first");
+    std::vector<std::string_view> known;
+    for (int k = 0; k < scene.instrument_count(); ++k) known.push_back(scene.instrument(k).label);
+    std::vector<int> order;
+    for (const toml::node& node : *names) {
+        const std::string name = node.value_or<std::string>("");
+        const auto at = std::find(known.begin(), known.end(), name);
+        if (at == known.end())
+            fail_at(node.source(), "coaxial.order",
+                    fmt::format("no instrument is called \"{}\"; expected one of \"{}\"", name, fmt::join(known, "\", \"")));
+        const int k = static_cast<int>(at - known.begin());
+        if (std::find(order.begin(), order.end(), k) != order.end())
+            fail_at(node.source(), "coaxial.order", fmt::format("\"{}\" is there twice; take it out", name));
+        order.push_back(k);
+    }
+    return order;
+}
+
+void read_coaxial(const toml::table& table, Scene& scene)
+{
+    const TableReader t(table, "coaxial", {"order", "model", "mu_static", "mu_sliding", "stiffness"});
+    CoaxialSpec spec;
+    spec.order = read_order(t, scene);
+    spec.model = coaxial_words[0].value;
+    t.choice("model", spec.model, coaxial_words);
+    t.number("mu_static", spec.mu_static, friction_range);
+    t.number("mu_sliding", spec.mu_sliding, friction_range);
+    t.number("stiffness", spec.stiffness, positive);
+    if (spec.mu_static < spec.mu_sliding) {
+        scene.notes.emplace_back("coaxial.mu_static",
+                                 fmt::format("{} (raised from {}: not below mu_sliding)", spec.mu_sliding, spec.mu_static));
+        spec.mu_static = spec.mu_sliding;
+    }
+    scene.coaxial = std::move(spec);
+}
+
+/// Place in the order, -1: not among those inside each other.
+int place_in_order(const Scene& scene, int instrument)
+{
+    if (!scene.coaxial) return -1;
+    const auto at = std::find(scene.coaxial->order.begin(), scene.coaxial->order.end(), instrument);
+    return at == scene.coaxial->order.end() ? -1 : static_cast<int>(at - scene.coaxial->order.begin());
+}
+
+void read_instrument_table(const toml::table& table, int k, Scene& scene)
+{
+    const std::string path = fmt::format("instrument.{}", k);
+    SceneInstrument& instrument = scene.instrument(k);
+    read_wire_table(table, path, {"name", "feed"}, table.contains("feed"), instrument, scene);
+    const int place = place_in_order(scene, k);
+    const toml::node* feed = table.get("feed");
+    if (!feed && place >= 0)
+        fail_at(table.source(), path + ".feed",
+                "is missing; instruments inside each other are fed: give [instrument.feed] with keys");
+    if (!feed) return;
+    if (!feed->is_table()) fail_at(feed->source(), path + ".feed", "expected one table [instrument.feed]");
+    read_feed_table(*feed->as_table(), path + ".feed", place > 0, instrument, scene);
+}
+
+double widest(const WireSpec& wire)
+{
+    double radius = wire.shaft.radius;
+    for (const WireSectionRange& range : wire.sections) radius = std::max(radius, range.section.radius);
+    return radius;
+}
+
+[[noreturn]] void fail_in(const toml::table& table, const char* key, int k, const std::string& message)
+{
+    const toml::node* at = table.get(key);
+    fail_at(at ? at->source() : table.source(), fmt::format("instrument.{}.{}", k, key), message);
+}
+
+/// The inner one goes into the outer one's lumen.
+void check_fit(const toml::table& table, const Scene& scene, int outer, int inner)
+{
+    const SceneInstrument &out = scene.instrument(outer), &in = scene.instrument(inner);
+    if (out.wire.lumen_radius == 0)
+        fail_in(table, "radius_m", inner,
+                fmt::format("is to go into \"{}\", which has no lumen; give that one lumen_radius_m", out.label));
+    if (widest(in.wire) >= out.wire.lumen_radius)
+        fail_in(table, "radius_m", inner,
+                fmt::format("{} m is not below the lumen of \"{}\", {} m; take a thinner instrument or a wider one around it",
+                            widest(in.wire), out.label, out.wire.lumen_radius));
+}
+
+/// Once in, the inner one stays in while there is something around it.
+void check_ways(const toml::table& table, const Scene& scene, int outer, int inner)
+{
+    const SceneFeed &out = scene.instrument(outer).feed, &in = scene.instrument(inner).feed;
+    for (std::size_t i = 1; i < in.keys.size(); ++i)
+        if (in.keys[i].advance == 0 && in.keys[i - 1].advance > 0 && out.at(in.keys[i].t).advance > 0)
+            fail_in(table, "feed", inner,
+                    fmt::format("pulls it out of \"{}\" at {} s (advance_m = 0); leave some of it inside",
+                                scene.instrument(outer).label, in.keys[i].t));
+}
+
+}  // namespace
+
+void read_instruments(const toml::table& root, Scene& scene)
+{
+    for (const char* key : {"wire", "feed"})
+        if (const toml::node* node = root.get(key))
+            fail_at(node->source(), key, fmt::format("is the one-instrument form of what [[instrument]] says; take {} out", key));
+    const std::vector<const toml::table*> tables = read_names(root, scene);
+    if (const toml::table* coaxial = find_table(root, "coaxial")) read_coaxial(*coaxial, scene);
+    for (int k = 0; k < scene.instrument_count(); ++k) read_instrument_table(*tables[static_cast<std::size_t>(k)], k, scene);
+    if (!scene.coaxial) return;
+    const std::vector<int>& order = scene.coaxial->order;
+    const SceneFeed& outermost = scene.instrument(order[0]).feed;
+    for (std::size_t i = 1; i < order.size(); ++i) {
+        SceneFeed& feed = scene.instrument(order[i]).feed;
+        feed.inlet_auto = outermost.inlet_auto;
+        feed.point = outermost.point;
+        feed.direction = outermost.direction;
+        const toml::table& table = *tables[static_cast<std::size_t>(order[i])];
+        check_fit(table, scene, order[i - 1], order[i]);
+        check_ways(table, scene, order[i - 1], order[i]);
+    }
+}
+
+}  // namespace seldinger

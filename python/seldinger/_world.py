@@ -1,0 +1,475 @@
+"""Worlds, controls and what is read of them."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, Union
+
+import numpy as np
+
+from . import _engine, _toml
+from ._errors import Error
+
+SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any], "Scene"]
+
+_FLAGS = {"halved": 1, "not_converged": 2, "wall_far": 4, "wall_penetration": 8, "non_finite": 16, "best_effort": 32, "energy": 64}
+_ADVICE = {
+    64: "energy comes from nowhere; make scene.dt_s smaller, or leave integrator.beta and gamma out",
+    16: "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller",
+    2: "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower",
+}
+
+
+def assets() -> Path:
+    """The folder of scenes and instruments that come with the package ($SELDINGER_ASSETS, else beside it).
+
+    >>> import seldinger
+    >>> (seldinger.assets() / "scenes" / "aortic-arch.toml").is_file()
+    True
+    """
+    return Path(os.environ["SELDINGER_ASSETS"])
+
+
+class Scene:
+    """A scene as text, with the place that its relative paths start from.
+
+    Parameters
+    ----------
+    scene : str, path, dict or Scene
+        The name of one that comes with the package ("aortic-arch"), a file, TOML text (with a line break in it), or the same as a
+        dict.
+    set : list of str
+        Overrides as of the command's --set, "table.key=value".
+    **overrides
+        The same as keywords: `contact__mu_sliding=0.1` or `**{"contact.mu_sliding": 0.1}`; values are Python's.
+
+    Examples
+    --------
+    >>> import seldinger
+    >>> seldinger.Scene("swing", wire__nodes=21).overrides
+    ['wire.nodes=21']
+    """
+
+    def __init__(self, scene: SceneLike, *, set: Sequence[str] = (), **overrides: Any) -> None:
+        earlier: list[str] = []
+        if isinstance(scene, Scene):
+            self.text, self.file, earlier = scene.text, scene.file, scene.overrides
+        elif isinstance(scene, Mapping):
+            self.text, self.file = _toml.document(scene), str(Path.cwd() / "scene.toml")
+        elif isinstance(scene, str) and "\n" in scene:
+            self.text, self.file = scene, str(Path.cwd() / "scene.toml")
+        elif isinstance(scene, (str, os.PathLike)):
+            self.file = str(_find(scene))
+            try:
+                self.text = Path(self.file).read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as why:
+                raise Error(f"{scene}: {getattr(why, 'strerror', None) or why}; expected a scene file, or one of "
+                            f"{', '.join(scene_names())}", 3) from None
+        else:
+            raise TypeError(f"scene: {type(scene).__name__} given; a name, a path, a dict or a Scene expected")
+        self.overrides: list[str] = [*earlier, *_toml.overrides(overrides, set)]
+
+    def __repr__(self) -> str:
+        return f"Scene({self.file!r}, set={self.overrides!r})"
+
+
+def scene_names() -> list[str]:
+    """Names of the scenes that come with the package.
+
+    >>> import seldinger
+    >>> "aortic-arch" in seldinger.scene_names()
+    True
+    """
+    folder = assets() / "scenes"
+    return sorted({p.stem for p in folder.glob("*.toml")} | {p.stem for p in (folder / "reference").glob("*.toml")})
+
+
+def _find(name: str | os.PathLike[str]) -> Path:
+    path = Path(name)
+    if path.exists() or path.suffix == ".toml" or len(path.parts) > 1:
+        return path
+    for folder in ("", "reference"):
+        place = assets() / "scenes" / folder / f"{path}.toml"
+        if place.is_file():
+            return place
+    return path
+
+
+class StepReport(NamedTuple):
+    """How the steps of one call went; the worst of all.
+
+    Fields: `flags` (bits, see `names`), `newton_iterations` and `sub_steps` (of the worst step), `steps` (taken: fewer than asked
+    for where one failed).
+    """
+
+    flags: int
+    newton_iterations: int
+    sub_steps: int
+    steps: int
+
+    @property
+    def failed(self) -> bool:
+        """Whether a step could not be made; the state before it was kept."""
+        return bool(self.flags & (2 | 16 | 64))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Flags in words."""
+        return tuple(name for name, bit in _FLAGS.items() if self.flags & bit)
+
+    @property
+    def message(self) -> str:
+        """What to do about a failure; empty where there is none."""
+        return next((text for bit, text in _ADVICE.items() if self.flags & bit), "")
+
+
+class Control:
+    """What is asked of the hubs in one call of `World.step`. An instrument that nothing is asked of stays.
+
+    Examples
+    --------
+    >>> import seldinger
+    >>> control = seldinger.Control().move_to(0, advance=0.002, turn=0.1)
+    >>> control.targets
+    {0: (0.002, 0.1)}
+    """
+
+    def __init__(self) -> None:
+        self.targets: dict[Union[int, str], tuple[float, float]] = {}
+
+    def move_to(self, instrument: Union[int, str] = 0, advance: float = 0.0, turn: float = 0.0) -> "Control":
+        """At the end of the call the hub of `instrument` (an index or a name) has `advance` [m] of wire pushed in and is turned by
+        `turn` [rad], right-handed about the direction of insertion. It goes there steadily."""
+        self.targets[instrument] = (float(advance), float(turn))
+        return self
+
+
+ControlLike = Union[None, Control, Mapping[Union[int, str], Sequence[float]], Sequence[float], np.ndarray]
+
+
+class World:
+    """A simulated world: instruments inside a vessel.
+
+    Parameters
+    ----------
+    scene : str, path, dict or Scene
+        See `Scene`.
+    set : list of str
+        Overrides as of the command's --set.
+    device : int
+        OpenCL device as `seldinger.devices()` lists them; -1: the default.
+    copies : list of list of str
+        Several systems in one world, stepped by one launch for all: a list of overrides of each. They may differ in their
+        instruments, feeds and coefficients of contact. Each has the bits that it would have alone.
+    **overrides
+        Keys of the scene, `wire__nodes=41` or `**{"wire.nodes": 41}`.
+
+    Examples
+    --------
+    >>> import seldinger
+    >>> world = seldinger.World("aortic-arch")
+    >>> report = world.step([0.005, 0.0], n=100)       # the hub is pushed 5 mm in within 100 steps
+    >>> report.failed, round(world.time, 3)
+    (False, 0.1)
+    >>> world.output.nodes.shape[1], round(world.output.inserted, 6)
+    (3, 0.005)
+    >>> world.close()
+
+    Threads may share a world: calls wait for each other, and let other Python threads run meanwhile. A world does not survive a
+    fork; use multiprocessing's "spawn".
+    """
+
+    def __init__(self, scene: SceneLike, *, set: Sequence[str] = (), device: int = -1,
+                 copies: Sequence[Sequence[str]] | None = None, **overrides: Any) -> None:
+        given = Scene(scene, set=set, **overrides)
+        own = [[]] if copies is None else [list(map(str, c)) for c in copies]
+        if not own:
+            raise ValueError("copies: a list for each system expected, none given")
+        self._scene, self._copies, self._device = given, own, int(device)
+        self._world = _engine.World(given.text, given.file, [given.overrides + c for c in own], self._device)
+        (self._dt, self._duration, self._steps, self._settles, self._static, self._rests, self._moving_until,
+         self._rest_steps) = self._world.scene_numbers()
+        wires, self._systems = self._world.counts()
+        names = self._world.names()
+        self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
+        self._settled = False
+
+    # -- what it is ---------------------------------------------------------------------------------------------------
+
+    @property
+    def dt(self) -> float:
+        """Length of a step [s], `scene.dt_s`."""
+        return self._dt
+
+    @property
+    def duration(self) -> float:
+        """How long the scene goes on [s]."""
+        return self._duration
+
+    @property
+    def instruments(self) -> tuple[str, ...]:
+        """Names of the instruments, in the order of `Output.instruments`.
+
+        >>> import seldinger
+        >>> seldinger.World("swing").instruments
+        ('wire',)
+        """
+        return self._names
+
+    @property
+    def systems(self) -> int:
+        """How many systems there are: 1, or the number of `copies`."""
+        return self._systems
+
+    @property
+    def model(self) -> dict[str, str]:
+        """What was on and why, "name": "value (reason)", as in summary.json."""
+        return dict(self._world.model())
+
+    @property
+    def device(self) -> str:
+        """Name of the OpenCL device."""
+        return self._world.device_name()
+
+    @property
+    def scene(self) -> str:
+        """The scene as TOML with every default written out; paths relative to the present folder."""
+        return self._world.scene_text(os.getcwd())
+
+    @property
+    def centreline(self) -> dict[str, np.ndarray]:
+        """The vessel's axis as a tree: `points` [p, 3] m, `radius` [p] m, `parent` [p] (-1 at a root)."""
+        return self._world.centreline()
+
+    @property
+    def vessel(self) -> tuple[np.ndarray, np.ndarray]:
+        """The wall's mesh: vertices [v, 3] m, triangles [t, 3]."""
+        return self._world.vessel()
+
+    # -- running ------------------------------------------------------------------------------------------------------
+
+    def step(self, control: ControlLike = None, n: int = 1, *, dt: float | None = None) -> StepReport:
+        """Advances by `n` steps.
+
+        Parameters
+        ----------
+        control
+            None: the hubs follow the scene's key frames, as the command's `run` does. A `Control`; an array [2] (advance [m], turn
+            [rad]) of the first instrument, or [instruments, 2]; a dict {index or name: (advance, turn)}. The hubs go there
+            steadily over the n steps; those that are not named stay.
+        n : int
+            How many steps. One that fails ends the call (in a world of several systems only its own system stops).
+        dt : float
+            Length of a step [s]; the scene's where it is not given.
+
+        Returns
+        -------
+        StepReport
+            Numerical trouble is told here, never raised.
+
+        Raises
+        ------
+        Error
+            An instrument that is not there or is not fed, a value that is not finite or not on the wire; a world that is closed.
+        TypeError, ValueError
+            A control of another type or shape. The world is unchanged then.
+
+        Examples
+        --------
+        >>> import seldinger
+        >>> world = seldinger.World("swing")
+        >>> world.step(n=10).failed
+        False
+        """
+        n = _count(n)
+        dt = self._dt if dt is None else float(dt)
+        if control is None:
+            return StepReport(*self._world.step(None, None, n, dt))
+        targets, moves = self._targets(control)
+        return StepReport(*self._world.step(targets, moves, n, dt))
+
+    def settle(self) -> StepReport:
+        """Static equilibrium of the present state (scheme = "static", start = "settled")."""
+        self._settled = True
+        return StepReport(*self._world.settle())
+
+    def run(self, until: float | None = None) -> "_engine.Output":
+        """Runs the scene as the command does, to its end or to the time `until` [s], and returns the output there.
+
+        Raises
+        ------
+        Error
+            Code 4, where a step fails.
+
+        Examples
+        --------
+        >>> import seldinger
+        >>> world = seldinger.World("swing", scene__duration_s=0.05, scene__dt_s=0.001)
+        >>> _ = world.run()
+        >>> round(world.time, 6)
+        0.05
+        """
+        steps = self._steps if until is None else min(self._steps, round(float(until) / self._dt))
+        if not self._settled and self.output.step == 0 and (self._settles or self._static):
+            self._check(self.settle(), "settling")
+        if self._static:
+            return self.output
+        rest = 0
+        while self.output.step < steps:
+            at = self.output.step
+            self._check(self.step(n=1 if self._rests else min(64, steps - at)), f"step {at + 1} or after")
+            rest = rest + 1 if self._world.at_rest() else 0
+            if self._rests and rest >= self._rest_steps and self.time >= self._moving_until:
+                break
+        return self.output
+
+    def _check(self, report: StepReport, where: str) -> None:
+        if report.failed:
+            raise Error(f"{where} ({self.time:.6g} s): {report.message}", 4)
+
+    # -- reading ------------------------------------------------------------------------------------------------------
+
+    @property
+    def output(self) -> "_engine.Output":
+        """What can be read of the present state; its arrays are read-only views without a copy, and stay as they are when the
+        world goes on or is gone.
+
+        >>> import seldinger
+        >>> nodes = seldinger.World("swing").output.nodes    # the world is gone already
+        >>> nodes.flags.writeable, nodes.dtype.name, nodes.shape[1]
+        (False, 'float64', 3)
+        """
+        return self._world.output()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._world.time()
+
+    def state_hash(self, system: int = -1) -> str:
+        """64-bit FNV-1a over every byte of the state as 16 hex digits, as `summary.json` has it; of one system, or of all."""
+        return self._world.state_hash(int(system))
+
+    def save(self, system: int = -1) -> "_engine.State":
+        """The state, every changing byte, of one system or of all. It can be pickled.
+
+        >>> import seldinger
+        >>> world = seldinger.World("swing")
+        >>> state = world.save()
+        >>> _ = world.step(n=20)
+        >>> after = world.state_hash()
+        >>> world.restore(state)
+        >>> _ = world.step(n=20)
+        >>> world.state_hash() == after
+        True
+        """
+        return self._world.save(int(system))
+
+    def restore(self, state: "_engine.State") -> None:
+        """Goes back to a saved state; what comes then has the same bits as after it was saved.
+
+        Raises
+        ------
+        Error
+            Code 3: not the state of such a world, which is unchanged then.
+        """
+        if not isinstance(state, _engine.State):
+            raise TypeError(f"state: {type(state).__name__} given; what save() returned expected")
+        self._world.restore(state)
+
+    def render(self, width: int = 640, height: int = 480, *, legend: bool = True, force_scale: float = 0.0,
+               camera: tuple[Sequence[float], Sequence[float], Sequence[float]] | None = None) -> np.ndarray:
+        """A picture of the present state, [height, width, 3] uint8, drawn without a display (EGL).
+
+        Parameters
+        ----------
+        width, height : int
+            In pixels.
+        legend : bool
+            Text, scale bars and the magnified view of the tip.
+        force_scale : float
+            Contact force at the top of the scale [N]; 0: round, above the strongest.
+        camera : (eye, target, up)
+            Points and a direction [m]; without it the camera shows the whole vessel.
+
+        Raises
+        ------
+        Error
+            Code 5: no off-screen OpenGL; code 2: an impossible size.
+        """
+        views = None if camera is None else [np.asarray(v, float).reshape(3) for v in camera]
+        return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views)
+
+    # -- life ---------------------------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Gives its memory back. Views of its output stay; anything else that is asked of it raises Error."""
+        self._world.close()
+
+    def __enter__(self) -> "World":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"text": self._scene.text, "file": self._scene.file, "set": self._scene.overrides, "copies": self._copies,
+                "device": self._device, "settled": self._settled, "state": self.save()}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        scene = Scene.__new__(Scene)
+        scene.text, scene.file, scene.overrides = kept["text"], kept["file"], kept["set"]
+        self.__init__(scene, device=kept["device"], copies=kept["copies"])
+        self._settled = kept["settled"]
+        self.restore(kept["state"])
+
+    # -- controls -----------------------------------------------------------------------------------------------------
+
+    def _index(self, instrument: Union[int, str]) -> int:
+        if isinstance(instrument, str):
+            if instrument not in self._names:
+                raise Error(f"\"{instrument}\": no such instrument; there are {', '.join(self._names)}", 2)
+            return self._names.index(instrument)
+        k = int(instrument)
+        if not 0 <= k < len(self._names):
+            raise Error(f"instrument {k}: no such instrument; there are 0 to {len(self._names) - 1}", 2)
+        return k
+
+    def _targets(self, control: Any) -> tuple[np.ndarray, np.ndarray]:
+        wires = len(self._names)
+        if isinstance(control, Control):
+            control = control.targets
+        targets, moves = np.zeros((wires, 2)), np.zeros(wires, bool)
+        if isinstance(control, Mapping):
+            for name, to in control.items():
+                k = self._index(name)
+                targets[k], moves[k] = _reals(to, (2,)), True
+            return targets, moves
+        given = np.asarray(control)
+        if given.shape == (2,):
+            given = given.reshape(1, 2)
+        _reals(given, (given.shape[0] if given.ndim else 0, 2))
+        if not 1 <= given.shape[0] <= wires:
+            raise ValueError(f"control: shape {np.shape(control)} given; (2,) or ({wires}, 2) expected")
+        targets[: len(given)], moves[: len(given)] = given, True
+        return targets, moves
+
+
+def _reals(x: Any, shape: tuple[int, ...]) -> np.ndarray:
+    a = np.asarray(x)
+    if a.dtype.kind not in "fiu":
+        raise TypeError(f"control: numbers expected, {a.dtype} given")
+    if a.shape != shape:
+        raise ValueError(f"control: shape {a.shape} given, {shape} expected (advance [m], turn [rad])")
+    if not np.isfinite(a).all():
+        raise ValueError(f"control: {a.tolist()} given, finite numbers expected")
+    return a.astype(np.float64)
+
+
+def _count(n: Any) -> int:
+    if isinstance(n, bool) or int(n) != n or n < 1:
+        raise ValueError(f"n: {n} given, a whole number of steps from 1 on expected")
+    return int(n)

@@ -1,0 +1,208 @@
+// Steps a world, hands out copies of its state, saves and restores it.
+#include "handle.h"
+
+#include "core/bytes.h"
+#include "scene/vessel_load.h"
+
+#include <unistd.h>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger::python {
+
+void check_process()
+{
+    static const pid_t started = getpid();
+    if (getpid() != started)
+        throw Error(ExitCode::NoDevice,
+                    "this process was forked from one that had started OpenCL, whose threads it does not have; start it with "
+                    "multiprocessing's \"spawn\" or \"forkserver\", or make the first World after the fork");
+}
+
+Handle::Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides, int device)
+{
+    check_process();
+    for (const std::vector<std::string>& own : overrides) scenes_.push_back(read_scene_text(text, file, own));
+    if (scenes_.size() == 1) {
+        world_ = std::make_unique<World>(make_setup(scenes_.front(), device));
+        keys_ = KeyFrames(scenes_.front());
+        return;
+    }
+    world_ = std::make_unique<World>(make_setup(scenes_, load_vessel(scenes_.front().vessel), device));
+    keys_ = KeyFrames(std::span<const Scene>(scenes_));
+}
+
+void Handle::close()
+{
+    world_.reset();
+    output_.reset();
+    spare_.reset();
+    companion.reset();
+}
+
+World& Handle::world() const
+{
+    if (!world_) throw Error(ExitCode::BadScene, "the world is closed; make a new one");
+    check_process();
+    return *world_;
+}
+
+StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt)
+{
+    if (!targets) return seldinger::step(*world_, keys_.control(), dt);
+    control_.clear();
+    for (std::size_t k = 0; k < targets->size(); ++k) {
+        const HubTarget &to = (*targets)[k], &from = start[k];
+        if (!to.moves) continue;
+        const auto between = [share](double a, double b) { return share == 1 ? b : a + share * (b - a); };
+        control_.move_to(static_cast<int>(k), between(from.advance, to.advance), between(from.turn, to.turn));
+    }
+    return seldinger::step(*world_, control_, dt);
+}
+
+StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt)
+{
+    World& at = world();
+    std::vector<HubTarget> start;
+    for (int w = 0; targets && n > 1 && w < at.wire_count(); ++w) {
+        const WireReadings now = at.readings(w);
+        const FeedSpec& feed = at.setup().wires[static_cast<std::size_t>(w)].feed;
+        start.push_back({true, feed.advance + now.inserted, feed.turn + now.turned});
+    }
+    start.resize(std::max(start.size(), targets ? targets->size() : 0));
+    if (output_) spare_ = std::move(output_);
+    StepSummary all;
+    while (all.steps < n) {
+        const StepReport report = one_step(targets, start, static_cast<double>(all.steps + 1) / static_cast<double>(n), dt);
+        all.report.flags |= report.flags;
+        all.report.newton_iterations = std::max(all.report.newton_iterations, report.newton_iterations);
+        all.report.sub_steps = std::max(all.report.sub_steps, report.sub_steps);
+        all.report.times += report.times;
+        all.steps++;
+        if (report.failed() && at.system_count() == 1) break;
+    }
+    return all;
+}
+
+StepReport Handle::settle()
+{
+    World& at = world();
+    if (output_) spare_ = std::move(output_);
+    return seldinger::settle(at);
+}
+
+std::shared_ptr<const Output> Handle::output()
+{
+    const World& at = world();
+    if (output_) return output_;
+    if (!spare_ || spare_.use_count() > 1) spare_ = std::make_shared<Output>();
+    at.read(*spare_);
+    output_ = std::move(spare_);
+    return output_;
+}
+
+SavedState Handle::save(int system)
+{
+    const World& at = world();
+    if (system >= at.system_count())
+        throw Error(ExitCode::BadScene, "there is no such system: the world has " + std::to_string(at.system_count()));
+    return {system, system < 0 ? at.save_state() : at.save_state(system), system < 0 ? output() : nullptr};
+}
+
+void Handle::restore(const SavedState& state, int into)
+{
+    World& at = world();
+    const int system = state.system >= 0 && into >= 0 ? into : state.system;
+    if (system >= at.system_count()) throw Error(ExitCode::BadFile, "the saved state is of a system that is not there");
+    if (system < 0) at.restore_state(state.bytes);
+    else at.restore_state(system, state.bytes);
+    if (output_) spare_ = std::move(output_);
+    // a copy that only this world fills again
+    if (state.output) output_ = std::const_pointer_cast<Output>(state.output);
+}
+
+namespace {
+
+template <class T>
+void put_list(std::vector<std::uint8_t>& bytes, const std::vector<T>& list)
+{
+    const std::uint64_t count = list.size();
+    put_bytes(bytes, &count, 1);
+    const auto* from = reinterpret_cast<const std::uint8_t*>(list.data());
+    bytes.insert(bytes.end(), from, from + list.size() * sizeof(T));
+}
+
+template <class T>
+void take_list(const std::uint8_t*& at, const std::uint8_t* end, std::vector<T>& list)
+{
+    std::uint64_t count = 0;
+    take_bytes(at, end, &count, 1);
+    if (count > static_cast<std::uint64_t>(end - at) / sizeof(T)) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    list.resize(count);
+    std::copy(at, at + count * sizeof(T), reinterpret_cast<std::uint8_t*>(list.data()));
+    at += count * sizeof(T);
+}
+
+template <class T>
+void put_raw(std::vector<std::uint8_t>& bytes, const T& value)
+{
+    const auto* from = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes.insert(bytes.end(), from, from + sizeof value);
+}
+
+template <class T>
+void take_raw(const std::uint8_t*& at, const std::uint8_t* end, T& value)
+{
+    if (static_cast<std::size_t>(end - at) < sizeof value) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+    std::copy(at, at + sizeof value, reinterpret_cast<std::uint8_t*>(&value));
+    at += sizeof value;
+}
+
+/// `io(member)` for everything that a wire's output has.
+template <class Wire, class Raw, class List>
+void visit(Wire& wire, Raw raw, List list)
+{
+    raw(wire.readings), raw(wire.report), raw(wire.time), raw(wire.at_rest), raw(wire.retired), raw(wire.tip);
+    raw(wire.contact_area), raw(wire.contact_pressure_max);
+    list(wire.material_s), list(wire.radius), list(wire.curvature), list(wire.spin);
+    list(wire.position), list(wire.velocity), list(wire.contact_force);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> pack(const Output& output)
+{
+    std::vector<std::uint8_t> bytes;
+    const auto raw = [&](const auto& value) { put_raw(bytes, value); };
+    const auto list = [&](const auto& value) { put_list(bytes, value); };
+    raw(output.time), raw(output.step), raw(output.parts);
+    raw(static_cast<std::uint64_t>(output.wires.size()));
+    for (const WireOutput& wire : output.wires) visit(wire, raw, list);
+    raw(static_cast<std::uint64_t>(output.walls.size()));
+    for (const WallOutput& wall : output.walls) raw(wall.readings), list(wall.displacement), list(wall.stress);
+    list(output.contacts);
+    return bytes;
+}
+
+std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes)
+{
+    const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
+    auto output = std::make_shared<Output>();
+    const auto raw = [&](auto& value) { take_raw(at, end, value); };
+    const auto list = [&](auto& value) { take_list(at, end, value); };
+    const auto resize = [&](auto& vector) {
+        std::uint64_t count = 0;
+        raw(count);
+        if (count > bytes.size()) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+        vector.resize(count);
+    };
+    raw(output->time), raw(output->step), raw(output->parts);
+    resize(output->wires);
+    for (WireOutput& wire : output->wires) visit(wire, raw, list);
+    resize(output->walls);
+    for (WallOutput& wall : output->walls) raw(wall.readings), list(wall.displacement), list(wall.stress);
+    list(output->contacts);
+    return output;
+}
+
+}  // namespace seldinger::python

@@ -1,0 +1,78 @@
+#pragma once
+// A World as Python holds it: with its scenes, its key frames, a copy of what was last read, and a lock, so that threads may share it.
+
+#include "scene/key_frames.h"
+#include "scene/scene.h"
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seldinger::python {
+
+/// What is asked of one hub in a call of step().
+struct HubTarget {
+    bool moves = false;            // else it stays
+    double advance = 0, turn = 0;  // at the end of the call [m], [rad]
+};
+
+/// What became of the steps of one call.
+struct StepSummary {
+    long steps = 0;  // taken; fewer than asked for where one failed
+    StepReport report;
+};
+
+/// A saved state: every changing byte, and what could be read then (the engine reads off an accepted step, and there is none
+/// after a restore).
+struct SavedState {
+    int system = -1;  // of which; -1: of all
+    std::vector<std::uint8_t> bytes;
+    std::shared_ptr<const Output> output;
+};
+
+/// @throws Error NoDevice in a child that was forked after OpenCL had been started: its threads are not there
+void check_process();
+
+class Handle {
+public:
+    /// @param text  of the scene   @param file  names it in messages; relative paths start at its folder
+    /// @param overrides  per system, texts of --set: as many systems as lists
+    Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides, int device);
+
+    void close();
+    /// @throws Error BadScene when closed; NoDevice after a fork
+    [[nodiscard]] World& world() const;
+    [[nodiscard]] const Scene& scene(int system = 0) const { return scenes_[static_cast<std::size_t>(system)]; }
+
+    /// `n` steps of dt. @param targets  per instrument; none: the hubs follow the scene's key frames
+    StepSummary step(const std::vector<HubTarget>* targets, long n, double dt);
+    StepReport settle();
+    /// Of the present state; the same object until something changes.
+    std::shared_ptr<const Output> output();
+    SavedState save(int system);
+    /// @param into  a state of one system: which of them becomes it, -1: the one that it was saved of
+    void restore(const SavedState& state, int into = -1);
+
+    std::mutex& lock() const { return lock_; }
+    /// Renderers and the like, kept with the world.
+    std::shared_ptr<void> companion;
+
+private:
+    StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt);
+
+    std::vector<Scene> scenes_;
+    KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};
+    std::unique_ptr<World> world_;
+    Control control_;
+    std::shared_ptr<Output> output_;        // of the present state, once somebody has asked
+    std::shared_ptr<Output> spare_;         // to be filled again when nobody looks at it any more
+    mutable std::mutex lock_;
+};
+
+/// To and from the bytes of a pickle. @throws Error BadFile
+[[nodiscard]] std::vector<std::uint8_t> pack(const Output& output);
+[[nodiscard]] std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes);
+
+}  // namespace seldinger::python

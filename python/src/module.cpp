@@ -1,0 +1,203 @@
+// The extension seldinger._engine: worlds, states, studies and pictures for the package's own Python, which checks and documents.
+#include "handle.h"
+#include "navigate.h"
+#include "studies.h"
+#include "views.h"
+
+#include <pybind11/stl.h>
+
+namespace seldinger::python {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+// without NumPy's conversions: what has another type is refused by the package before it comes here
+using Reals = py::array_t<double, py::array::c_style>;
+
+/// seldinger.Error, set by the package; lives as long as the process.
+PyObject* error_class = nullptr;
+
+void raise(const Error& error)
+{
+    if (!error_class) return PyErr_SetString(PyExc_RuntimeError, error.what());
+    const py::object made = py::handle(error_class)(std::string(error.what()), static_cast<int>(error.code()));
+    PyErr_SetObject(error_class, made.ptr());
+}
+
+/// Runs `body` with the world locked and without the interpreter's lock.
+template <class Body>
+auto alone(Handle& handle, const Body& body)
+{
+    const py::gil_scoped_release others;
+    const std::lock_guard hold(handle.lock());
+    return body();
+}
+
+py::bytes as_bytes(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+Bytes from_bytes(const py::bytes& bytes)
+{
+    const auto text = static_cast<std::string_view>(bytes);
+    return {text.begin(), text.end()};
+}
+
+py::tuple summary(const StepReport& report, long steps)
+{
+    return py::make_tuple(report.flags, report.newton_iterations, report.sub_steps, steps);
+}
+
+std::vector<HubTarget> targets_from(const Reals& targets, const py::array_t<bool, py::array::c_style>& moves)
+{
+    std::vector<HubTarget> list;
+    for (py::ssize_t k = 0; k < targets.shape(0); ++k) list.push_back({moves.at(k), targets.at(k, 0), targets.at(k, 1)});
+    return list;
+}
+
+py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt)
+{
+    std::optional<std::vector<HubTarget>> asked;
+    if (!targets.is_none())
+        asked = targets_from(targets.cast<Reals>(), moves.cast<py::array_t<bool, py::array::c_style>>());
+    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt); });
+    return summary(done.report, done.steps);
+}
+
+void bind_state(py::module_& module)
+{
+    py::class_<SavedState>(module, "State", "A saved state of a World. It can be pickled, and restored into any world of the same scene.")
+        .def_property_readonly("system", [](const SavedState& s) { return s.system; }, "int: of which system; -1: of all")
+        .def_property_readonly("bytes", [](const SavedState& s) { return as_bytes(s.bytes); }, "bytes: every changing byte")
+        .def(py::pickle(
+            [](const SavedState& s) {
+                return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes());
+            },
+            [](const py::tuple& t) {
+                if (t.size() != 3) throw Error(ExitCode::BadFile, "the pickled state is damaged");
+                const Bytes output = from_bytes(t[2].cast<py::bytes>());
+                return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()), output.empty() ? nullptr : unpack(output)};
+            }));
+}
+
+py::dict centreline(const World& world)
+{
+    const Centreline& line = world.setup().centreline;
+    const auto count = static_cast<py::ssize_t>(line.points.size());
+    py::array_t<double> points({count, py::ssize_t{3}}), radius(count);
+    py::array_t<int> parent(count);
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        for (int d = 0; d < 3; ++d) points.mutable_at(i, d) = line.points[k][d];
+        radius.mutable_at(i) = line.radius[k];
+        parent.mutable_at(i) = line.parent[k];
+    }
+    py::dict made;
+    made["points"] = points, made["radius"] = radius, made["parent"] = parent;
+    return made;
+}
+
+void bind_world(py::module_& module)
+{
+    py::class_<Handle> c(module, "World");
+    c.def(py::init<const std::string&, const std::string&, const std::vector<std::vector<std::string>>&, int>(),
+          py::call_guard<py::gil_scoped_release>());
+    c.def("step", &step);
+    c.def("settle", [](Handle& h) { return summary(alone(h, [&] { return h.settle(); }), 0); });
+    c.def("output", [](Handle& h) { return OutputView{alone(h, [&] { return h.output(); })}; });
+    c.def("save", [](Handle& h, int system) { return alone(h, [&] { return h.save(system); }); });
+    c.def(
+        "restore",
+        [](Handle& h, const SavedState& s, int into) {
+            alone(h, [&] { h.restore(s, into); });
+        },
+        py::arg("state"), py::arg("into") = -1);
+    c.def("close", [](Handle& h) { alone(h, [&] { h.close(); }); });
+    c.def("state_hash", [](Handle& h, int system) {
+        return alone(h, [&] { return system < 0 ? h.world().state_hash() : h.world().state_hash(system); });
+    });
+    c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
+    c.def("at_rest", [](Handle& h) { return alone(h, [&] { return h.world().at_rest(); }); });
+    c.def("model", [](Handle& h) { return alone(h, [&] { return h.world().model(); }); });
+    c.def("device_name", [](Handle& h) { return alone(h, [&] { return h.world().device_name(); }); });
+    c.def("counts", [](Handle& h) {
+        return alone(h, [&] { return std::pair(h.world().wire_count(), h.world().system_count()); });
+    });
+    c.def("names", [](Handle& h) {
+        return alone(h, [&] {
+            std::vector<std::string> names;
+            for (const WireSetup& wire : h.world().setup().wires) names.push_back(wire.name);
+            return names;
+        });
+    });
+    c.def("start", [](Handle& h) {  // where each hub is at first
+        return alone(h, [&] {
+            std::vector<std::tuple<bool, double, double, double>> list;
+            for (const WireSetup& w : h.world().setup().wires)
+                list.emplace_back(w.feed.on, w.feed.advance, w.feed.turn, w.wire.length);
+            return list;
+        });
+    });
+    c.def("centreline", [](Handle& h) { return centreline(h.world()); });
+    c.def("vessel", [](Handle& h) {
+        const WallMesh& mesh = h.world().setup().mesh;
+        py::array_t<double> points({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
+        py::array_t<int> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+            for (int d = 0; d < 3; ++d) points.mutable_at(i, d) = mesh.vertices[i][d];
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            for (int d = 0; d < 3; ++d) triangles.mutable_at(i, d) = mesh.triangles[i][d];
+        return py::make_tuple(points, triangles);
+    });
+    c.def("scene_text", [](const Handle& h, const std::string& folder) { return write_scene(h.scene(), folder); });
+    c.def("scene_numbers", [](const Handle& h) {
+        const Scene& s = h.scene();
+        return py::make_tuple(s.dt, s.duration, s.steps(), s.start_settled, s.integrator.scheme == Scheme::Static,
+                              s.until == Until::Rest, prescribed_until(s), steps_at_rest);
+    });
+}
+
+void bind_navigator(py::module_& module)
+{
+    py::class_<Navigator>(module, "Navigator")
+        .def(py::init([](const Handle& h, const std::array<double, 3>& target, int shape_points, double shape_spacing,
+                         int ahead_points, double ahead_spacing) {
+            const NavigateSpec spec{Vec3(target[0], target[1], target[2]), shape_points, shape_spacing, ahead_points, ahead_spacing};
+            return Navigator(h.world().setup().centreline, spec);
+        }))
+        .def("size", &Navigator::size)
+        .def("way", [](const Navigator& n, const std::array<double, 3>& p) { return n.way(Vec3(p[0], p[1], p[2])); })
+        .def("observe", [](const Navigator& n, Handle& h, py::array_t<float, py::array::c_style> to, Reals measures) {
+            const auto systems = h.world().system_count();
+            if (to.size() != systems * n.size() || measures.size() != systems * Navigator::measure_count)
+                throw py::value_error("observe: arrays of another shape");
+            const std::span<float> seen(to.mutable_data(), static_cast<std::size_t>(to.size()));
+            const std::span<double> read(measures.mutable_data(), static_cast<std::size_t>(measures.size()));
+            alone(h, [&] { n.observe(h.world(), seen, read); });
+        });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_engine, module)
+{
+    module.doc() = "Private to the package: see seldinger.World.";
+    py::register_exception_translator([](std::exception_ptr thrown) {
+        try {
+            if (thrown) std::rethrow_exception(thrown);
+        } catch (const Error& error) {
+            raise(error);
+        }
+    });
+    module.def("set_error", [](const py::object& type) { error_class = py::object(type).release().ptr(); });
+    module.def("version", &version);
+    module.def("devices", [] {
+        check_process();
+        std::vector<std::pair<std::string, std::string>> names;
+        for (const DeviceInfo& device : list_devices()) names.emplace_back(device.name, device.platform);
+        return names;
+    });
+    bind_output(module);
+    bind_state(module);
+    bind_world(module);
+    bind_navigator(module);
+    bind_studies(module);
+}
+
+}  // namespace seldinger::python

@@ -1,0 +1,206 @@
+// Runs the library's studies without the interpreter's lock and hands their tables over as text and bytes.
+#include "studies.h"
+
+#include "baselines/baselines.h"
+#include "plan_report.h"
+#include "study/batch.h"
+#include "study/chart.h"
+#include "study/planner.h"
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#ifdef SEL_WITH_VIEW
+    #include "view/renderer.h"
+#endif
+
+#include <thread>
+
+namespace seldinger::python {
+
+namespace py = pybind11;
+
+namespace {
+
+using Texts = std::vector<std::string>;
+
+/// Ctrl-C, seen while the interpreter's lock is not held: asked between steps, cheap. Throws what a signal handler raised.
+void check_signals()
+{
+    const py::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+BatchSource source_of(const std::string& text, const std::string& file, const Texts& overrides, const std::string& sweep)
+{
+    BatchSource source{text, file, overrides, {}};
+    source.sweep = read_sweep_text(sweep, "vary", read_scene_text(text, file, overrides).seed);
+    return source;
+}
+
+std::vector<BatchRow> run_batch(const BatchSource& source, int device)
+{
+    check_process();
+    std::vector<BatchRow> rows;
+    for (const std::vector<std::size_t>& runs : plan_worlds(source)) {
+        BatchWorld world(source, runs, load_vessel(source.scene(runs.front()).vessel), device);
+        for (long k = 0; !world.finished(); ++k) {
+            for (BatchRow& row : world.step()) rows.push_back(row);
+            if (k % 16 == 0) check_signals();
+        }
+    }
+    return rows;
+}
+
+py::bytes batch(const std::string& text, const std::string& file, const Texts& overrides, const std::string& sweep, int device)
+{
+    std::string table;
+    {
+        const py::gil_scoped_release others;
+        const BatchSource source = source_of(text, file, overrides, sweep);
+        table = batch_npz(source.sweep, run_batch(source, device));
+    }
+    return py::bytes(table);
+}
+
+std::vector<Texts> sweep(const std::string& text, std::int64_t seed)
+{
+    const Sweep read = read_sweep_text(text, "vary", seed);
+    std::vector<Texts> runs;
+    for (std::size_t k = 0; k < read.run_count(); ++k) runs.push_back(read.overrides(k));
+    return runs;
+}
+
+/// What both studies are told from time to time; the last signal's exception goes up when they have stopped.
+struct Watch {
+    bool interrupted = false;
+    bool stop()
+    {
+        const py::gil_scoped_acquire locked;
+        if (!interrupted && PyErr_CheckSignals() != 0) interrupted = true, PyErr_Clear();
+        return interrupted;
+    }
+};
+
+std::string plan(const std::string& text, const std::string& file, const Texts& overrides, const PlanGoals& goals, double budget,
+                 const std::string& out, int device)
+{
+    check_process();
+    PlanOptions what;
+    what.goals = goals;
+    what.budget = budget;
+    what.device = device;
+    what.trials = std::filesystem::path(out).replace_extension(".pilots");
+    Watch watch;
+    what.stop = [&] { return watch.stop(); };
+    const Plan made = make_plan(load_study_scene(read_scene_text(text, file, overrides), device), what);
+    if (made.status == PlanStatus::Interrupted)
+        throw Error(ExitCode::Interrupted, "interrupted; trials that were finished are kept in " + what.trials.string());
+    const apps::PlanFiles files = apps::plan_files(out);
+    apps::write_plan(made, goals, files);
+    if (made.status != PlanStatus::Planned)
+        throw Error(made.status == PlanStatus::NothingHolds ? ExitCode::Stopped : ExitCode::NotFeasible, made.message);
+    return apps::plan_json(made, goals, files);
+}
+
+std::pair<std::string, std::string> chart(const Texts& scenes, const std::string& dir, const std::string& assets, bool quick,
+                                          double run_limit, double reference_limit, int device)
+{
+    check_process();
+    ChartOptions what;
+    what.dir = dir, what.scenes_folder = std::filesystem::path(assets) / "scenes";
+    what.scenes = scenes, what.quick = quick, what.device = device;
+    what.run_limit = run_limit, what.reference_limit = reference_limit;
+    what.baselines = baselines::all();
+    Watch watch;
+    what.stop = [&] { return watch.stop(); };
+    const ChartResult made = make_chart(what);
+    if (made.interrupted) throw Error(ExitCode::Interrupted, "interrupted; runs that were finished are kept in " + dir);
+    return {chart_csv(made), references_csv(made)};
+}
+
+#ifdef SEL_WITH_VIEW
+
+/// A renderer and what it was made for. OpenGL's context stays with the thread that made it.
+struct Picture {
+    Renderer renderer;
+    int width, height;
+    bool legend;
+    std::thread::id thread;
+};
+
+WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
+{
+    WireFrame frame;
+    for (std::size_t k = 0; k < output.wires.size(); ++k) {
+        WireLine line{output.wires[k].position, output.wires[k].radius, output.wires.size() > 1 ? names[k] : std::string()};
+        frame.wires.push_back(std::move(line));
+    }
+    for (const ContactRow& row : output.contacts)
+        if (row.b.kind == BodyKind::Wall) frame.contacts.push_back({row.point, row.normal, row.normal_force});
+    frame.time = output.time;
+    frame.inserted = output.wires.front().readings.inserted;
+    frame.hand_force = output.wires.front().readings.hand_force;
+    return frame;
+}
+
+py::array render(Handle& handle, int width, int height, bool legend, double force_scale,
+                 const std::optional<std::array<Vec3, 3>>& camera)
+{
+    py::array_t<std::uint8_t> pixels;
+    const std::vector<std::uint8_t>* drawn = nullptr;
+    {
+        const py::gil_scoped_release others;
+        const std::lock_guard hold(handle.lock());
+        const World& world = handle.world();
+        auto picture = std::static_pointer_cast<Picture>(handle.companion);
+        if (!picture || picture->width != width || picture->height != height || picture->legend != legend ||
+            picture->thread != std::this_thread::get_id()) {
+            Look look;
+            look.legend = legend, look.inset = legend;
+            handle.companion.reset();
+            picture = std::make_shared<Picture>(Picture{Renderer(width, height, look), width, height, legend, std::this_thread::get_id()});
+            picture->renderer.set_wall(world.setup().mesh);
+            handle.companion = picture;
+        }
+        std::vector<std::string> names;
+        for (const WireSetup& wire : world.setup().wires) names.push_back(wire.name);
+        const WireFrame frame = frame_of(*handle.output(), names);
+        if (camera) picture->renderer.set_camera({(*camera)[0], (*camera)[1], (*camera)[2]});
+        if (force_scale > 0) picture->renderer.set_force_scale(force_scale);
+        picture->renderer.draw(frame);
+        drawn = &picture->renderer.pixels();
+    }
+    pixels.resize({height, width, 3});
+    std::copy(drawn->begin(), drawn->end(), pixels.mutable_data());
+    return pixels;
+}
+
+#else
+
+py::array render(Handle&, int, int, bool, double, const std::optional<std::array<Vec3, 3>>&)
+{
+    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+}
+
+#endif
+
+}  // namespace
+
+void bind_studies(py::module_& module)
+{
+    module.def("batch", &batch);
+    module.def("sweep", &sweep);
+    module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance, double force,
+                          bool relative, double rate, double budget, const std::string& out, int device) {
+        PlanGoals goals;
+        goals.tolerance = tolerance, goals.force_tolerance = force, goals.force_is_relative = relative, goals.rate = rate;
+        const py::gil_scoped_release others;
+        return plan(text, file, overrides, goals, budget, out, device);
+    });
+    module.def("chart", &chart, py::call_guard<py::gil_scoped_release>());
+    module.def("render", &render);
+}
+
+}  // namespace seldinger::python

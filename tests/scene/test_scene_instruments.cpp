@@ -1,0 +1,149 @@
+// [[instrument]] and [coaxial]: what is read, that it is written back to the same scene, and one line for whatever is wrong.
+#include "core/error.h"
+#include "scene/key_frames.h"
+#include "scene/scene.h"
+#include "scene/vessel_load.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace seldinger;
+
+namespace {
+
+const std::string head = "[scene]\nduration_s = 1.0\ndt_s = 0.001\n";
+const std::string stiff = "density = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = 1e4\n";
+const std::string inlet = "point = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n";
+
+std::string instrument(const std::string& name, const std::string& more)
+{
+    return "[[instrument]]\nname = \"" + name + "\"\n" + stiff + more;
+}
+std::string feed(const std::string& where, const std::string& keys)
+{
+    return "[instrument.feed]\n" + where + "keys = [" + keys + "]\n";
+}
+
+std::string catheter_and_wire(const std::string& more = {})
+{
+    return head +
+           instrument("catheter",
+                      "length_m = 0.5\nradius_m = 8.5e-4\nlumen_radius_m = 5e-4\n[[instrument.section]]\nfrom_tip_m = [0.0, "
+                      "0.01]\nrest_curvature_1_m = [50.0, 0.0]\n") +
+           feed(inlet, "{t_s = 0.0, advance_m = 0.05}") + instrument("wire", "length_m = 0.6\nradius_m = 4.4e-4\n") +
+           feed("", "{t_s = 0.0, advance_m = 0.06}, {t_s = 0.5, advance_m = 0.1}") +
+           (more.empty() ? "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"separate\"\n" : more);
+}
+
+Scene read(const std::string& text, const std::vector<std::string>& set = {}) { return read_scene_text(text, "two.toml", set); }
+
+std::string error_of(const std::string& text, const std::vector<std::string>& set = {})
+{
+    try {
+        (void)make_setup(read(text, set));
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_SUITE("scene/scene_instruments")
+{
+    TEST_CASE("analytic: a catheter and the wire in it become one system, outer first, fed at one inlet")
+    {
+        const Scene scene = read(catheter_and_wire());
+        REQUIRE(scene.instrument_count() == 2);
+        CHECK(scene.instrument(1).label == "wire");
+        CHECK(scene.instrument(0).wire.sections.size() == 1);
+        CHECK(scene.instrument(1).wire.sections.empty());
+        const WorldSetup setup = make_setup(scene);
+        REQUIRE(setup.wires.size() == 2);
+        CHECK(setup.systems == std::vector<int>{2});
+        REQUIRE(setup.coaxial.size() == 1);
+        CHECK(setup.coaxial[0].order == std::vector<int>{0, 1});
+        CHECK(setup.coaxial[0].model == CoaxialSpec::Model::Separate);
+        CHECK(setup.wires[1].feed.point == setup.wires[0].feed.point);
+        CHECK(setup.wires[1].feed.advance == 0.06);
+        CHECK(prescribed_until(scene) == 0.5);
+        const KeyFrames keys(scene);
+        REQUIRE(keys.control().hubs().size() == 2);
+        CHECK(keys.control().hubs()[1].keys.size() == 2);
+    }
+
+    TEST_CASE("property: written back it is the same scene")
+    {
+        const std::string held =
+            "[contact]\ninstruments = true\n[[load]]\ninstrument = \"wire\"\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n";
+        const Scene scene = read(catheter_and_wire() + held);
+        CHECK(scene.instruments_touch);
+        CHECK(scene.instrument(0).loads.empty());
+        CHECK(scene.instrument(1).loads.size() == 1);
+        const std::string text = write_scene(scene, ".");
+        CHECK(write_scene(read(text), ".") == text);
+    }
+
+    TEST_CASE("property: scenes side by side keep their instruments together")
+    {
+        const std::vector<Scene> scenes = {read(catheter_and_wire()), read(catheter_and_wire(), {"instrument.1.radius_m=4e-4"})};
+        const WorldSetup setup = make_setup(scenes, {}, -1);
+        CHECK(setup.systems == std::vector<int>{2, 2});
+        REQUIRE(setup.coaxial.size() == 2);
+        CHECK(setup.coaxial[1].order == std::vector<int>{2, 3});
+        CHECK(setup.wires[3].wire.shaft.radius == 4e-4);
+    }
+
+    TEST_CASE("error: one line for what contradicts itself")
+    {
+        const std::pair<std::string, std::string> wrong[] = {
+            {"instrument.1.radius_m=6e-4", "instrument.1.radius_m: 0.0006 m is not below the lumen of \"catheter\", 0.0005 m"},
+            {"instrument.0.lumen_radius_m=0.0", "instrument.1.radius_m: is to go into \"catheter\", which has no lumen"},
+            {"instrument.1.name=catheter", "instrument.1.name: \"catheter\" is instrument 0 already"},
+            {"instrument.1.name=contacts", "instrument.1.name: \"contacts\" is what a run calls a file of its own"},
+            {"instrument.1.name=\"a b\"", "instrument.1.name: expected 1 to 40 letters"},
+            {"coaxial.order=[\"catheter\", \"wier\"]", "coaxial.order: no instrument is called \"wier\""},
+            {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is there twice"},
+            {"coaxial.order=[\"catheter\"]", "coaxial.order: expected two names"},
+            {"coaxial.model=glued", "coaxial.model: expected one of"},
+            {"instrument.1.feed.point=[0.0, 0.0, 0.0]", "instrument.1.feed.point: is that of the outer instrument"},
+            {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = -0.01}]",
+             "instrument.1.feed.keys.advance_m: expected a number, 0 or above"},
+            {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.01}, {t_s = 1.0, advance_m = 0.0}]",
+             "instrument.1.feed: pulls it out of \"catheter\" at 1 s"},
+            {"instrument.1.feed.keys=[{t_s = 0.0, advance_m = 0.7}]",
+             "instrument.1.feed.keys.advance_m: 0.7 m is more than the whole wire"},
+        };
+        for (const auto& [set, line] : wrong) {
+            const std::string error = error_of(catheter_and_wire(), {set});
+            CHECK_MESSAGE(says(error, line), set << " gave: " << error);
+            CHECK(!says(error, "\n"));
+        }
+        CHECK(says(error_of(catheter_and_wire() + "[wire]\nlength_m = 0.1\n"), "wire: is the one-instrument form"));
+        CHECK(says(error_of(catheter_and_wire() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"),
+                   "load.0.instrument: is missing"));
+        CHECK(says(error_of(head + "[wire]\nlength_m = 0.1\nradius_m = 5e-4\n" + stiff + "[coaxial]\norder = [\"a\", \"b\"]\n"),
+                   "coaxial: joins several [[instrument]]"));
+    }
+
+    TEST_CASE("error: two instruments at one place")
+    {
+        const std::string beside = "[contact]\ninstruments = true\n";
+        const std::string crossing =
+            head + instrument("a", "length_m = 0.1\nradius_m = 5e-4\nplace = {base = [0.0, 0.0, 0.0]}\n") +
+            instrument("b", "length_m = 0.1\nradius_m = 5e-4\nplace = {base = [0.05, -0.05, Z], direction = [0.0, 1.0, 0.0]}\n") +
+            beside;
+        const auto at = [&](const std::string& z) { return std::string(crossing).replace(crossing.find('Z'), 1, z); };
+        CHECK(says(error_of(at("0.0")), "instrument.1.place: is where \"a\" is"));
+        CHECK(error_of(at("0.001")).empty());
+        const std::string fed =
+            head + instrument("a", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}") +
+            instrument("b", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}");
+        CHECK(says(error_of(fed), "instrument.1.feed: is where \"a\" is"));
+    }
+}
