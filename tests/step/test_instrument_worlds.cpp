@@ -169,6 +169,20 @@ TEST_SUITE("step/instrument_worlds")
         CHECK(rods);
     }
 
+    TEST_CASE("property: one system goes back, the other goes on")
+    {
+        Fed two(over_the_wire(), 2);
+        two.run(80);
+        const std::vector<std::uint8_t> saved = two.world.save_state(1);
+        const std::string then = two.world.state_hash(1);
+        two.run(30);
+        const std::string other = two.world.state_hash(0);
+        CHECK(two.world.state_hash(1) != then);
+        two.world.restore_state(1, saved);
+        CHECK(two.world.state_hash(0) == other);
+        CHECK(two.world.save_state(1) == saved);
+    }
+
     TEST_CASE("property: the same bits on one thread and on many, and whoever else is in the world")
     {
         std::string alone;
