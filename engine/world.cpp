@@ -115,7 +115,7 @@ void World::Impl::divide_into_systems()
     system_begin = {0};
     if (setup.systems.empty())
         for (int w = 0; w < count; ++w) system_begin.push_back(w + 1);
-    for (const int instruments : setup.systems) system_begin.push_back(system_begin.back() + instruments);
+    for (const int size : setup.systems) system_begin.push_back(system_begin.back() + size);
     wire_list.resize(count);
     std::iota(wire_list.begin(), wire_list.end(), 0);
     for (int s = 0; s < system_count(); ++s)

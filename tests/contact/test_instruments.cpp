@@ -54,6 +54,21 @@ WorldSetup ply(const nlohmann::json& in, double shortening)
     return touching(strands);
 }
 
+/// A long overhand knot, tails included, to be drawn tight: a polynomial of the knot, as wide as the loop that it is to have.
+std::vector<Vec3> knot_path(double loop, double tail)
+{
+    constexpr double end = 2.15;
+    constexpr int points = 4000;
+    std::vector<Vec3> path;
+    for (int i = 0; i <= points; ++i) {
+        const double t = end * (2.0 * i / points - 1), t2 = t * t;
+        path.push_back(0.45 * loop * Vec3(t * (t2 - 3), t2 * (t2 - 4), 0.3 * t * (t2 * t2 - 10)));
+    }
+    path.insert(path.begin(), path[0] + tail * (path[0] - path[1]).normalized());
+    path.push_back(path.back() + tail * (path.back() - path[path.size() - 2]).normalized());
+    return path;
+}
+
 struct PlyReading {
     double pull = 0, per_length = 0, moment = 0;
 };
@@ -207,5 +222,36 @@ TEST_SUITE("contact/instruments")
             last = now;
         }
         CHECK(last.pull <= pull);
+    }
+
+    TEST_CASE("reference: 16_rod_rod/knot: an overhand knot, its loop 50 wires wide")
+    {
+        const auto given = shared_case("16_rod_rod.json", "16_rod_rod/knot");
+        if (!given) return;
+        const auto& in = (*given)["inputs"];
+        const auto& row = (*given)["expected"]["table"][0];
+        const double r = in["r_wire"], loop = static_cast<double>(row["R_over_r"]) * r, pull = row["tension T = B/(2 R^2)"];
+        const std::vector<Vec3> path = knot_path(loop, 0.0263);  // tails of eight loop radii when it is tight
+        double length = -6e-4;                                   // edges cut corners
+        for (std::size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
+        WireSetup wire = straight_wire(in["B"], 7000, length, r, static_cast<int>(length / (4 * r)) + 1, 1e9);
+        wire.wire.place.shape = PlaceShape::Points;
+        wire.wire.place.points = path;
+        for (const double side : {-1.0, 1.0}) {
+            LoadSpec load;
+            load.at.kind = side < 0 ? WirePoint::Kind::Base : WirePoint::Kind::Tip;
+            load.force = {side * pull, 0, 0};
+            wire.loads.push_back(load);
+        }
+        WorldSetup setup = touching({wire});
+        setup.integrator.scheme = Scheme::Newton;
+        setup.integrator.damping_mass = 1000;
+        World world(setup);
+        for (int k = 0; k < 400; ++k) REQUIRE_FALSE(step(world, 2e-4).failed());
+        REQUIRE(world.readings(0).kinetic < 1e-10);
+        const ConstRodView rod = world.rod(0);
+        const double shortening = length - (rod.pos(0) - rod.pos(rod.n - 1)).norm();
+        CHECK(shortening == about(row["end_shortening"]).epsilon(0.03));
+        CHECK(contact_force(world, 0).norm() < 1e-12 * world.readings(0).normal);
     }
 }

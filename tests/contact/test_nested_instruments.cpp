@@ -2,6 +2,7 @@
 
 #include "contact/instrument_fixture.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -81,6 +82,50 @@ struct PullThrough {
     }
 };
 
+void add_section(WireSetup& wire, double until, double bend, double curvature, double from = 0)
+{
+    WireSectionRange range;
+    range.begin = from;
+    range.end = until;
+    range.section = wire.wire.shaft;
+    range.section.bend_stiffness = range.section.twist_stiffness = bend;
+    range.section.rest_curvature = {curvature, 0};
+    wire.wire.sections.push_back(range);
+}
+
+/// A catheter with a soft bend and a wire with a J at its tip, both clamped at the origin towards x: the tips at rest.
+std::array<Vec3, 2> tips_of_j_wire(const nlohmann::json& in, double inserted, double clearance)
+{
+    const auto& outer = in["instruments"][0];
+    const auto& inner = in["instruments"][1];
+    const double length = 0.1, edge = 5e-4;
+    WireSetup catheter = straight_wire(outer[1][1], 7000, length, wire_radius + clearance + 2e-4, static_cast<int>(length / edge) + 1);
+    WireSetup wire = straight_wire(inner[2][1], 7000, inserted, wire_radius, static_cast<int>(inserted / edge) + 1);
+    catheter.wire.lumen_radius = wire_radius + clearance;
+    add_section(catheter, outer[0][0], outer[0][1], outer[0][2]);
+    const double hook = inner[0][0], soft = inner[1][0];
+    add_section(wire, hook, inner[0][1], inner[0][2]);
+    add_section(wire, hook + soft, inner[1][1], inner[1][2], hook);
+    for (WireSetup* one : {&catheter, &wire}) {
+        put(*one, Vec3::Zero(), Vec3::UnitX());
+        one->wire.place.normal = Vec3::UnitY();  // natural curvature bends towards it
+        one->holds = {hold_of(WirePoint::Kind::Base, true, true)};
+    }
+    WorldSetup setup = touching({catheter, wire});
+    setup.instruments_touch = false;
+    setup.integrator.scheme = Scheme::Newton;
+    setup.integrator.damping_mass = 100;
+    CoaxialSpec nest;
+    nest.order = {0, 1};
+    nest.mu_static = nest.mu_sliding = 0;
+    nest.stiffness = 1e11;
+    setup.coaxial = {nest};
+    World world(setup);
+    for (int k = 0; k < 150; ++k) REQUIRE_FALSE(step(world, 2e-3).failed());
+    REQUIRE(world.readings(1).kinetic < 1e-12);
+    return {world.rod(0).pos(0), world.rod(1).pos(0)};
+}
+
 }  // namespace
 
 TEST_SUITE("contact/nested_instruments")
@@ -118,5 +163,29 @@ TEST_SUITE("contact/nested_instruments")
         World world(PullThrough{1e-7, arc, clearance, mu, angle, far, expected}.setup());
         for (int k = 0; k < 40; ++k) REQUIRE_FALSE(step(world, 0.05).failed());
         CHECK(-world.readings(1).base_force.x() == about(expected).epsilon(2e-3));
+    }
+
+    // Where a section's curvature begins the axes part within the clearance, over a length ~ sqrt(clearance/curvature): tips are off
+    // by its power of one half.
+    TEST_CASE("reference: 15_coaxial/j_wire_in_catheter: with its clearance a wire comes to the merged axis")
+    {
+        const auto given = shared_case("15_coaxial.json", "15_coaxial/j_wire_in_catheter");
+        if (!given) return;
+        const auto& row = (*given)["expected"]["table"][1];
+        std::vector<double> off;
+        for (const double clearance : {2e-4, 5e-5, 1.25e-5}) {
+            const auto tips = tips_of_j_wire((*given)["inputs"], row["inserted [outer, inner]"][1], clearance);
+            double most = 0;
+            const char* const names[] = {"tip_outer", "tip_inner"};
+            for (std::size_t k = 0; k < 2; ++k) {
+                const auto& tip = row[names[k]];
+                most = std::max(most, (tips[k] - Vec3(tip[0], tip[1], tip[2])).norm());
+            }
+            MESSAGE("clearance " << clearance << " m: tips off by " << most << " m");
+            off.push_back(most);
+        }
+        CHECK(off[1] < 0.7 * off[0]);
+        CHECK(off[2] < 0.7 * off[1]);
+        CHECK(off[2] < 0.005 * 0.1);
     }
 }

@@ -169,6 +169,20 @@ TEST_SUITE("step/instrument_worlds")
         CHECK(rods);
     }
 
+    TEST_CASE("property: one system goes back, the other goes on")
+    {
+        Fed two(over_the_wire(), 2);
+        two.run(80);
+        const std::vector<std::uint8_t> saved = two.world.save_state(1);
+        const std::string then = two.world.state_hash(1);
+        two.run(30);
+        const std::string other = two.world.state_hash(0);
+        CHECK(two.world.state_hash(1) != then);
+        two.world.restore_state(1, saved);
+        CHECK(two.world.state_hash(0) == other);
+        CHECK(two.world.save_state(1) == saved);
+    }
+
     TEST_CASE("property: the same bits on one thread and on many, and whoever else is in the world")
     {
         std::string alone;
@@ -196,5 +210,35 @@ TEST_SUITE("step/instrument_worlds")
         Fed one(over_the_wire());
         one.run(120);
         CHECK(two.world.state_hash(1) == one.world.state_hash(0));
+    }
+
+    TEST_CASE("property: two wires pushed into one tube lie beside each other, not in each other")
+    {
+        TestSetup made;
+        add_tube(made, tube(0.0025, 0.2, 4000));
+        WireSpec wire = steel_wire(0.1, 51);
+        wire.shaft.radius = 6e-4;
+        made.wires = {fed_wire(wire, {5e-4, 8e-4, -5e-4}, 0.1), fed_wire(wire, {5e-4, -8e-4, -5e-4}, 0.09)};
+        made.systems = {2};
+        WorldSetup setup = made;
+        setup.instruments_touch = true;
+        World world(setup);
+        KeyFrames keys(made.keys());
+        double deepest = 0, most = 0;
+        for (int k = 0; k < 500; ++k) {
+            REQUIRE_FALSE(step(world, keys.control(), 1e-3).failed());
+            if (k % 20) continue;
+            for (const ContactRow& row : world.contacts()) {
+                if (row.b.kind != BodyKind::Rod) continue;
+                deepest = std::max(deepest, -row.gap);
+                most = std::max(most, row.normal_force);
+            }
+        }
+        CHECK(most > 1e-5);
+        CHECK(deepest < 0.02 * 6e-4);
+        // from the first 5 mm on, where the inlets hold them apart
+        for (int i = 0; i + 6 < world.rod(0).n; ++i)
+            for (int j = 0; j + 6 < world.rod(1).n; ++j)
+                CHECK((world.rod(0).pos(i) - world.rod(1).pos(j)).norm() > 2 * 6e-4 * 0.98);
     }
 }
