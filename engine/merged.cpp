@@ -283,6 +283,13 @@ void adapt_group(World::Impl& state, MergedGroup& group, double dt)
     const HubPath hub = state.hub_requests[leader].path();
     const double t = state.wire_time[leader];
     const BaseEdge limits = base_edge_limits(group.feed.edge, hub.travel(t, t + dt, +1), hub.travel(t, t + dt, -1));
+    if (state.rods.view(line).rest_length[0] > 1.75 * group.feed.edge &&
+        state.rods.node_count(line) < state.rods.capacity(line)) {
+        refresh_group(state, group);
+        const double before = elastic_now(state, group);
+        split_coaxial_tip(state.rods, group.wires(), group.shared.rod);
+        state.remesh_energy[line] += elastic_now(state, group) - before;
+    }
     const RodView rod = state.rods.view(line);
     const double length = rod.rest_length[rod.n - 2];
     const bool split = length >= limits.whole + limits.born && rod.n < state.rods.capacity(line);

@@ -35,7 +35,9 @@ int parts_of(World::Impl& state, int w, double dt)
     const RodView rod = state.rods.view(w);
     // a pull by more than half of the base edge takes it out in time where it is known beforehand
     const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
-    const double parts = std::ceil(std::max(pushed / feed.edge, pulled / (base / 2)) - 1e-9);
+    // two that share a centreline may go opposite ways, and what one is ahead by then is put before the tip in one piece
+    const double most = state.merged_of[w] >= 0 ? feed.edge / 4 : feed.edge;
+    const double parts = std::ceil(std::max(pushed / most, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }
 

@@ -224,6 +224,30 @@ SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
     return {added, forwards(line, a + 1).dot(line.vel(a + 1))};
 }
 
+void split_coaxial_tip(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod)
+{
+    const RodView before = rods.view(wires[0]);
+    const Vec3 carried = momentum(before, before.n - 1);
+    for (const int w : wires) rods.insert_node(w, 1);
+    const RodView line = rods.view(wires[0]);
+    line.set_pos(1, 0.5 * (line.pos(0) + line.pos(2)));
+    line.set_vel(1, 0.5 * (line.vel(0) + line.vel(2)));
+    line.material_s[1] = 0.5 * (line.material_s[0] + line.material_s[2]);
+    line.ref_twist[1] = line.clamp_twist_a[1] = line.clamp_twist_b[1] = 0;
+    line.set_tangent(1, line.tangent(0));
+    line.set_ref_d1(1, line.ref_d1(0));
+    for (const std::span<double> acc : {line.ax, line.ay, line.az}) acc[1] = 0.5 * (acc[0] + acc[2]);
+    for (const int w : wires) {
+        const RodView own = rods.view(w);
+        own.theta[1] = own.theta[0];
+        own.spin_rate[1] = own.spin_rate[0];
+        own.spin_acc[1] = own.spin_acc[0];
+    }
+    prepare_group(rods, wires, rod);
+    set_momentum(line, line.n - 1, carried);
+    follow_line(rods, wires);
+}
+
 SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base)
 {
     RodView line = rods.view(wires[0]);

@@ -17,6 +17,10 @@ SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
 /// Takes out the node next to the hub.
 SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base);
 
+/// Splits the first edge in two halves: one that has grown at the tip, where another instrument has got ahead time after time. It
+/// stays straight.
+void split_coaxial_tip(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod);
+
 /// prepare_coaxial(), and what of it passengers keep.
 void prepare_group(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod);
 /// The line's places and frames into the passengers' arrays.
