@@ -21,13 +21,12 @@ Scene Replay::scene(Scene of_session) const
     return of_session;
 }
 
-void Replay::begin(const Scene& scene, const World& world)
+void Replay::check(const Scene& scene, const WorldSetup& setup) const
 {
-    check_record(record_, path_, scene, hash_of(world.setup().mesh));
-    if (record_.header.instruments != world.wire_count())
+    check_record(record_, path_, scene, hash_of(setup.mesh));
+    if (record_.header.instruments != static_cast<int>(setup.wires.size()))
         throw Error(ExitCode::BadScene, fmt::format("{}: is of {} instruments, the scene has {}", path_.string(),
-                                                    record_.header.instruments, world.wire_count()));
-    initial_ = world.save_state();
+                                                    record_.header.instruments, setup.wires.size()));
 }
 
 void Replay::take_resets(World& world)

@@ -14,8 +14,10 @@ public:
 
     /// The scene with the record's step and length.
     [[nodiscard]] Scene scene(Scene of_session) const;
-    /// Before the first step, of the world as it starts. @throws Error BadScene: of another scene, vessel or version
-    void begin(const Scene& scene, const World& world);
+    /// @throws Error BadScene: of another scene, vessel or version
+    void check(const Scene& scene, const WorldSetup& setup) const;
+    /// Before the first step, of the world as it starts.
+    void begin(const World& world) { initial_ = world.save_state(); }
     /// What is asked in the next step; takes the world back to its start where the session was reset.
     [[nodiscard]] const Control& next(World& world);
     /// After the last step.

@@ -73,7 +73,7 @@ public:
         Progress progress(scene_, options_.quiet);
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
-        if (replay_) replay_->begin(scene_, world_);
+        if (replay_) replay_->begin(world_);
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
         for (bool first = true; recorder_.tally().steps < steps; first = false) {
@@ -180,6 +180,7 @@ RunOutcome run_scene(const Scene& given, const RunOptions& options)
     if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
     RepairReport vessel;
     WorldSetup setup = make_setup(scene, options.device, &vessel);
+    if (replay) replay->check(scene, setup);
     return Run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr).go(called);
 }
 

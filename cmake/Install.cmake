@@ -15,6 +15,7 @@ foreach(header IN LISTS public_headers)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES engine/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger/${folder})
 endforeach()
+install(FILES engine/session/hand_packet.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seldinger/session)  # plain C, for devices
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/seldinger)
 install(EXPORT SeldingerTargets NAMESPACE Seldinger:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Seldinger)
 configure_package_config_file(cmake/SeldingerConfig.cmake.in ${CMAKE_BINARY_DIR}/SeldingerConfig.cmake

@@ -62,7 +62,7 @@ class Chart {
     g.textAlign = 'right';
     for (const v of [low, (low + high) / 2, high]) {
       g.beginPath(); g.moveTo(44, y(v)); g.lineTo(w - 6, y(v)); g.stroke();
-      g.fillText(Math.abs(v) < 1e-3 * (high - low) ? '0' : Number(v.toPrecision(2)).toString(), 40, y(v) + 4);
+      g.fillText(this.label(v, high - low), 40, y(v) + 4);
     }
     g.textAlign = 'left';
     let at = 44;
@@ -73,6 +73,11 @@ class Chart {
       g.fillText(one.label, at, 11);
       at += g.measureText(one.label).width + 10;
     });
+  }
+
+  label(v, range) {
+    if (Math.abs(v) < 1e-3 * range) return '0';
+    return Math.abs(v) < 1e-2 || Math.abs(v) >= 1e4 ? v.toExponential(1) : Number(v.toPrecision(2)).toString();
   }
 
   line(g, list, begin, x, y, colour) {

@@ -309,7 +309,7 @@ class Fluoroscope {
     this.tubes = radii.map(() => new Tube(most || 2048));
     this.tubes.forEach((tube) => { const mesh = new THREE.Mesh(tube.geometry, this.material(947)); mesh.frustumCulled = false; this.wires.add(mesh); });
     this.isocentre = box.getCenter(new THREE.Vector3());
-    this.field = Math.max(0.05, 0.62 * box.getSize(new THREE.Vector3()).length());
+    this.field = Math.max(0.05, 0.78 * box.getSize(new THREE.Vector3()).length());
     this.up = new THREE.Vector3(...(head || [0, 0, 1])).normalize();
     this.front = new THREE.Vector3(...(front || [0, -1, 0])).normalize();
   }

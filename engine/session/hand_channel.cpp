@@ -70,6 +70,8 @@ HandChannel::~HandChannel()
 
 void HandChannel::start(std::function<double()> clock)
 {
+    unsigned char early;
+    while (recv(socket_, &early, 1, MSG_DONTWAIT) >= 0) {}  // sent before there was anyone to take it
     thread_ = std::thread([this, clock = std::move(clock)] { listen(clock); });
 }
 
@@ -83,7 +85,6 @@ void HandChannel::listen(const std::function<double()>& clock)
 {
     unsigned char bytes[SEL_HAND_REQUEST_BYTES + 1];  // one more than a request has: what is longer shows
     unsigned char reply[SEL_HAND_ANSWER_BYTES];
-    while (recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT) >= 0) {}  // sent before there was anyone to take it
     while (!stop_.load(std::memory_order_relaxed)) {
         sockaddr_in sender{};
         socklen_t size = sizeof sender;

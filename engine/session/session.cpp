@@ -203,6 +203,7 @@ void Session::step_once()
         failure_ = error.what();
     }
     stopped_ = !failure_.empty();
+    if (stopped_) return;  // the world is where it was before
     double wall_force = 0;
     for (Instrument& it : instruments_) {
         take_readings(it);

@@ -21,7 +21,7 @@ std::string opening_comment(const fs::path& file)
         if (!line.starts_with("#pragma once") && !line.starts_with("#ifndef") && !line.starts_with("#define") &&
             !line.starts_with("#!"))
             break;
-    for (const std::string mark : {"//", "\"\"\"", "# "})
+    for (const std::string mark : {"//", "/*", "\"\"\"", "# "})
         if (line.starts_with(mark)) return line.substr(mark.size());
     return "";
 }

@@ -134,7 +134,7 @@ class Browser:
     def wait(self, expression, seconds=30):
         end = time.time() + seconds
         while time.time() < end:
-            if self.evaluate(expression):
+            if self.evaluate(f"Boolean({expression})"):
                 return
             time.sleep(0.1)
         raise TimeoutError(expression)

@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""The live page and a report in a real, headless Chromium with software GL. Exit 77, skipped, where there is none.
+
+    test_page.py APP SOURCE [-o FOLDER]      pictures go into FOLDER where one is given
+"""
+import argparse
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from browser import Browser, WebSocket  # noqa: E402
+from session import LiveSession  # noqa: E402
+
+FAILURES = []
+
+
+def check(holds, what):
+    print(("ok      " if holds else "FAILED  ") + what, flush=True)
+    if not holds:
+        FAILURES.append(what)
+
+
+def pixels(png):
+    """Rows of RGB of an 8-bit PNG."""
+    at, data, width, height, channels = 8, b"", 0, 0, 3
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        body = png[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, _, colour = struct.unpack(">IIBB", body[:10])
+            channels = {2: 3, 6: 4}[colour]
+        if kind == b"IDAT":
+            data += body
+        at += 12 + size
+    raw, stride, rows, before = zlib.decompress(data), width * channels, [], bytearray(width * channels)
+    for y in range(height):
+        filter_kind, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            a, b, c = line[x - channels] if x >= channels else 0, before[x], before[x - channels] if x >= channels else 0
+            if filter_kind == 1:
+                line[x] = line[x] + a & 255
+            elif filter_kind == 2:
+                line[x] = line[x] + b & 255
+            elif filter_kind == 3:
+                line[x] = line[x] + (a + b) // 2 & 255
+            elif filter_kind == 4:
+                p = a + b - c
+                pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
+                line[x] = line[x] + (a if pa <= pb and pa <= pc else b if pb <= pc else c) & 255
+        rows.append([tuple(line[x:x + 3]) for x in range(0, stride, channels)])
+        before = line
+    return rows
+
+
+def share(rows, box, like):
+    x0, y0, x1, y1 = (int(v) for v in box)
+    inside = [pixel for row in rows[y0:y1] for pixel in row[x0:x1]]
+    return sum(map(like, inside)) / max(1, len(inside))
+
+
+def reddish(pixel):
+    return pixel[0] > pixel[1] + 25 and pixel[0] > pixel[2] + 25
+
+
+def differing(a, b, box):
+    x0, y0, x1, y1 = (int(v) for v in box)
+    return sum(p != q for ra, rb in zip(a[y0:y1], b[y0:y1]) for p, q in zip(ra[x0:x1], rb[x0:x1]))
+
+
+def advance(browser):
+    return browser.evaluate("seldinger.last.numbers.instruments[0].advance")
+
+
+def hold(browser, key, seconds):
+    browser.key(key, key, True)
+    time.sleep(seconds)
+    browser.key(key, key, False)
+    time.sleep(0.3)
+
+
+def box_of(browser, element):
+    return json.loads(browser.evaluate(f"(() => {{ const b = document.querySelector('{element}').getBoundingClientRect(); "
+                                       "return JSON.stringify([b.left, b.top, b.right, Math.min(b.bottom, innerHeight)]) })()"))
+
+
+def drive(browser, session, pictures):
+    browser.open(session.url)
+    browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
+    time.sleep(1)
+    before = pixels(browser.picture(os.path.join(pictures, "before.png")))
+    scene = box_of(browser, "#scene")
+    check(share(before, scene, reddish) > 0.03, "the canvas shows the vessel")
+    hold(browser, "ArrowUp", 4)
+    check(advance(browser) > 0.08, f"the arrow up pushes the wire ({advance(browser):.3f} m)")
+    after = pixels(browser.picture(os.path.join(pictures, "wide-light.png")))
+    check(differing(before, after, scene) > 300, "and the wire is seen")
+    inserted, turned = advance(browser), browser.evaluate("seldinger.last.numbers.instruments[0].turn")
+    hold(browser, "ArrowDown", 1)
+    check(advance(browser) < inserted - 0.015, "the arrow down pulls it back")
+    hold(browser, "ArrowRight", 1)
+    check(browser.evaluate("seldinger.last.numbers.instruments[0].turn") > turned + 1.5, "the arrow right turns it")
+    browser.wait("seldinger.fps > 0")
+    print(f"        {browser.evaluate('seldinger.fps')} frames drawn in the last second")
+    pedals(browser)
+    layouts(browser, pictures)
+    return inserted
+
+
+def pedals(browser):
+    browser.key("f", "KeyF", True, "f")
+    browser.key("f", "KeyF", False)
+    browser.wait("seldinger.last.numbers.fluoro", 5)
+    browser.key("c", "KeyC", True, "c")
+    time.sleep(1.5)
+    grey = json.loads(browser.evaluate("""(() => { seldinger.fluoroscope.draw(); const c = document.createElement('canvas'); c.width = c.height = 360;
+        const g = c.getContext('2d'); g.drawImage(document.querySelector('#fluoroscope'), 0, 0); const d = g.getImageData(0, 0, 360, 360).data;
+        let low = 255, high = 0; for (let i = 0; i < d.length; i += 4) { const x = i / 4 % 360 - 180, y = (i / 4 / 360 | 0) - 180;
+        if (x * x + y * y > 150 * 150) continue; low = Math.min(low, d[i]); high = Math.max(high, d[i]); } return JSON.stringify([low, high]) })()"""))
+    check(grey[0] < 0.6 * grey[1], f"fluoroscopy shows wire and contrast (grey {grey[0]} to {grey[1]})")
+    browser.key("c", "KeyC", False)
+    browser.key(" ", "Space", True, " ")
+    browser.key(" ", "Space", False)
+    browser.wait("seldinger.last.numbers.paused", 5)
+    browser.key(" ", "Space", True, " ")
+    browser.key(" ", "Space", False)
+    browser.wait("!seldinger.last.numbers.paused", 5)
+    check(True, "the space bar pauses and goes on")
+
+
+def layouts(browser, pictures):
+    for name, width, height, scheme in (("wide-dark", 1280, 720, "dark"), ("narrow-dark", 390, 844, "dark"), ("narrow-light", 390, 844, "light")):
+        browser.size(width, height, width < 800)
+        browser.scheme(scheme)
+        time.sleep(1)
+        rows = pixels(browser.picture(os.path.join(pictures, name + ".png")))
+        corner = sum(rows[-2][1])
+        check((corner < 200) == (scheme == "dark"), f"{name}: the page is {scheme}")
+        check(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{name}: nothing runs out of the window")
+        check(share(rows, box_of(browser, "#scene"), reddish) > 0.015, f"{name}: the vessel is there")
+    browser.size(1280, 720)
+
+
+def refusals(session):
+    host = f"127.0.0.1:{session.port}"
+    for what, headers, path, status in (("its own origin", {"Origin": f"http://{host}"}, "/ws", 101), ("a foreign origin", {"Origin": "http://evil.example"}, "/ws", 403),
+                                        ("a foreign host", {"Host": "evil.example"}, "/ws", 403), ("another path", {}, "/other", 404)):
+        client = WebSocket("127.0.0.1", session.port, path, headers)
+        check(client.status == status, f"a socket with {what}: {client.status}")
+        client.close()
+
+
+def slow_and_broken(browser, session):
+    deaf = WebSocket("127.0.0.1", session.port, "/ws")  # reads nothing from now on
+    second = WebSocket("127.0.0.1", session.port, "/ws")
+    for k in range(10000):
+        if k % 100 == 0:
+            hostile = WebSocket("127.0.0.1", session.port, "/ws")
+        try:
+            hostile.send(b"\xff\x00{" + os.urandom(k % 90), 1 + k % 15)
+        except OSError:
+            hostile = WebSocket("127.0.0.1", session.port, "/ws")
+    hostile.close()
+    frames = browser.evaluate("seldinger.frames")
+    try:
+        browser.wait(f"seldinger.frames > {frames + 20}", 30)
+        goes_on = True
+    except TimeoutError:
+        goes_on = False
+    check(goes_on, "ten thousand malformed messages and a deaf client: the page goes on")
+    opcode, data = second.receive()
+    check(opcode == 2 and len(data) > 100, "a second client gets frames too")
+    second.close()
+    deaf.close()
+
+
+def reports(browser, app, source, pictures):
+    folder = tempfile.mkdtemp(prefix="seldinger-report-")
+    try:
+        run = os.path.join(folder, "run")
+        subprocess.run([app, "run", os.path.join(source, "assets/scenes/experiment2.toml"), "--set", "scene.duration_s=6", "-o", run, "--quiet"], check=True)
+        subprocess.run([app, "report", run, "-o", os.path.join(folder, "report.html")], check=True, stdout=subprocess.DEVNULL)
+        browser.scheme("light")
+        browser.open("file://" + os.path.join(folder, "report.html"))
+        browser.wait("window.seldinger && seldinger.data && seldinger.viewer", 60)
+        time.sleep(1)
+        last = browser.evaluate("seldinger.frame")
+        rows = pixels(browser.picture(os.path.join(pictures, "report.png")))
+        check(share(rows, box_of(browser, "#scene"), reddish) > 0.02, "the report shows the vessel")
+        browser.evaluate("document.querySelector('#time').value = 3; document.querySelector('#time').dispatchEvent(new Event('input'))")
+        check(last > 50 and browser.evaluate("seldinger.frame") == 3, "its slider goes back in time")
+        with open(os.path.join(folder, "report.html")) as file:
+            text = file.read()
+        check("src=" not in text.split("<script>")[0] and "href=\"http" not in text, "it needs nothing from outside")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("app")
+    parser.add_argument("source")
+    parser.add_argument("-o", dest="pictures")
+    options = parser.parse_args()
+    pictures = options.pictures or tempfile.mkdtemp(prefix="seldinger-pictures-")
+    os.makedirs(pictures, exist_ok=True)
+    try:
+        browser = Browser()
+    except FileNotFoundError:
+        print("skipped: no chromium")
+        sys.exit(77)
+    session = LiveSession(options.app, os.path.join(options.source, "assets/scenes/experiment2.toml"))
+    try:
+        drive(browser, session, pictures)
+        refusals(session)
+        slow_and_broken(browser, session)
+        errors = browser.errors()
+        check(not errors, f"nothing in the console {errors or ''}")
+        summary = session.end()
+        check(summary["failure"] == "", "the session ended well")
+        print(f"        {summary['steps']} steps, {100 * summary['late_share']:.2f} % late, p99 {summary['step']['p99_ms']:.2f} ms")
+        reports(browser, options.app, options.source, pictures)
+    finally:
+        browser.close()
+        session.end()
+        if not options.pictures:
+            shutil.rmtree(pictures, ignore_errors=True)
+    if FAILURES:
+        sys.exit(f"{len(FAILURES)} failed")
+
+
+if __name__ == "__main__":
+    main()
