@@ -118,7 +118,8 @@ class NavigateVectorEnv(VectorEnv):
     """`num_envs` environments as systems of one world, one launch of each stage for all; each has the bits that it has alone
     (environment i: `NavigateEnv(variant=i % variants)`), resets included.
 
-    Autoreset: as `autoreset_mode` says, NEXT_STEP by default; DISABLED takes reset(options={"reset_mask": [num_envs] bool}).
+    Autoreset: as `autoreset_mode` says, NEXT_STEP by default; DISABLED goes on with an
+    episode that has ended until reset(options={"reset_mask": [num_envs] bool}).
     """
 
     def __init__(self, num_envs: int = 1, autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
@@ -183,11 +184,9 @@ class NavigateVectorEnv(VectorEnv):
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One control of all. With NEXT_STEP, the step after an episode's end begins the next one and ignores its action."""
         ended = self._ended.copy()
-        if self.autoreset_mode == AutoresetMode.DISABLED and ended.any():
-            raise RuntimeError("an episode has ended; reset(options={'reset_mask': ...}) it first")
         reward, terminated, truncated = self._fleet.act(self._fleet.check(actions, self.action_space.shape))
         final: dict[str, Any] = {}
-        if ended.any():  # NEXT_STEP
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP and ended.any():
             self._begin(ended)
             reward[ended], terminated[ended], truncated[ended] = 0.0, False, False
         done = terminated | truncated
