@@ -28,6 +28,8 @@ void add_chart(CLI::App& app, Command& chosen);
 void add_stability(CLI::App& app, Command& chosen);
 void add_plan(CLI::App& app, Command& chosen);
 void add_bench(CLI::App& app, Command& chosen);
+void add_live(CLI::App& app, Command& chosen);
+void add_report(CLI::App& app, Command& chosen);
 
 /// --time-limit and --device, as `run` has them.
 void add_limits(CLI::App& command, double& time_limit, int& device);

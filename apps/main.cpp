@@ -40,6 +40,8 @@ int run_command_line(int argc, char** argv)
     add_stability(app, chosen);
     add_plan(app, chosen);
     add_bench(app, chosen);
+    add_live(app, chosen);
+    add_report(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
     const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
     if (!first.empty() && first[0] != '-' && known.empty())

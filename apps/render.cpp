@@ -1,7 +1,8 @@
-// seldinger render DIR [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]]
+// seldinger render DIR [--view fluoro] [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]]
 
 #include "commands.h"
 #include "quantity.h"
+#include "render_fluoro.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -32,7 +33,8 @@ std::pair<int, int> two_numbers(const std::string& text, char between, const cha
 
 struct Options {
     std::filesystem::path dir;
-    std::string size = "1280x720", frames, wall, wall_max;
+    std::string size, frames, wall, wall_max, view = "shaded";
+    FluoroArguments fluoro;
 };
 
 #ifdef SEL_WITH_VIEW
@@ -50,9 +52,16 @@ void set_wall(const Options& options, RenderOptions& what)
 
 ExitCode render(const Options& options)
 {
-    const auto [width, height] = two_numbers(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
+    const bool fluoro = options.view == "fluoro";
+    const std::string alien = options.fluoro.first_given();
+    if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
+    if (fluoro && !options.wall.empty())
+        throw Error(ExitCode::BadScene, "--wall: an X-ray has no colours; leave out --view fluoro");
+    const auto [width, height] = two_numbers(options.size.empty() ? fluoro ? "1024x1024" : "1280x720" : options.size, 'x',
+                                             "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
     std::pair<int, int> range{-1, -1};
     if (!options.frames.empty()) range = two_numbers(options.frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
+    if (fluoro) return render_fluoro_view(options.dir, options.fluoro, width, height, range.first, range.second);
 #ifdef SEL_WITH_VIEW
     RenderOptions what;
     what.width = width;
@@ -77,7 +86,7 @@ void add_render(CLI::App& app, Command& chosen)
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
-    command->add_option("--size", options->size, "picture in pixels (default 1280x720)")->type_name("WxH");
+    command->add_option("--size", options->size, "picture in pixels (default 1280x720; fluoro 1024x1024)")->type_name("WxH");
     command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")
         ->type_name("A:B");
     command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
@@ -85,6 +94,10 @@ void add_render(CLI::App& app, Command& chosen)
         ->type_name("WHAT");
     command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
         ->type_name("1.5mm|80kPa");
+    command->add_option("--view", options->view, "shaded (default) or fluoro: what an X-ray shows")
+        ->check(CLI::IsMember({"shaded", "fluoro"}))
+        ->type_name("VIEW");
+    options->fluoro.declare(*command);
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
 }
 

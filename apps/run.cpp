@@ -40,6 +40,9 @@ void add_run(CLI::App& app, Command& chosen)
         ->allow_extra_args(false);
     run->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
+    run->add_option("--replay", options->run.replay, "take the inputs of a recorded live session in place of the key frames: the same bits")
+        ->excludes(resume)
+        ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");

@@ -3,6 +3,7 @@
 
 #include "core/file_io.h"
 #include "progress.h"
+#include "replay.h"
 #include "scene/key_frames.h"
 #include "stop_signal.h"
 
@@ -52,8 +53,9 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
 class Run {
 public:
     Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel,
-        const std::optional<Checkpoint>& saved)
+        const std::optional<Checkpoint>& saved, Replay* replay)
         : scene_(scene),
+          replay_(replay),
           options_(options),
           vessel_(std::move(vessel)),
           world_(std::move(setup)),
@@ -71,6 +73,7 @@ public:
         Progress progress(scene_, options_.quiet);
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
+        if (replay_) replay_->begin(scene_, world_);
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
         for (bool first = true; recorder_.tally().steps < steps; first = false) {
@@ -83,6 +86,7 @@ public:
             save_now_and_then();
             progress.show(recorder_, wall());
         }
+        if (replay_) replay_->end(world_);
         return stop(RunStatus::Done);
     }
 
@@ -104,7 +108,7 @@ private:
     bool take_step()
     {
         const auto start = Clock::now();
-        const StepReport report = step(world_, key_frames_.control(), scene_.dt);
+        const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), scene_.dt);
         if (report.failed()) {
             failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
                                    advice(report, false, scene_.integrator, world_.readings(0).energy_made));
@@ -147,6 +151,7 @@ private:
     }
 
     const Scene& scene_;
+    Replay* replay_;  // may be null
     const RunOptions& options_;
     RepairReport vessel_;
     World world_;
@@ -161,9 +166,12 @@ private:
 
 }  // namespace
 
-RunOutcome run_scene(const Scene& scene, const RunOptions& options)
+RunOutcome run_scene(const Scene& given, const RunOptions& options)
 {
     const auto called = Clock::now();
+    std::optional<Replay> replay;
+    if (!options.replay.empty()) replay.emplace(options.replay);
+    const Scene scene = replay ? replay->scene(given) : given;
     const StopSignal listening;
     check_run_folder(options.dir, options.use, scene);
     std::optional<Checkpoint> saved;
@@ -172,7 +180,7 @@ RunOutcome run_scene(const Scene& scene, const RunOptions& options)
     if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
     RepairReport vessel;
     WorldSetup setup = make_setup(scene, options.device, &vessel);
-    return Run(scene, options, std::move(setup), std::move(vessel), saved).go(called);
+    return Run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr).go(called);
 }
 
 }  // namespace seldinger::apps

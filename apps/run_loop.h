@@ -14,6 +14,7 @@ namespace seldinger::apps {
 struct RunOptions {
     std::filesystem::path dir;
     std::vector<std::string> overrides;  // of --set
+    std::filesystem::path replay;        // record of a live session; empty: the scene's key frames
     FolderUse use = FolderUse::Refuse;
     double time_limit = 0;  // [s] from the call on, loading included; 0: none
     int device = -1;

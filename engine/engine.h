@@ -52,6 +52,9 @@ public:
     [[nodiscard]] ConstRodView rod(int wire) const;
     [[nodiscard]] const std::vector<ContactRow>& contacts() const;  // all wires, fetched from the device on demand
     [[nodiscard]] WireReadings readings(int wire) const;
+    /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
+    /// own equations per fed wire. Changes no state.
+    void watch_hand_stiffness();
     /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;

@@ -72,6 +72,7 @@ struct WireReadings {
     double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
     double rolling = 0;                                          // sum of |moment| [N m]
     double hand_force = 0, hand_torque = 0;  // its work per length pushed in [N], per angle turned as `turned` is [N m]
+    double hand_stiffness = 0;  // how hand_force grows per length pushed in within the step, where watched [N/m] >= 0
     Vec3 base_force = Vec3::Zero();
     double overlap = 0;                                  // deepest overlap [m] >= 0
     double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0

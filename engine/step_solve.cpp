@@ -152,6 +152,8 @@ void accept(World::Impl& state, const SubStep& sub, StepReport& report)
         if (state.active[w] && audited(state)) accept_energy(state, w, sub.h);
         state.read_results(w, sub.h);
     });
+    for (int w = 0; w < state.wire_count() && state.hand_stiffness_watched; ++w)
+        if (done[w] && state.active[w]) state.read_hand_stiffness(w);
     const bool shortest = sub.halvings == most_halvings;
     for (int w = 0; w < state.wire_count(); ++w) {
         if (!outcomes.failed[w] && !outcomes.ended[w]) continue;

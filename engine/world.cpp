@@ -80,6 +80,21 @@ ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
     return made;
 }
 
+InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of)
+{
+    InstrumentSetup made;
+    for (const WireSetup& wire : setup.wires) {
+        made.wires.push_back(wire.wire);
+        made.contacts.push_back(wire.contact);
+    }
+    made.system_of.assign(system_of.begin(), system_of.end());
+    for (const CoaxialSpec& nest : setup.coaxial)
+        if (nest.model == CoaxialSpec::Model::Separate)
+            made.nested.push_back({nest.order, nest.mu_static, nest.mu_sliding, nest.stiffness});
+    made.from_outside = setup.instruments_touch;
+    return made;
+}
+
 namespace {
 
 WorldSetup checked(WorldSetup setup)
@@ -134,6 +149,11 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
         contact = make_contact(*context, contact_setup(setup, *wall), unmoved_rods ? *unmoved_rods : rods);
         if (elastic_wall) yielding = std::make_unique<YieldingWall>(*elastic_wall, *contact, rods, *unmoved_rods, system_of);
         terms.add(yielding ? static_cast<ForceTerm&>(*yielding) : *contact);
+    }
+    if (const InstrumentSetup touching = instrument_setup(setup, system_of); touching.any()) {
+        if (!context) context = std::make_unique<device::Context>(setup.device_index);
+        instruments = std::make_unique<InstrumentContact>(*context, touching, rods);
+        terms.add(*instruments);
     }
     constraints.resize(count);
     reports.resize(count);

@@ -6,6 +6,7 @@
 //   control   hub_requests                       of the present step
 //   output    results, wire_reports, rows        of the accepted state
 
+#include "contact/instrument_contact.h"
 #include "contact/yielding_wall.h"
 #include "device/device.h"
 #include "energy_audit.h"
@@ -28,7 +29,7 @@ namespace seldinger {
 struct WireResult {
     ContactTotals contact;
     std::vector<Vec3> nodal_contact;  // [capacity] [N]
-    double hand_force = 0, hand_torque = 0;
+    double hand_force = 0, hand_torque = 0, hand_stiffness = 0;
     Vec3 base_force = Vec3::Zero();
     double kinetic = 0, elastic = 0, gravitational = 0;
     double residual = 0;
@@ -52,6 +53,7 @@ struct HubRequest {
 
 /// What contact is made from.
 [[nodiscard]] ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall);
+[[nodiscard]] InstrumentSetup instrument_setup(const WorldSetup& setup, std::span<const int> system_of);
 
 struct World::Impl {
     explicit Impl(WorldSetup from);
@@ -64,7 +66,7 @@ struct World::Impl {
     double time = 0;
     long steps = 0;
     std::vector<double> wire_time;             // per wire [s]; where a system failed or was retired, it stopped
-    std::unique_ptr<device::Context> context;  // none without a vessel
+    std::unique_ptr<device::Context> context;  // none without a vessel and without instruments that touch
     RodArrays rods;
     std::vector<WireHolds> holds;               // per wire
     std::vector<FeedState> feeds;               // per wire
@@ -77,6 +79,7 @@ struct World::Impl {
     std::unique_ptr<RodArrays> unmoved_rods;    // the wires as the wall sees them where it has not moved
     std::unique_ptr<ContactMethod> contact;     // none without a vessel
     std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
+    std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     ForceTerms terms;                           // what acts on the wires: contact
     std::unique_ptr<Solver> solver;
     // scratch of a step
@@ -96,6 +99,7 @@ struct World::Impl {
     std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
     std::vector<WireResult> results;                            // per wire
     std::vector<ContactRow> rows;                               // what contacts() last returned
+    bool hand_stiffness_watched = false;
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
     std::unique_ptr<WallShape> wall_shape;  // made when first asked for
@@ -115,6 +119,8 @@ struct World::Impl {
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
+    /// After it, where hand stiffness is watched.
+    void read_hand_stiffness(int wire);
     void put_wire(std::vector<std::uint8_t>& bytes, int wire) const;
     void take_wire(const std::uint8_t*& at, const std::uint8_t* end, int wire);
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;

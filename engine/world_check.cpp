@@ -108,6 +108,60 @@ void check_systems(const WorldSetup& setup)
                fmt::format("name {} instruments in all, expected as many as there are wires, {}", in_all, setup.wires.size()));
 }
 
+double widest(const WireSpec& spec)
+{
+    double radius = spec.shaft.radius;
+    for (const WireSectionRange& range : spec.sections) radius = std::max(radius, range.section.radius);
+    return radius;
+}
+
+/// Instruments inside each other, a rod each (D13).
+void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::string& where)
+{
+    if (nest.order.size() < 2) refuse(where + ".order", "names fewer than two instruments, expected outer first, then what is in it");
+    const auto system_of = [&](int wire) {
+        int end = 0, system = 0;
+        for (const int size : setup.systems)
+            if (wire < (end += size)) return system;
+            else ++system;
+        return setup.systems.empty() ? wire : -1;
+    };
+    for (std::size_t k = 0; k < nest.order.size(); ++k) {
+        const int wire = nest.order[k];
+        if (wire < 0 || wire >= static_cast<int>(setup.wires.size()))
+            refuse(where + ".order", fmt::format("names instrument {}, expected 0 to {}", wire, setup.wires.size() - 1));
+        if (std::count(nest.order.begin(), nest.order.end(), wire) > 1)
+            refuse(where + ".order", fmt::format("names instrument {} twice", wire));
+        if (system_of(wire) != system_of(nest.order[0]))
+            refuse(where + ".order", "names instruments of different systems, expected those of one (WorldSetup::systems)");
+        if (nest.model != CoaxialSpec::Model::Separate || k == 0) continue;
+        const double lumen = setup.wires[static_cast<std::size_t>(nest.order[k - 1])].wire.lumen_radius;
+        const double radius = widest(setup.wires[static_cast<std::size_t>(wire)].wire);
+        if (lumen <= radius)
+            refuse(fmt::format("wires[{}].wire.lumen_radius", nest.order[k - 1]),
+                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m", lumen, radius));
+    }
+    need_not_negative(nest.stiffness, where + ".stiffness");
+    need_not_negative(nest.mu_sliding, where + ".mu_sliding");
+    if (nest.mu_static < nest.mu_sliding)
+        refuse(where + ".mu_static", fmt::format("is {}, expected mu_sliding, {}, at least", nest.mu_static, nest.mu_sliding));
+}
+
+/// Contact between instruments.
+void check_touching(const WorldSetup& setup)
+{
+    bool any = setup.instruments_touch;
+    for (std::size_t k = 0; k < setup.coaxial.size(); ++k) {
+        check_nested(setup, setup.coaxial[k], fmt::format("coaxial[{}]", k));
+        any = any || setup.coaxial[k].model == CoaxialSpec::Model::Separate;
+    }
+    if (!any) return;
+    if (setup.integrator.scheme != Scheme::Newton && setup.integrator.scheme != Scheme::Static)
+        refuse("integrator.scheme", "is linearised or explicit, expected newton or static where instruments touch each other");
+    if (setup.wires[0].contact.precision != Precision::Float64)
+        refuse("wires[0].contact.precision", "is float32, expected float64 where instruments touch each other");
+}
+
 /// A wall that yields (D11).
 void check_elastic_wall(const WorldSetup& setup)
 {
@@ -187,6 +241,7 @@ void check_setup(const WorldSetup& setup)
         check_agreement(wire.contact, setup.wires[0].contact, where + ".contact");
     }
     check_wall(setup);
+    check_touching(setup);
 }
 
 void check_request(const World::Impl& state, const Control& control, double dt)

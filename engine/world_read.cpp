@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace seldinger {
 
@@ -35,7 +36,7 @@ void World::Impl::read_results(int wire, double h)
     std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
     result.contact = {};
     if (feeds[wire].on && !feeds[wire].inside) {
-        result.hand_force = result.hand_torque = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
+        result.hand_force = result.hand_torque = result.hand_stiffness = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
         result.base_force = Vec3::Zero();
         result.momentum = {};
         return;
@@ -45,6 +46,10 @@ void World::Impl::read_results(int wire, double h)
         const std::span<Vec3> forces = std::span(result.nodal_contact).first(rod.n);
         if (yielding) yielding->add_nodal_forces(wire, forces);
         else contact->add_nodal_forces(wire, forces);
+    }
+    if (instruments) {
+        result.contact += instruments->totals(wire);
+        instruments->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
     }
     const int hub = rod.n - 1;
     for (int k = 0; k < 3; ++k) result.base_force[k] = solver->reaction(wire, RodDofs::position(hub, k));
@@ -65,6 +70,26 @@ void World::Impl::read_results(int wire, double h)
                                        result.nodal_contact, momentum_start[wire], h);
 }
 
+// hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. What is fed raises s, to which the
+// node before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The
+// curvature of the hub's cell, whose length s is too, is left out: its share is B kappa^2/s, a thousandth of EA/s at most.
+void World::Impl::read_hand_stiffness(int wire)
+{
+    double& stiffness = results[wire].hand_stiffness;
+    if (!feeds[wire].on || !feeds[wire].inside) {
+        stiffness = 0;
+        return;
+    }
+    if (reports[wire].iterations == 0) return;  // nothing was factorised: what was said last holds
+    const RodView rod = rods.view(wire);
+    const int base = rod.n - 2;
+    const Vec3 edge = rod.pos(base + 1) - rod.pos(base);
+    const double rest = rod.rest_length[base], length = edge.norm();
+    const double pull = rod.stretch_stiffness[base] * length / (rest * rest);
+    const double give = solver->compliance(wire, base, edge / length);
+    stiffness = std::max(0.0, pull * (length / rest - pull * give));
+}
+
 int World::wire_count() const { return impl_->wire_count(); }
 int World::system_count() const { return impl_->system_count(); }
 int World::system_of(int wire) const { return impl_->system_of[wire]; }
@@ -82,6 +107,8 @@ void World::retire(int system)
 }
 
 bool World::retired(int system) const { return impl_->retired[impl_->wires_of(system).front()] != 0; }
+
+void World::watch_hand_stiffness() { impl_->hand_stiffness_watched = true; }
 
 WireReadings World::readings(int wire) const
 {
@@ -102,6 +129,7 @@ WireReadings World::readings(int wire) const
     r.rolling = result.contact.rolling;
     r.hand_force = result.hand_force;
     r.hand_torque = result.hand_torque;
+    r.hand_stiffness = result.hand_stiffness;
     r.base_force = result.base_force;
     r.overlap = result.contact.depth;
     r.outside = result.contact.outside;
@@ -121,6 +149,14 @@ const std::vector<ContactRow>& World::contacts() const
     impl_->rows.clear();
     if (impl_->yielding) impl_->rows = impl_->yielding->rows(impl_->rods);
     else if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
+    if (!impl_->instruments) return impl_->rows;
+    for (ContactRow& row : impl_->instruments->rows(impl_->rods)) impl_->rows.push_back(row);
+    std::sort(impl_->rows.begin(), impl_->rows.end(), [](const ContactRow& p, const ContactRow& q) {
+        const auto key = [](const ContactRow& row) {
+            return std::tuple(row.a.body, row.a.element, row.b.kind, row.b.body, row.b.element, row.point.x(), row.point.y());
+        };
+        return key(p) < key(q);
+    });
     return impl_->rows;
 }
 

@@ -7,6 +7,22 @@
 
 namespace seldinger {
 
+ContactTotals& ContactTotals::operator+=(const ContactTotals& other)
+{
+    contacts += other.contacts;
+    depth = std::max(depth, other.depth);
+    outside = std::max(outside, other.outside);
+    normal += other.normal;
+    friction += other.friction;
+    sliding += other.sliding;
+    rolling += other.rolling;
+    length += other.length;
+    work.normal += other.work.normal;
+    work.friction += other.work.friction;
+    work.rolling += other.work.rolling;
+    return *this;
+}
+
 bool EdgeSums::admissible(int wire) const
 {
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e)

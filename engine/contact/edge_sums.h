@@ -20,6 +20,7 @@ struct ContactTotals {
     double outside = 0;  // farthest axis point beyond the wall [m], >= 0
     double normal = 0, friction = 0, sliding = 0, rolling = 0, length = 0;
     ContactWork work;
+    ContactTotals& operator+=(const ContactTotals& other);
 };
 
 struct EdgeSums {

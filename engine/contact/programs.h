@@ -7,6 +7,7 @@ namespace seldinger::programs {
 inline constexpr const char* quadrature = "contact/near_wall.cl+contact/evaluation.cl+contact/edge_sums.cl";
 inline constexpr const char* layer = "contact/layer.cl+contact/edge_sums.cl";
 inline constexpr const char* multipliers = "contact/multipliers.cl";
+inline constexpr const char* instruments = "contact/instruments.cl";
 inline constexpr const char* barrier = "contact/barrier_path.cl";
 
 }  // namespace seldinger::programs

@@ -1,4 +1,4 @@
-// Writes RGB rows as PNG by libpng, into memory first and then to the file.
+// Writes rows as PNG by libpng, into memory first and then to the file.
 #include "io/png_write.h"
 
 #include "core/check.h"
@@ -7,8 +7,50 @@
 #include <png.h>
 
 #include <fstream>
+#include <string>
 
 namespace seldinger {
+namespace {
+
+void write_whole(const std::filesystem::path& path, const char* bytes, std::size_t size)
+{
+    std::filesystem::path partial = path;
+    partial += ".part";
+    std::ofstream stream(partial, std::ios::binary);
+    stream.write(bytes, static_cast<std::streamsize>(size));
+    stream.close();
+    std::error_code problem;
+    if (stream) std::filesystem::rename(partial, path, problem);
+    if (!stream || problem) {
+        std::filesystem::remove(partial, problem);
+        throw Error(ExitCode::BadFile, path.string() + ": cannot be written; is the disk full or the folder read-only?");
+    }
+}
+
+/// What libpng writes goes to the end of a string.
+void append(png_structp png, png_bytep data, png_size_t size)
+{
+    static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+}
+
+/// libpng leaves by longjmp: nothing in here has a destructor. @return false: it has given up
+bool encode_grey(png_structp png, png_infop info, int width, int height, const png_byte* rows, std::string& file)
+{
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_write_fn(png, &file, append, nullptr);
+    png_set_compression_level(png, 3);  // noise does not compress
+    png_set_IHDR(png, info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_color_8 bits{};
+    bits.gray = 12;
+    png_set_sBIT(png, info, &bits);
+    png_write_info(png, info);
+    for (int row = 0; row < height; ++row) png_write_row(png, rows + 2 * static_cast<std::size_t>(row) * width);
+    png_write_end(png, info);
+    return true;
+}
+
+}  // namespace
 
 void write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& pixels)
 {
@@ -23,17 +65,25 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr)) {
         throw Error(ExitCode::BadFile, path.string() + ": " + image.message);
     }
-    std::filesystem::path partial = path;
-    partial += ".part";
-    std::ofstream stream(partial, std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(size));
-    stream.close();
-    std::error_code problem;
-    if (stream) std::filesystem::rename(partial, path, problem);
-    if (!stream || problem) {
-        std::filesystem::remove(partial, problem);
-        throw Error(ExitCode::BadFile, path.string() + ": cannot be written; is the disk full or the folder read-only?");
+    write_whole(path, bytes.data(), size);
+}
+
+void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey)
+{
+    SEL_ASSERT(grey.size() == static_cast<std::size_t>(width) * height);
+    std::vector<png_byte> rows;
+    rows.reserve(2 * grey.size());
+    for (const std::uint16_t g : grey) {
+        rows.push_back(static_cast<png_byte>(g >> 4));
+        rows.push_back(static_cast<png_byte>((g & 15) << 4 | g >> 8));
     }
+    std::string file;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png ? png_create_info_struct(png) : nullptr;
+    const bool whole = info && encode_grey(png, info, width, height, rows.data(), file);
+    png_destroy_write_struct(&png, &info);
+    if (!whole) throw Error(ExitCode::BadFile, path.string() + ": could not be encoded as PNG");
+    write_whole(path, file.data(), file.size());
 }
 
 }  // namespace seldinger

@@ -11,4 +11,9 @@ namespace seldinger {
 /// @throws Error BadFile
 void write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& pixels);
 
+/// 12-bit grey, rows from the top, as a 16-bit file that viewers show right: 4095 becomes 65535 (each value times 16, its upper
+/// bits repeated below), and sBIT says that 12 bits count. The file appears under its name only when it is complete.
+/// @throws Error BadFile
+void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey);
+
 }  // namespace seldinger

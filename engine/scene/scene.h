@@ -3,6 +3,7 @@
 // SI throughout; angles in radians.
 
 #include "engine.h"
+#include "scene/scene_xray.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -37,6 +38,19 @@ struct SceneFeed {
     [[nodiscard]] FeedKey at(double t) const;
 };
 
+/// [task] of a scene: what a trainee is to do in a live session, and within which limits.
+struct TaskSpec {
+    enum class Target { None, Point, Branch };
+    bool on = false;
+    std::string text;  // what to do, in words
+    Target target = Target::None;
+    Vec3 point = Vec3::Zero();  // Point: the tip comes within `radius` of it [m]
+    double radius = 0.005;
+    int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
+    double beyond = 0.01;  // the tip is as far into it, along its axis [m]
+    double wall_force = 0, time = 0, fluoroscopy = 0;  // limits [N], [s], [s]; 0: none
+};
+
 /// One instrument of a scene, and what [[hold]], [[load]] and [[link]] say of it.
 struct SceneInstrument {
     std::string label;  // `name` of its [[instrument]]; empty: it is the one of [wire] and [feed]
@@ -65,8 +79,11 @@ struct Scene : SceneInstrument {
     VesselSpec vessel;  // paths absolute
     SceneContact contact;
     bool instruments_touch = false;                          // WorldSetup's
+    TaskSpec task;
     int wire_every = 1;                                      // steps between frames of the wire; 0: none
     int contacts_every = 1;                                  // steps between frames of the contacts; 0: none
+    SceneCArm carm;                                          // how it is looked at by X-ray
+    SceneContrast contrast;
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 
     /// round(duration / dt); sub-steps are not counted.

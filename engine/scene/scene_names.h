@@ -48,6 +48,7 @@ inline constexpr Choice<FrictionLaw> friction_words[] = {{"stick-slip", Friction
                                                          {"sign", FrictionLaw::Sign},
                                                          {"none", FrictionLaw::None}};
 inline constexpr Choice<Precision> precision_words[] = {{"float64", Precision::Float64}, {"float32", Precision::Float32}};
+inline constexpr Choice<BodyShape> body_words[] = {{"ellipsoid", BodyShape::Ellipsoid}, {"none", BodyShape::None}};
 inline constexpr std::string_view unit_words[] = {"mm", "m", "cm", "um", "in"};
 
 /// The word of a value.

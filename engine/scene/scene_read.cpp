@@ -185,7 +185,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     scene.source = file;
     const TableReader all(root, "",
                           {"scene", "wire", "instrument", "coaxial", "integrator", "vessel", "contact", "feed", "hold", "load",
-                           "link", "wall_load", "output"});
+                           "link", "wall_load", "task", "carm", "contrast", "output"});
     // an absent table reads as an empty one that stands where the file begins
     auto table = [&](std::string_view name) -> const toml::table& {
         static const toml::table none = toml::parse("");
@@ -209,6 +209,9 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     read_holds_and_loads(root, scene);
     for_each_table(root, "wall_load", "wall_load",
                    [&](const toml::table& load, const std::string& path) { read_wall_load(load, path, scene); });
+    if (const toml::table* task = find_table(root, "task")) read_task_table(*task, scene);
+    if (const toml::table* arm = find_table(root, "carm")) read_carm_table(*arm, scene);
+    if (const toml::table* contrast = find_table(root, "contrast")) read_contrast_table(*contrast, scene);
     read_output(table("output"), scene);
     return scene;
 }

@@ -10,6 +10,7 @@
 namespace seldinger {
 
 void read_vessel_table(const toml::table& table, Scene& scene);  // [vessel]
+void read_task_table(const toml::table& table, Scene& scene);    // [task]
 
 /// Properties, sections and placement of an instrument. @param path  of the table, "wire" or "instrument.1"
 /// @param extra  further keys that the table may have   @param fed  whether it has a feed   @param scene  takes the notes
@@ -18,6 +19,13 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
 
 /// Where an instrument enters and its key frames. @param inherits  it enters where another one does: no inlet of its own
 void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene);
+
+void read_carm_table(const toml::table& table, Scene& scene);      // [carm]
+void read_contrast_table(const toml::table& table, Scene& scene);  // [contrast]
+
+/// A path of the scene as an absolute one; relative paths start at the folder of the file that has them (the scene's own for
+/// --set). @throws Error BadFile when missing
+[[nodiscard]] std::filesystem::path existing_file(const TableReader& t, std::string_view key, const Scene& scene);
 
 /// [[instrument]] with their feeds, and [coaxial].
 void read_instruments(const toml::table& root, Scene& scene);

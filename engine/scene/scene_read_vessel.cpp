@@ -31,27 +31,6 @@ const ShapeKeys& keys_of(VesselShape shape)
     return *std::find_if(all.begin(), all.end(), [&](const ShapeKeys& k) { return k.shape == shape; });
 }
 
-/// A path of the scene as an absolute one; relative paths start at the folder of the file that has them (the scene's own for
-/// --set). @throws Error BadFile when missing
-std::filesystem::path existing_file(const TableReader& t, std::string_view key, const Scene& scene)
-{
-    std::string written;
-    t.text(key, written);
-    std::error_code ignored;
-    const auto& source = t.node(key)->source().path;
-    const std::filesystem::path file = source && !source->starts_with("--set ") ? std::filesystem::path(*source) : scene.source;
-    const auto path =
-        std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored).parent_path() / written, ignored);
-    if (!std::filesystem::is_regular_file(path, ignored)) {
-        try {
-            t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));
-        } catch (const Error& error) {
-            throw Error(ExitCode::BadFile, error.what());
-        }
-    }
-    return path;
-}
-
 void read_shape_choice(const TableReader& t, Scene& scene)
 {
     VesselSpec& vessel = scene.vessel;
@@ -133,6 +112,25 @@ void read_elastic_wall(const TableReader& t, VesselSpec& vessel)
 }
 
 }  // namespace
+
+std::filesystem::path existing_file(const TableReader& t, std::string_view key, const Scene& scene)
+{
+    std::string written;
+    t.text(key, written);
+    std::error_code ignored;
+    const auto& source = t.node(key)->source().path;
+    const std::filesystem::path file = source && !source->starts_with("--set ") ? std::filesystem::path(*source) : scene.source;
+    const auto path =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored).parent_path() / written, ignored);
+    if (!std::filesystem::is_regular_file(path, ignored)) {
+        try {
+            t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));
+        } catch (const Error& error) {
+            throw Error(ExitCode::BadFile, error.what());
+        }
+    }
+    return path;
+}
 
 void read_vessel_table(const toml::table& table, Scene& scene)
 {

@@ -244,6 +244,19 @@ void write_at(TableText& t, const WirePoint& at)
     else t.word("at", at.kind == WirePoint::Kind::Base ? "base" : "tip");
 }
 
+void write_task(std::string& out, const TaskSpec& task)
+{
+    if (!task.on) return;
+    TableText t(out, "[task]");
+    if (!task.text.empty()) t.word("text", task.text);
+    t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("time_s", task.time);
+    t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
+    if (task.target == TaskSpec::Target::Point)
+        t.raw("target", fmt::format("{{ point = {}, radius_m = {} }}", vec(task.point), real(task.radius)));
+    if (task.target == TaskSpec::Target::Branch)
+        t.raw("target", fmt::format("{{ branch = {}, beyond_m = {} }}", task.branch, real(task.beyond)));
+}
+
 void write_holds_and_loads(std::string& out, const SceneInstrument& instrument)
 {
     const auto begin = [&](TableText& t, const WirePoint& at) -> TableText& {
@@ -278,6 +291,35 @@ void write_wall_loads(std::string& out, const VesselSpec& vessel)
     }
 }
 
+void write_carm(std::string& out, const SceneCArm& arm, const std::filesystem::path& folder)
+{
+    if (!arm.on) return;
+    TableText t(out, "[carm]");
+    if (!arm.isocentre_auto) t.vector("isocentre", arm.isocentre);
+    t.vector("head", arm.head).vector("back", arm.back).num("sid_m", arm.sid).num("sod_m", arm.sod).num("field_m", arm.field);
+    t.num("kvp", arm.kvp).num("photons", arm.photons).num("blur_m", arm.blur).word("body", word_of(body_words, arm.body));
+    t.vector("body_m", arm.body_axes).word("bone_units", arm.bone_units);
+    if (!arm.bone.empty()) t.word("bone", rebased(arm.bone, folder));
+    std::string keys;
+    for (const CArmKey& key : arm.keys)
+        keys +=
+            fmt::format("    {{ t_s = {}, lao_deg = {}, cra_deg = {} }},\n", real(key.t), real(key.lao_deg), real(key.cra_deg));
+    if (!keys.empty()) t.raw("keys", "[\n" + keys + "]");
+}
+
+void write_contrast(std::string& out, const SceneContrast& contrast)
+{
+    if (!contrast.on) return;
+    TableText t(out, "[contrast]");
+    if (!contrast.at_auto) t.vector("at", contrast.at);
+    if (!contrast.inflow_auto) t.vector("inflow", contrast.inflow);
+    t.num("speed_m_s", contrast.speed).num("spread", contrast.spread);
+    std::string keys;
+    for (const ContrastKey& key : contrast.keys)
+        keys += fmt::format("    {{ t_s = {}, iodine_mg_ml = {} }},\n", real(key.t), real(key.iodine));
+    t.raw("keys", "[\n" + keys + "]");
+}
+
 }  // namespace
 
 std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
@@ -301,6 +343,9 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     write_contact(out, scene.contact, scene.instruments_touch);
     for (int k = 0; k < scene.instrument_count(); ++k) write_holds_and_loads(out, scene.instrument(k));
     write_wall_loads(out, scene.vessel);
+    write_task(out, scene.task);
+    write_carm(out, scene.carm, folder);
+    write_contrast(out, scene.contrast);
     TableText o(out, "[output]");
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
     return out;

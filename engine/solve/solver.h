@@ -59,6 +59,9 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i of the wire [N or N m]: the force that the hold exerts on it.
     [[nodiscard]] double reaction(int wire, int unknown) const;
+    /// How far a node of a wire moves along `direction` per force on it that way, by the equations that the last step was solved
+    /// with [m/N]; 0 where nothing was factorised or factors are not kept (linearised, explicit).
+    [[nodiscard]] double compliance(int wire, int node, const Vec3& direction);
     /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
     [[nodiscard]] double base_tension_excess(int wire) const;
     /// Dead loads, links and damping by mass, on the whole wire [N].
@@ -119,6 +122,7 @@ private:
     std::vector<std::uint8_t> solved_, again_;  // [wires] between two rounds of multipliers
     std::vector<SolveReport> first_;            // [wires] what the first solve took
     std::vector<SpinRecord> spin_records_;      // [systems]
+    std::vector<double> response_;              // of compliance()
 };
 
 }  // namespace seldinger

@@ -2,6 +2,8 @@
 
 #include "solve/solver_work.h"
 
+#include <algorithm>
+
 namespace seldinger {
 
 const WireProblem& Solver::problem_of(int wire) const { return work_[system_of_[wire]]->newton.problem.wire(wire); }
@@ -11,6 +13,24 @@ const RodFrames& Solver::frames(int wire) const { return problem_of(wire).frames
 const TrialState& Solver::trial() const { return trial_; }
 
 double Solver::reaction(int wire, int unknown) const { return problem_of(wire).q.residual[unknown]; }
+
+double Solver::compliance(int wire, int node, const Vec3& direction)
+{
+    if (spec_.scheme == Scheme::Linearised || spec_.scheme == Scheme::Explicit) return 0;
+    NewtonSystem& newton = newton_of(system_of_[wire]);
+    SystemProblem& problem = newton.problem;
+    const auto solved = problem.solved();
+    const auto is_wire = [&](const WireProblem* p) { return p->wire == wire; };
+    const auto found = std::find_if(solved.begin(), solved.end(), is_wire);
+    if (found == solved.end() || node >= (*found)->rod.n || problem.linear.band.size() != problem.size()) return 0;
+    const int at = problem.map.position(static_cast<int>(found - solved.begin()), node, 0);
+    response_.assign(static_cast<std::size_t>(problem.size()), 0.0);
+    for (int k = 0; k < 3; ++k) response_[at + k] = direction[k];
+    problem.linear.solve(response_);
+    double along = 0;
+    for (int k = 0; k < 3; ++k) along += response_[at + k] * direction[k];
+    return along;
+}
 
 double Solver::base_tension_excess(int wire) const { return problem_of(wire).base_tension_excess; }
 

@@ -41,8 +41,9 @@ FailureLimits completed(FailureLimits limits, const Scene& scene)
         limits.radius = scene.wire.shaft.radius;
         for (const WireSectionRange& range : scene.wire.sections) limits.radius = std::min(limits.radius, range.section.radius);
     }
-    // what a wall takes and gives back only the engine's own audit knows (energy_audit.h), which ends such a run
-    if (!work_is_metered(scene) || scene.vessel.elastic) limits.energy.floor = std::numeric_limits<double>::infinity();
+    // what a wall takes and gives back, or another instrument's hand, only the engine's own audit knows (energy_audit.h), which
+    // ends such a run
+    if (!work_is_metered(scene) || scene.vessel.elastic || !scene.others.empty()) limits.energy.floor = std::numeric_limits<double>::infinity();
     return limits;
 }
 

@@ -2,6 +2,7 @@
 #include "study/simulation.h"
 
 #include "core/error.h"
+#include "scene/joint_readings.h"
 #include "scene/key_frames.h"
 
 #include <fmt/format.h>
@@ -18,14 +19,15 @@ public:
 
     StepReport step(double dt) override { return seldinger::step(world_, key_frames_.control(), dt); }
     StepReport settle() override { return seldinger::settle(world_); }
-    WireReadings readings() const override { return world_.readings(0); }
+    WireReadings readings() const override { return joint_readings(world_, 0); }
 
     std::vector<Vec3> shape() const override
     {
         const ConstRodView rod = world_.rod(0);
         std::vector<Vec3> points(static_cast<std::size_t>(rod.n));
         for (int i = 0; i < rod.n; ++i) points[static_cast<std::size_t>(i)] = rod.pos(i);
-        // a wire that is still in its introducer reaches behind the inlet by a length that depends on its edges; that is not there
+        // a wire that is still in its introducer reaches behind the inlet by a length that depends on its edges; that is not
+        // there
         const FeedSpec& feed = world_.setup().wires.front().feed;
         if (feed.on && (points.back() - feed.point).dot(feed.direction) < 0) points.back() = feed.point;
         return points;

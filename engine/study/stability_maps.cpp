@@ -1,9 +1,10 @@
-// The maps: failure rows F1 ... F19 as small scenes. A wire of 0.9 mm, 8 cm long, does in two thirds of a second what the row is
+// The maps: failure rows F1 ... F21 as small scenes. A wire of 0.9 mm, 8 cm long, does in two thirds of a second what the row is
 // about; most do it in one scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell
 // costs a fraction of a second at 1 ms.
 
 #include "study/stability.h"
 #include "study/stability_meshes.h"
+#include "study/stability_parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -13,92 +14,7 @@
 namespace seldinger {
 namespace {
 
-using Texts = std::vector<std::string>;
-using Folder = std::filesystem::path;
-
-constexpr double duration = 2.0 / 3;  // a whole number of steps of 1/30 s, 1/60 s and (almost) of the decimal ones [s]
-constexpr double radius = 4.445e-4;   // of the wire [m]
-
-constexpr const char* wire = R"(
-[wire]
-length_m = 0.08
-radius_m = 0.0004445
-density = 7900.0
-bend_nm2 = 1.0e-4
-twist_nm2 = 7.7e-5
-stretch_n = 1.0e4
-nodes = 33
-)";
-
-// half a centimetre straight, then a quarter of a circle of 3 cm; the lumen is 5.6 wires wide
-constexpr const char* bend = R"(
-[vessel]
-shape = "arc"
-radius_m = 0.0025
-bend_radius_m = 0.03
-angle_deg = 90.0
-lead_in_m = 0.005
-lead_out_m = 0.02
-normal = [0.0, 0.0, 1.0]
-triangles = 3000
-
-[feed]
-inlet = "auto"
-keys = [ {t_s = 0.0, advance_m = 0.0} ]
-)";
-
-std::string head(const char* name)
-{
-    return fmt::format("[scene]\nname = \"stability: {}\"\ndt_s = 0.001\nduration_s = {}\n", name, duration);
-}
-
-/// Feeds `length` at an even speed over the whole run. @param start  already inside, straight [m]
-Texts feed(double length, double time, double pace, double start = 0)
-{
-    return {fmt::format("scene.duration_s={}", time * pace),
-            fmt::format("feed.keys=[{{t_s=0.0, advance_m={}}}, {{t_s={}, advance_m={}}}]", start, time * pace, start + length)};
-}
-
-constexpr double bend_start = 0.0155;  // inside at the start, straight: half a millimetre before the outer wall of the bend [m]
-
-/// The usual run, 4 cm round the bend, and what else is set.
-Texts fed(double pace, Texts more = {})
-{
-    Texts texts = feed(0.04, duration, pace, bend_start);
-    texts.insert(texts.end(), more.begin(), more.end());
-    return texts;
-}
-
-std::vector<double> decades(double from, double to, int per_decade = 1)
-{
-    std::vector<double> values;
-    const int count = static_cast<int>(std::lround(std::log10(to / from) * per_decade));
-    for (int k = 0; k <= count; ++k) values.push_back(from * std::pow(10.0, static_cast<double>(k) / per_decade));
-    return values;
-}
-
-/// First, middle and last.
-std::vector<double> few(const std::vector<double>& values) { return {values.front(), values[values.size() / 2], values.back()}; }
-
-StabilityMap map_of(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values)
-{
-    StabilityMap map;
-    map.name = name;
-    map.rows = rows;
-    map.title = title;
-    map.axis = axis;
-    map.values = std::move(values);
-    map.quick_values = few(map.values);
-    map.scene = head(name) + wire;
-    return map;
-}
-
-StabilityMap fed_map(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values)
-{
-    StabilityMap map = map_of(name, rows, title, axis, std::move(values));
-    map.scene += bend;
-    return map;
-}
+using namespace stability_parts;
 
 // ---- a free rod ---------------------------------------------------------------------------------------------------------------
 
@@ -468,10 +384,14 @@ StabilityMap septum()
 
 const std::vector<StabilityMap>& stability_maps()
 {
-    static const std::vector<StabilityMap> maps = {axial(),    stiffness(),   speed(),     triangles(), spacing(),  damage(),
-                                                   approach(), friction(),    carina(),    whip(),      buckling(), bending(),
-                                                   ratio(),    stenosis(),    septum(),    offset(),    strokes(),  fold(),
-                                                   twist(),    alternating(), soft_wall(), snug()};
+    static const std::vector<StabilityMap> maps = [] {
+        std::vector<StabilityMap> all = {axial(),    stiffness(),   speed(),     triangles(), spacing(),  damage(),
+                                         approach(), friction(),    carina(),    whip(),      buckling(), bending(),
+                                         ratio(),    stenosis(),    septum(),    offset(),    strokes(),  fold(),
+                                         twist(),    alternating(), soft_wall(), snug()};
+        for (StabilityMap& map : instrument_maps()) all.push_back(std::move(map));
+        return all;
+    }();
     return maps;
 }
 

@@ -29,6 +29,7 @@ const std::map<std::string, std::set<std::string>> below = {
     {"scene", {"io", "step", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"view", {"io", "step", "contact", "solve", "rod", "vessel", "math", "core"}},
     {"study", {"scene", "io", "step", "contact", "solve", "wall", "rod", "vessel", "math", "core"}},
+    {"session", {"scene", "io", "step", "core"}},
 };
 
 std::string folder_of(const fs::path& relative) { return relative.has_parent_path() ? relative.begin()->string() : "step"; }

@@ -95,7 +95,9 @@ const std::string bases[] = {
     head + "youngs_pa = 6e10\nplace = {shape = \"ring\"}\n[[wire.section]]\nfrom_tip_m = [0.0, 0.05]\n" +
         "[vessel]\nshape = \"arc\"\nradius_m = 0.01\nbend_radius_m = 0.03\nangle_deg = 90.0\n" +
         "[[hold]]\nspin = true\n[[load]]\nat = \"tip\"\nmoment_nm = [0.0, 0.0, 1.0]\n",
-    head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n",
+    head + stiff + tube + "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nkeys = [{t_s = 0.0, advance_m = 0.0}]\n" +
+        "[task]\ntarget = { point = [0.0, 0.0, 0.0] }\n",
+    head + stiff + tube + "[task]\ntarget = { branch = 1 }\n",
     head + stiff + "place = {shape = \"centreline\"}\n[vessel]\nshape = \"plane\"\nsize_m = 1.0\n",
     head + stiff + "place = {}\n" + tube + "wall = \"elastic\"\n[[wall_load]]\nat = [0.0, 0.0, 0.0]\nforce_n = [0.0, 0.0, 1.0]\n",
     head + stiff + "place = {shape = \"arc\", bend_radius_m = 0.1}\n[vessel]\nmesh = \"wall.stl\"\n",

@@ -1,0 +1,135 @@
+// seldinger live SCENE.toml [--port 8080] [--udp 9090] [--bind 127.0.0.1] [--token T] [--rate 1000] [--record FILE] [--duration S] [--set ...]
+
+#include "commands.h"
+#include "core/file_io.h"
+#include "live_model.h"
+#include "session/session.h"
+#include "session/web_server.h"
+#include "stop_signal.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <thread>
+
+namespace seldinger::apps {
+namespace {
+
+struct Options {
+    std::filesystem::path scene;
+    std::vector<std::string> overrides;
+    std::optional<std::string> wire;
+    std::string udp_address = "127.0.0.1", tolerance;
+    WebOptions web;
+    SessionOptions session;
+    int udp = 9090, device = -1;
+    bool quiet = false, json = false;
+};
+
+/// Of the file beside the record that `ending` names.
+std::filesystem::path beside(const std::filesystem::path& record, const char* ending) { return record.string() + ending; }
+
+void note_rate(const Session& session, double rate, bool& noted)
+{
+    const auto steps = session.steps_so_far();
+    if (noted || static_cast<double>(steps) < rate || 2 * session.late_so_far() < steps) return;
+    noted = true;
+    fmt::print(stderr, "this scene cannot keep {} steps a second here: time stretches; give --tolerance 0.5mm, or a lower --rate\n", rate);
+}
+
+void wait_for_end(Session& session, double rate)
+{
+    bool noted = false;
+    while (session.running()) {
+        if (stop_asked_for() != 0) session.stop();
+        note_rate(session, rate, noted);
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+}
+
+std::string end_for_people(const Session& session, const std::filesystem::path& record)
+{
+    const ScoreNumbers& score = session.scorer().now();
+    const auto steps = std::max<std::uint64_t>(1, session.steps_so_far());
+    return fmt::format("{} steps, {:.3g} % late; step p50 {:.2f} p99 {:.2f} p99.9 {:.2f} ms\n"
+                       "task: {}\nrecord {}, score {}\nstate_hash {}\n",
+                       session.steps_so_far(), 100.0 * static_cast<double>(session.late_so_far()) / static_cast<double>(steps),
+                       1e3 * session.step_times.quantile(0.5), 1e3 * session.step_times.quantile(0.99),
+                       1e3 * session.step_times.quantile(0.999), verdict_of(session.scorer().task(), score), record.string(),
+                       beside(record, ".score.json").string(), session.world().state_hash());
+}
+
+ExitCode live(Options& options)
+{
+    const StopSignal listening;
+    if (options.wire) options.overrides.push_back("wire.preset=" + *options.wire);
+    Scene scene = read_scene(options.scene, options.overrides);
+    SessionOptions& what = options.session;
+    scene.dt = 1 / what.rate;
+    if (!options.tolerance.empty()) scene = model_for(scene, options.tolerance, what.rate, options.device, options.quiet);
+    if (what.record.empty()) what.record = options.scene.stem().string() + "-live.record";
+    WorldSetup setup = make_setup(scene, options.device);
+    HandChannel hand(options.udp_address, options.udp, static_cast<int>(live_instruments(setup).size()));
+    Session session(scene, std::move(setup), what, &hand);
+    WebServer web(options.web, scene, session);
+    hand.start([&session] { return session.clock(); });
+    web.start();
+    session.start();
+    if (!options.quiet && !options.json)
+        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", options.web.address, web.port(),
+                          options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(), what.rate));
+    wait_for_end(session, what.rate);
+    session.finish();
+    web.stop();
+    hand.stop();
+    const std::string summary = session.summary();
+    write_file(beside(what.record, ".summary.json"), summary);
+    write_file(beside(what.record, ".score.json"), score_json(scene, session.scorer().now()));
+    write_file(beside(what.record, ".score.html"), score_page(scene, session.scorer().now()));
+    if (options.json) print(summary);
+    else if (!options.quiet) print(end_for_people(session, what.record));
+    if (!session.failure().empty()) throw Error(ExitCode::Stopped, fmt::format("{}; record in {}", session.failure(), what.record.string()));
+    const int signal = stop_asked_for();
+    return signal == 0 ? ExitCode::Done : signal == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
+}
+
+void add_what(CLI::App& command, Options& options)
+{
+    command.add_option("SCENE", options.scene, "scene file (TOML); its key frames give way to the hand")->required();
+    command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
+    command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
+    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(CLI::Range(1.0, 10000.0))->type_name("N");
+    command.add_option("--tolerance", options.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
+    command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
+    command.add_option("--duration", options.session.duration, "session time to end after (default: none)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
+    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(CLI::NonNegativeNumber)->type_name("N");
+    command.add_flag("--quiet", options.quiet, "no address, no summary");
+    command.add_flag("--json", options.json, "print the summary as one JSON object");
+}
+
+}  // namespace
+
+void add_live(CLI::App& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("live", "a training session: a hand that pushes and feels, a page that shows");
+    add_what(*command, *options);
+    const CLI::Range port(0, 65535);
+    command->add_option("--port", options->web.port, "of the page; 0: any that is free (default: 8080)")->check(port)->type_name("N");
+    command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
+    command->add_option("--token", options->web.token, "what a page must know; needed where others reach the address")->type_name("T");
+    command->add_option("--udp", options->udp, "of the hand; 0: any that is free (default: 9090)")->check(port)->type_name("N");
+    command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); it knows no token")->type_name("ADDRESS");
+    command->add_option("--coupling-stiffness", options->session.advance.stiffness, "between hand and instrument (default: 500)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("N/m");
+    command->add_option("--coupling-damping", options->session.advance.damping, "likewise (default: 1)")->check(CLI::NonNegativeNumber)->type_name("N s/m");
+    command->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,187 @@
+// seldinger render DIR --view fluoro: the C-arm of the command line over that of the run's scene.
+
+#include "render_fluoro.h"
+
+#include "commands.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#ifdef SEL_WITH_VIEW
+    #include "scene/scene.h"
+    #include "view/xray/fluoro_run.h"
+#endif
+
+namespace seldinger::apps {
+
+void FluoroArguments::declare(CLI::App& command)
+{
+    command.add_option("--c-arm", c_arm, "fluoro: place of the detector, e.g. \"LAO 30, CRA 15\"")->type_name("ANGLES");
+    command.add_option("--sid", sid, "fluoro: source to detector [m] (default 1.2)")->type_name("M");
+    command.add_option("--sod", sod, "fluoro: source to isocentre [m] (default 0.8)")->type_name("M");
+    command.add_option("--field", field, "fluoro: width of the detector [m] (default 0.3)")->type_name("M");
+    command.add_option("--kvp", kvp, "fluoro: tube voltage [kV], 40 to 150 (default 75)")->type_name("KV");
+    command.add_option("--kev", kev, "fluoro: one energy [keV] in place of a spectrum, 5 to 200")->type_name("KEV");
+    command.add_option("--photons", photons, "fluoro: per pixel in the open beam (default 1e5)")->type_name("N");
+    command.add_option("--blur", blur, "fluoro: standard deviation on the detector [m] (default 2e-4)")->type_name("M");
+    command.add_option("--body", body, "fluoro: ellipsoid or none around the vessel")
+        ->check(CLI::IsMember({"ellipsoid", "none"}))
+        ->type_name("SHAPE");
+    command.add_option("--seed", seed, "fluoro: of the noise (default: the scene's)")->type_name("N");
+    command.add_option("--mask", mask, "fluoro: subtract this run, which may be the same, without contrast")->type_name("DIR");
+    command.add_option("-o", output, "fluoro: picture (default DIR/fluoro.png)")->type_name("FILE.png");
+    command.add_option("--raw", raw, "fluoro: -ln(I/I0) as float32 [rows, columns], without noise and blur")
+        ->type_name("FILE.npy");
+    command.add_option("--video", video, "fluoro: film, by ffmpeg")->type_name("FILE.mp4");
+    command.add_option("--dicom", dicom, "fluoro: X-ray angiographic image")->type_name("FILE.dcm");
+    command.add_option("--fps", fps, "fluoro: frames per second of the film (default: as fast as it happened)")->type_name("N");
+    command.add_flag("--no-noise", no_noise, "fluoro: without quantum noise");
+    command.add_flag("--no-contrast", no_contrast, "fluoro: without the scene's [contrast]");
+    command.add_flag("--log", logarithmic, "fluoro: grey levels by the logarithm of the signal");
+    command.add_flag("--resume", resume, "fluoro: pictures that are there already stay");
+}
+
+std::string FluoroArguments::first_given() const
+{
+    const std::pair<const char*, bool> all[] = {{"--c-arm", c_arm.has_value()},
+                                                {"--sid", sid.has_value()},
+                                                {"--sod", sod.has_value()},
+                                                {"--field", field.has_value()},
+                                                {"--kvp", kvp.has_value()},
+                                                {"--kev", kev.has_value()},
+                                                {"--photons", photons.has_value()},
+                                                {"--blur", blur.has_value()},
+                                                {"--body", body.has_value()},
+                                                {"--seed", seed.has_value()},
+                                                {"--mask", mask.has_value()},
+                                                {"-o", !output.empty()},
+                                                {"--raw", !raw.empty()},
+                                                {"--video", !video.empty()},
+                                                {"--dicom", !dicom.empty()},
+                                                {"--fps", fps.has_value()},
+                                                {"--no-noise", no_noise},
+                                                {"--no-contrast", no_contrast},
+                                                {"--log", logarithmic},
+                                                {"--resume", resume}};
+    for (const auto& [name, given] : all)
+        if (given) return name;
+    return {};
+}
+
+#ifdef SEL_WITH_VIEW
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// The run's scene; where its mesh has gone, what the run wrote of the wall stands for it.
+Scene scene_of(const fs::path& dir)
+{
+    const fs::path file = dir / "scene.toml";
+    if (!fs::exists(file)) return {};
+    try {
+        return read_scene(file);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::BadFile || !fs::exists(dir / "vessel.vtp")) throw;
+    }
+    const std::string overrides[] = {"vessel.mesh=\"vessel.vtp\"", "vessel.units=\"m\""};
+    return read_scene(file, overrides);
+}
+
+InstrumentMatter matter_of(const SceneInstrument& instrument)
+{
+    const WireSpec& wire = instrument.wire;
+    const bool hollow = wire.lumen_radius > 0;
+    InstrumentMatter matter{instrument.label, wire.lumen_radius, instrument_material(wire.shaft.density, hollow), {}};
+    for (const WireSectionRange& range : wire.sections)
+        matter.stretches.push_back({range.begin, range.end, instrument_material(range.section.density, hollow)});
+    return matter;
+}
+
+FluoroOptions options_of(const Scene& scene, const fs::path& dir)
+{
+    FluoroOptions o;
+    const SceneCArm& c = scene.carm;
+    o.arm.sid = c.sid, o.arm.sod = c.sod, o.arm.field = c.field;
+    o.arm.head = c.head.normalized(), o.arm.back = c.back.normalized();
+    o.auto_isocentre = c.isocentre_auto;
+    o.arm.isocentre = c.isocentre;
+    for (const CArmKey& key : c.keys) o.turning.push_back({key.t, key.lao_deg * degree, key.cra_deg * degree});
+    if (fs::exists(dir / "scene.toml"))
+        for (int k = 0; k < scene.instrument_count(); ++k) o.instruments.push_back(matter_of(scene.instrument(k)));
+    if (c.body == BodyShape::Ellipsoid) o.body = c.body_axes;
+    o.bone = c.bone, o.bone_units = c.bone_units;
+    o.kvp = c.kvp, o.photons = c.photons, o.blur = c.blur;
+    o.seed = static_cast<std::uint64_t>(scene.seed);
+    if (scene.contrast.on) {
+        FluoroOptions::Injection i{{scene.contrast.at, scene.contrast.inflow, scene.contrast.speed, scene.contrast.spread, {}},
+                                   scene.contrast.at_auto,
+                                   scene.contrast.inflow_auto};
+        for (const ContrastKey& key : scene.contrast.keys) i.bolus.keys.push_back({key.t, key.iodine});
+        o.contrast = i;
+    }
+    return o;
+}
+
+double in_range(const char* option, double value, double low, double high, const char* what)
+{
+    if (!(value >= low && value <= high))
+        throw Error(ExitCode::BadScene, fmt::format("{}: {} given, expected {} from {} to {}", option, value, what, low, high));
+    return value;
+}
+
+void apply(const FluoroArguments& a, FluoroOptions& o)
+{
+    if (a.kvp && a.kev) throw Error(ExitCode::BadScene, "--kvp and --kev: a spectrum or one energy; give one of the two");
+    if (a.c_arm) o.turning.clear(), set_angles(o.arm, *a.c_arm);
+    if (a.sid) o.arm.sid = *a.sid;
+    if (a.sod) o.arm.sod = *a.sod;
+    if (a.field) o.arm.field = *a.field;
+    if (a.kvp) o.kvp = in_range("--kvp", *a.kvp, 40, 150, "kilovolts");
+    if (a.kev) o.kev = in_range("--kev", *a.kev, 5, 200, "kiloelectronvolts");
+    if (a.photons) o.photons = in_range("--photons", *a.photons, 1, 1e12, "photons per pixel");
+    if (a.blur) o.blur = in_range("--blur", *a.blur, 0, 0.01, "metres");
+    if (a.body) o.body = *a.body == "none" ? Vec3(Vec3::Zero()) : o.body.isZero() ? SceneCArm().body_axes : o.body;
+    if (a.seed) o.seed = static_cast<std::uint64_t>(*a.seed);
+    if (a.mask) o.mask = *a.mask;
+    if (a.fps) o.rate = in_range("--fps", *a.fps, 0.1, 240, "frames per second");
+    o.output = a.output, o.raw = a.raw, o.film = a.video, o.dicom = a.dicom;
+    o.noise = !a.no_noise, o.logarithmic = a.logarithmic, o.resume = a.resume;
+    if (a.no_contrast) o.contrast.reset();
+}
+
+}  // namespace
+#endif
+
+ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height, int first,
+                            int last)
+{
+#ifdef SEL_WITH_VIEW
+    const Scene scene = scene_of(dir);
+    FluoroOptions options = options_of(scene, dir);
+    apply(arguments, options);
+    options.arm.columns = width, options.arm.rows = height;
+    options.first = first, options.last = last;
+    const bool shows = isatty(STDERR_FILENO);
+    const auto progress = [&](std::size_t done, std::size_t all, double seconds) {
+        const auto n = static_cast<double>(done);
+        fmt::print(stderr, "\r\033[Kframe {} of {}, {:.1f} frames/s, {:.0f} s left{}", done, all, n / seconds,
+                   seconds * static_cast<double>(all - done) / n, done == all ? "\r\033[K" : "");
+    };
+    std::string text;
+    using Progress = std::function<void(std::size_t, std::size_t, double)>;
+    for (const auto& path : render_fluoro(dir, options, shows ? Progress(progress) : Progress())) text += path.string() + "\n";
+    print(text);
+    return ExitCode::Done;
+#else
+    (void)dir, (void)arguments, (void)width, (void)height, (void)first, (void)last;
+    throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
+#endif
+}
+
+}  // namespace seldinger::apps

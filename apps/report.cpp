@@ -1,0 +1,34 @@
+// seldinger report DIR [-o report.html]
+
+#include "commands.h"
+#include "core/file_io.h"
+#include "report_page.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+
+namespace seldinger::apps {
+
+void add_report(CLI::App& app, Command& chosen)
+{
+    struct Options {
+        std::filesystem::path dir, file;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("report", "a run or a batch as one web page that needs nothing else");
+    command->add_option("DIR", options->dir, "folder of a run or of a batch")->required();
+    command->add_option("-o", options->file, "file to write (default: DIR/report.html)")->type_name("FILE");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            if (options->file.empty()) options->file = options->dir / "report.html";
+            write_file(options->file, report_page(options->dir));
+            print(fmt::format("{}\n", options->file.string()));
+            return ExitCode::Done;
+        };
+    });
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,196 @@
+// Puts a report together: the page of assets/web/report.html with its scripts, and the run's numbers as JSON and base64.
+#include "report_page.h"
+
+#include "core/assets.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "scene/scene.h"
+#include "session/web_content.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <sstream>
+#include <vector>
+
+#ifdef SEL_WITH_VIEW
+    #include "view/run_folder.h"
+#endif
+
+namespace seldinger::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string base64(std::string_view bytes)
+{
+    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t at = 0; at < bytes.size(); at += 3) {
+        unsigned word = 0;
+        const std::size_t there = std::min<std::size_t>(3, bytes.size() - at);
+        for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < there ? static_cast<unsigned char>(bytes[at + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= there ? digits[word >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
+/// A CSV with numbers in it as {"column": [values]}; what is no number is text.
+nlohmann::json table_of(const std::string& text)
+{
+    std::istringstream lines(text);
+    std::string line, cell;
+    std::vector<std::string> names;
+    std::vector<nlohmann::json> columns;
+    if (!std::getline(lines, line)) return nlohmann::json::object();
+    for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell), columns.push_back(nlohmann::json::array());
+    while (std::getline(lines, line)) {
+        std::istringstream row(line);
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            cell.clear();
+            std::getline(row, cell, ',');
+            char* end = nullptr;
+            const double value = std::strtod(cell.c_str(), &end);
+            const bool is_number = !cell.empty() && *end == '\0';
+            columns[k].push_back(is_number ? nlohmann::json(value) : nlohmann::json(cell));
+        }
+    }
+    nlohmann::json table = nlohmann::json::object();
+    for (std::size_t k = 0; k < names.size(); ++k) table[names[k]] = std::move(columns[k]);
+    return table;
+}
+
+/// Of a trace, what is plotted, and no more rows than a plot shows.
+nlohmann::json plotted(const nlohmann::json& trace)
+{
+    constexpr std::size_t most_rows = 4000;
+    nlohmann::json out = nlohmann::json::object();
+    for (const char* name : {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "nodes", "step_ms", "overlap_m"}) {
+        if (!trace.contains(name)) continue;
+        const nlohmann::json& all = trace[name];
+        const std::size_t every = all.size() / most_rows + 1;
+        nlohmann::json& column = out[name] = nlohmann::json::array();
+        for (std::size_t k = 0; k < all.size(); k += every) column.push_back(all[k]);
+    }
+    return out;
+}
+
+#ifdef SEL_WITH_VIEW
+void put_floats(std::string& bytes, std::initializer_list<double> values)
+{
+    for (const double value : values) {
+        const auto small = static_cast<float>(value);
+        bytes.append(reinterpret_cast<const char*>(&small), sizeof small);
+    }
+}
+
+/// Nodes with the force of the contacts nearest to each: x, y, z, force.
+std::string nodes_of(const WireFrame& frame)
+{
+    const WireLine& wire = frame.wires.front();
+    std::vector<double> force(wire.nodes.size());
+    for (const ContactMark& mark : frame.contacts) {
+        std::size_t nearest = 0;
+        for (std::size_t i = 1; i < wire.nodes.size(); ++i)
+            if ((wire.nodes[i] - mark.point).squaredNorm() < (wire.nodes[nearest] - mark.point).squaredNorm()) nearest = i;
+        if (!force.empty()) force[nearest] += mark.force;
+    }
+    std::string bytes;
+    for (std::size_t i = 0; i < wire.nodes.size(); ++i)
+        put_floats(bytes, {wire.nodes[i].x(), wire.nodes[i].y(), wire.nodes[i].z(), force[i]});
+    return bytes;
+}
+
+nlohmann::json playback_of(const fs::path& dir)
+{
+    const RunFolder run = read_run_folder(dir);
+    nlohmann::json frames = nlohmann::json::array();
+    double radius = 0;
+    for (std::size_t k = 0; k < run.frames.size(); ++k) {
+        const WireFrame frame = read_frame(run, k);
+        if (frame.wires.empty()) continue;
+        if (!frame.wires.front().radius.empty()) radius = frame.wires.front().radius.back();
+        frames.push_back({{"time", run.frames[k].time}, {"nodes", base64(nodes_of(frame))}});
+    }
+    return {{"mesh", base64(mesh_bytes(run.wall))}, {"frames", frames}, {"radius", radius}};
+}
+#else
+nlohmann::json playback_of(const fs::path&)
+{
+    throw Error(ExitCode::BadScene, "report: this build cannot read frames; configure with -DSELDINGER_VIEW=ON");
+}
+#endif
+
+/// Directions of the patient for the camera, as the live page has them.
+void add_directions(const fs::path& scene_file, nlohmann::json& data)
+{
+    const Scene scene = read_scene(scene_file);
+    const bool arch = scene.vessel.shape == VesselShape::Arch;
+    const Vec3 head = arch ? scene.vessel.axis : Vec3(Vec3::UnitZ()), front = arch ? scene.vessel.normal : Vec3(-Vec3::UnitY());
+    data["head"] = {head.x(), head.y(), head.z()};
+    data["front"] = {front.x(), front.y(), front.z()};
+    data["name"] = scene.name;
+    data["target"] = nullptr;
+    if (scene.task.target == TaskSpec::Target::Point)
+        data["target"] = {{"point", {scene.task.point.x(), scene.task.point.y(), scene.task.point.z()}}, {"radius", scene.task.radius}};
+}
+
+nlohmann::json run_data(const fs::path& dir)
+{
+    nlohmann::json data{{"kind", "run"}, {"name", dir.filename().string()}};
+    data["summary"] = nlohmann::json::parse(read_file(dir / "summary.json"));
+    data["settings"] = read_file(dir / "scene.toml");
+    data["trace"] = plotted(table_of(read_file(dir / "trace.csv")));
+    data["playback"] = playback_of(dir);
+    add_directions(dir / "scene.toml", data);
+    return data;
+}
+
+nlohmann::json batch_data(const fs::path& dir)
+{
+    nlohmann::json data{{"kind", "batch"}, {"name", fs::absolute(dir).lexically_normal().filename().string()}};
+    data["table"] = table_of(read_file(dir / "results.csv"));
+    data["summary"] = fs::exists(dir / "summary.json") ? nlohmann::json::parse(read_file(dir / "summary.json")) : nlohmann::json::object();
+    data["settings"] = fs::exists(dir / "scene.toml") ? read_file(dir / "scene.toml") : "";
+    return data;
+}
+
+/// JSON within a <script>: no end tag can stand in it.
+std::string inside_script(const nlohmann::json& data)
+{
+    std::string out;
+    for (const char c : data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+        c == '<' ? out += "\\u003c" : out += c;
+    return out;
+}
+
+void fill_in(std::string& page, const std::string& mark, const std::string& text)
+{
+    const std::size_t at = page.find(mark);
+    if (at == std::string::npos) throw Error(ExitCode::BadFile, "assets/web/report.html: " + mark + " is missing");
+    page.replace(at, mark.size(), text);
+}
+
+}  // namespace
+
+std::string report_page(const fs::path& dir)
+{
+    nlohmann::json data;
+    if (fs::exists(dir / "results.csv")) data = batch_data(dir);
+    else if (fs::exists(dir / "trace.csv") && fs::exists(dir / "summary.json")) data = run_data(dir);
+    else
+        throw Error(ExitCode::BadFile, fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
+                                                   "`batch -o` wrote", dir.string()));
+    const fs::path folder = assets_folder() / "web";
+    std::string page = read_file(folder / "report.html");
+    fill_in(page, "/*style*/", read_file(folder / "live.css"));
+    fill_in(page, "/*three*/", data["kind"] == "run" ? three_js() : "");
+    fill_in(page, "/*chart*/", read_file(folder / "chart.js"));
+    fill_in(page, "/*viewer*/", read_file(folder / "viewer.js"));
+    fill_in(page, "/*report*/", read_file(folder / "report.js"));
+    fill_in(page, "/*data*/", inside_script(data));
+    return page;
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,273 @@
+// The live page: frames in, wishes out, and everything around the picture.
+'use strict';
+
+const $ = (id) => document.getElementById(id);
+const state = { scene: null, viewer: null, fluoroscope: null, last: null, frames: 0, drawn: 0, fps: 0, instrument: 0, wish: { push: 0, turn: 0 }, keys: new Set(), pad: null, socket: null, fluoro: false, contrast: 0, old: null };
+window.seldinger = state;  // for tests
+
+const speeds = { push: 0.03, turn: 3, fast: 3 };  // [m/s], [rad/s]
+
+function message(text) {
+  $('message').textContent = text || '';
+  $('message').hidden = !text;
+}
+
+// ---- frames ----
+
+function readFrame(buffer) {
+  const view = new DataView(buffer), length = view.getUint32(0, true);
+  const numbers = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const nodes = [];
+  let at = 4 + length;
+  for (let k = 0; k < numbers.instruments.length; ++k) {
+    const count = view.getUint32(at, true);
+    nodes.push(new Float32Array(buffer, at + 4, 4 * count));
+    at += 4 + 16 * count;
+  }
+  return { numbers, nodes };
+}
+
+function take(frame) {
+  ++state.frames;
+  state.last = frame;
+  const n = frame.numbers, own = n.instruments[state.instrument] || n.instruments[0];
+  state.forces.add(n.time, [own.force, own.wire_force, own.wall]);
+  state.torques.add(n.time, [1e3 * own.torque]);
+  state.fluoro = n.fluoro;
+  $('fluoro').setAttribute('aria-pressed', n.fluoro);
+  $('pause').setAttribute('aria-pressed', n.paused);
+  message(n.stopped ? 'The last step found no state: reset to go on.' : n.paused ? 'Paused' : state.viewer ? '' : noPicture);
+  state.dirty = true;
+}
+
+function connect() {
+  const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws${location.search}`);
+  state.socket = socket;
+  socket.binaryType = 'arraybuffer';
+  socket.onmessage = (event) => take(readFrame(event.data));
+  socket.onclose = () => {
+    state.old = null;
+    pace('not connected', 'bad');
+    setTimeout(connect, 1000);
+  };
+}
+
+function send(wish) {
+  if (state.socket && state.socket.readyState === WebSocket.OPEN) state.socket.send(JSON.stringify(wish));
+}
+
+// ---- what is shown ----
+
+function pace(text, kind) {
+  const pill = $('pace');
+  if (pill.textContent !== text) pill.textContent = text;
+  pill.className = `pill ${kind}`;
+}
+
+// Once a second: session time against the clock, late steps, frames drawn.
+function watchPace() {
+  state.fps = state.drawn;
+  state.drawn = 0;
+  const frame = state.last;
+  if (!frame || state.socket.readyState !== WebSocket.OPEN) return;
+  const n = frame.numbers, old = state.old;
+  state.old = n;
+  if (!old || n.paused || n.stopped || n.clock <= old.clock) return;
+  const share = (n.time - old.time) / (n.clock - old.clock), late = (n.late - old.late) / Math.max(1, n.step - old.step);
+  if (share > 0.99) pace(`real time, ${(100 * late).toFixed(1)} % late`, 'good');
+  else pace(`time stretched: ${share.toFixed(2)} of real time`, 'bad');
+}
+
+function row(table, what, value, over) {
+  const tr = table.insertRow();
+  const th = document.createElement('th');
+  th.textContent = what;
+  tr.append(th);
+  tr.insertCell().textContent = value;
+  if (over) tr.className = 'over';
+}
+
+function showSheet(n) {
+  const s = n.score, limits = state.scene.limits, table = document.createElement('table');
+  table.id = 'sheet';
+  const most = (value, limit, unit) => `${value} ${unit}${limit ? ` of ${limit}` : ''}`;
+  row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
+  if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
+  row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
+  row(table, 'Peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
+  row(table, 'Time above the limit', `${s.above.toFixed(2)} s`, s.above > 0);
+  row(table, 'Way of the tip', `${(100 * s.path).toFixed(1)} cm`);
+  row(table, 'Pushed, pulled back', `${(100 * s.advanced).toFixed(1)} cm (${s.pushes}), ${(100 * s.back).toFixed(1)} cm (${s.backs})`);
+  row(table, 'Fluoroscopy', most(s.fluoroscopy.toFixed(1), limits.fluoroscopy, 's'), limits.fluoroscopy && s.fluoroscopy > limits.fluoroscopy);
+  row(table, 'Contrast', `${s.contrast.toFixed(1)} ml`);
+  $('sheet').replaceWith(table);
+  const verdict = s.failed ? 'failed' : s.reached ? 'passed' : '';
+  $('verdict').textContent = verdict ? `Task: ${verdict}` : 'Task';
+  $('verdict').className = verdict;
+  const it = n.instruments[state.instrument] || n.instruments[0];
+  $('instrument').textContent = `${state.scene.instruments[state.instrument]?.name || 'Instrument'} ${state.instrument + 1}: ${(100 * it.advance).toFixed(1)} cm in, turned ${(it.turn / 2 / Math.PI).toFixed(2)}, ${it.force.toFixed(2)} N, ${it.contacts} contacts`;
+  $('watchers').hidden = n.clients < 2;
+  $('watchers').textContent = `${n.clients} watch`;
+}
+
+// Contrast comes with the pedal and washes out.
+function washContrast(n) {
+  const now = performance.now(), passed = Math.min(0.2, (now - (state.washed || now)) / 1000);
+  state.washed = now;
+  state.contrast = n.contrast ? Math.min(1, state.contrast + 2 * passed) : state.contrast * Math.exp(-passed / 1.5);
+  if (state.contrast < 0.01) state.contrast = 0;
+}
+
+// Pulses, as a C-arm's: twelve a second while the pedal is down; else the last picture stays, but for the arm's moves.
+let lastPulse = 0;
+function exposed(n) {
+  if (!n.fluoro && !state.fluoroscope.moved) return false;
+  const now = performance.now();
+  if (now - lastPulse < 80) return false;
+  lastPulse = now;
+  return true;
+}
+
+let sheetDrawn = 0;
+function draw() {
+  requestAnimationFrame(draw);
+  const frame = state.last;
+  if (frame && state.dirty) {
+    state.dirty = false;
+    if (state.viewer) state.viewer.show(frame.nodes);
+    washContrast(frame.numbers);
+    if (state.fluoroscope && exposed(frame.numbers)) {
+      state.fluoroscope.contrast = state.contrast;
+      state.fluoroscope.show(frame.nodes);
+      state.fluoroscope.draw();
+    }
+    if (performance.now() - sheetDrawn > 150) {
+      sheetDrawn = performance.now();
+      showSheet(frame.numbers);
+      state.forces.draw();
+      state.torques.draw();
+    }
+  }
+  if (state.viewer && state.viewer.draw()) ++state.drawn;
+}
+
+// ---- the hand ----
+
+function wish() {
+  const keys = state.keys, fast = keys.has('Shift') ? speeds.fast : 1;
+  let push = ((keys.has('ArrowUp') ? 1 : 0) - (keys.has('ArrowDown') ? 1 : 0)) * speeds.push * fast;
+  let turn = ((keys.has('ArrowRight') ? 1 : 0) - (keys.has('ArrowLeft') ? 1 : 0)) * speeds.turn * fast;
+  if (state.pad) { push += state.pad.push; turn += state.pad.turn; }
+  return { push: Math.max(-0.2, Math.min(0.2, push)), turn: Math.max(-20, Math.min(20, turn)) };
+}
+
+// Said again while it lasts: a page that falls silent pushes no more.
+let said = { push: 0, turn: 0 };
+function sayWish() {
+  const now = wish();
+  if (now.push === 0 && now.turn === 0 && said.push === 0 && said.turn === 0) return;
+  said = now;
+  send({ instrument: state.instrument, ...now });
+}
+
+function act(what) {
+  const pressed = (id) => $(id).getAttribute('aria-pressed') === 'true';
+  if (what === 'pause') send({ pause: !pressed('pause') });
+  if (what === 'fluoro') send({ fluoro: !state.fluoro });
+  if (what === 'reset') { send({ reset: true }); state.forces.clear(); state.torques.clear(); }
+  if (what === 'contrast') send({ contrast: true });
+  if (what === 'no contrast') send({ contrast: false });
+  if (what === 'near' && state.viewer && state.viewer.near) {
+    state.viewer.near.visible = !state.viewer.near.visible;
+    state.viewer.moved = true;
+    $('near').setAttribute('aria-pressed', state.viewer.near.visible);
+  }
+}
+
+const actions = { ' ': 'pause', f: 'fluoro', r: 'reset', c: 'contrast', w: 'near' };
+
+function listenToKeys() {
+  const typing = (event) => event.target instanceof HTMLInputElement || (event.target instanceof HTMLButtonElement && (event.key === ' ' || event.key === 'Enter'));
+  addEventListener('keydown', (event) => {
+    if (typing(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (key === 'Tab' && event.target === $('view') && state.scene.instruments.length > 1) {
+      state.instrument = (state.instrument + 1) % state.scene.instruments.length;
+    } else if (key.startsWith('Arrow') || key === 'Shift') state.keys.add(key);
+    else if (actions[key]) { if (!event.repeat) act(actions[key]); }
+    else return;
+    if (key !== 'Shift') event.preventDefault();
+    sayWish();
+  });
+  addEventListener('keyup', (event) => {
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (key === 'c') act('no contrast');
+    state.keys.delete(key);
+    sayWish();
+  });
+  addEventListener('blur', () => { state.keys.clear(); state.pad = null; sayWish(); });
+}
+
+function listenToPad() {
+  const pad = $('pad');
+  let from = null;
+  const end = () => { from = null; state.pad = null; pad.classList.remove('held'); sayWish(); };
+  pad.addEventListener('pointerdown', (event) => { from = [event.clientX, event.clientY]; pad.setPointerCapture(event.pointerId); pad.classList.add('held'); });
+  pad.addEventListener('pointermove', (event) => {
+    if (!from) return;
+    state.pad = { push: (from[1] - event.clientY) / 60 * speeds.push, turn: (event.clientX - from[0]) / 60 * speeds.turn };
+    sayWish();
+  });
+  pad.addEventListener('pointerup', end);
+  pad.addEventListener('pointercancel', end);
+}
+
+function listenToButtons() {
+  for (const id of ['pause', 'reset', 'fluoro', 'near']) $(id).addEventListener('click', () => act(id));
+  $('contrast').addEventListener('pointerdown', () => act('contrast'));
+  for (const event of ['pointerup', 'pointerleave', 'pointercancel']) $('contrast').addEventListener(event, () => act('no contrast'));
+  for (const id of ['lao', 'cra'])
+    $(id).addEventListener('input', () => {
+      $(`${id}-value`).textContent = `${$(id).value}°`;
+      if (state.fluoroscope) state.fluoroscope.aim(Number($('lao').value), Number($('cra').value));
+      state.dirty = true;
+    });
+}
+
+// ---- start ----
+
+function readMesh(buffer) {
+  const [vertices, triangles] = new Uint32Array(buffer, 0, 2);
+  return { positions: new Float32Array(buffer, 8, 3 * vertices), indices: new Uint32Array(buffer, 8 + 12 * vertices, 3 * triangles) };
+}
+
+async function start() {
+  const get = async (path) => { const answer = await fetch(path + location.search); if (!answer.ok) throw new Error(await answer.text()); return answer; };
+  state.scene = await (await get('scene.json')).json();
+  const mesh = readMesh(await (await get('mesh.bin')).arrayBuffer());
+  document.title = state.scene.name;
+  $('name').textContent = state.scene.name;
+  $('task-text').textContent = state.scene.task;
+  const shown = { ...mesh, radii: state.scene.instruments.map((it) => it.radius), head: state.scene.head, front: state.scene.front, target: state.scene.target, most: 4096 };
+  state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 0.1, 15);
+  state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 0.01, 15);
+  state.viewer = makeViewer($('view'), shown, $('message'));
+  try {
+    if (state.viewer) {
+      state.fluoroscope = new Fluoroscope($('fluoroscope'), shown);
+      state.fluoroscope.aim(0, 0);
+    }
+  } catch (error) {
+    $('xray').hidden = true;
+  }
+  listenToKeys();
+  listenToPad();
+  listenToButtons();
+  $('view').focus();
+  setInterval(sayWish, 100);
+  setInterval(watchPace, 1000);
+  connect();
+  draw();
+}
+
+start().catch((error) => message(error.message));

@@ -1,0 +1,98 @@
+// A report: playback of a run with its plots, or a batch's table, from what is in the page itself.
+'use strict';
+
+const $ = (id) => document.getElementById(id);
+const data = JSON.parse($('data').textContent);
+const report = { data, frame: 0, viewer: null, charts: [] };
+window.seldinger = report;  // for tests
+
+function bytes(text) {
+  const raw = atob(text), out = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; ++i) out[i] = raw.charCodeAt(i);
+  return out.buffer;
+}
+
+function row(table, cells, tag = 'td') {
+  const tr = table.insertRow();
+  cells.forEach((text, k) => { const cell = document.createElement(k ? tag : 'th'); cell.textContent = text; tr.append(cell); });
+}
+
+const short = (value) => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : value.toPrecision(5)) : Array.isArray(value) ? value.map(short).join(', ') : value === null ? '' : String(value);
+
+function showSummary() {
+  $('name').textContent = data.name;
+  document.title = `${data.name}: report`;
+  $('version').textContent = data.summary.version ? `version ${data.summary.version}` : data.kind;
+  $('hash').textContent = data.summary.state_hash || '';
+  $('hash').hidden = !data.summary.state_hash;
+  for (const [key, value] of Object.entries(data.summary)) {
+    if (value && typeof value === 'object' && !Array.isArray(value)) for (const [inner, one] of Object.entries(value)) row($('summary'), [`${key}.${inner}`, short(one)]);
+    else row($('summary'), [key, short(value)]);
+  }
+  $('settings').textContent = data.settings;
+}
+
+function addChart(title, unit, series, columns, scale, least) {
+  const trace = data.trace, there = columns.filter((name) => trace[name]);
+  if (!there.length || !trace.time_s.length) return;
+  const canvas = document.createElement('canvas');
+  $('graphs').append(canvas);
+  const chart = new Chart(canvas, title, unit, series, least);
+  trace.time_s.forEach((time, k) => chart.add(time, there.map((name) => scale * (Number(trace[name][k]) || 0))));
+  report.charts.push(chart);
+}
+
+function addCharts() {
+  addChart('Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wall', colour: '--force' }, { label: 'friction', colour: '--good' }], ['hand_force_n', 'normal_n', 'friction_n'], 1, 1e-3);
+  addChart('Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], ['hand_torque_nm'], 1e3, 1e-4);
+  addChart('Inserted', 'mm', [{ label: 'wire', colour: '--accent' }], ['inserted_m'], 1e3, 1);
+  addChart('Contacts', '1', [{ label: 'contacts', colour: '--force' }], ['contacts'], 1, 1);
+}
+
+function addPlayer() {
+  const frames = data.playback.frames.map((frame) => ({ time: frame.time, nodes: new Float32Array(bytes(frame.nodes)) }));
+  const mesh = bytes(data.playback.mesh), [vertices, triangles] = new Uint32Array(mesh, 0, 2);
+  report.viewer = makeViewer($('view'), {
+    positions: new Float32Array(mesh, 8, 3 * vertices), indices: new Uint32Array(mesh, 8 + 12 * vertices, 3 * triangles),
+    radii: [data.playback.radius], head: data.head, front: data.front, target: data.target, most: Math.max(2, ...frames.map((f) => f.nodes.length / 4)),
+  }, $('message'));
+  const show = (k) => {
+    report.frame = k;
+    $('time').value = k;
+    $('clock').textContent = `${frames[k].time.toFixed(2)} s`;
+    if (report.viewer) report.viewer.show([frames[k].nodes]);
+    report.charts.forEach((chart) => { chart.mark = frames[k].time; chart.draw(); });
+  };
+  $('time').max = frames.length - 1;
+  $('time').addEventListener('input', () => show(Number($('time').value)));
+  let playing = false, last = 0;
+  $('play').addEventListener('click', () => {
+    playing = !playing;
+    $('play').setAttribute('aria-pressed', playing);
+    $('play').textContent = playing ? 'Pause' : 'Play';
+    if (playing && report.frame === frames.length - 1) show(0);
+  });
+  const tick = (now) => {
+    requestAnimationFrame(tick);
+    if (playing && now - last > 50) {
+      last = now;
+      if (report.frame + 1 < frames.length) show(report.frame + 1);
+      else $('play').click();
+    }
+    if (report.viewer) report.viewer.draw();
+  };
+  addEventListener('resize', () => report.charts.forEach((chart) => chart.draw()));
+  show(frames.length - 1);
+  requestAnimationFrame(tick);
+}
+
+function addBatch() {
+  for (const id of ['scene', 'player', 'graphs']) $(id).hidden = true;
+  $('runs').hidden = false;
+  const names = Object.keys(data.table), count = names.length ? data.table[names[0]].length : 0;
+  row($('rows'), names, 'th');
+  for (let k = 0; k < count; ++k) row($('rows'), names.map((name) => short(data.table[name][k])));
+}
+
+showSummary();
+if (data.kind === 'run') { addCharts(); addPlayer(); } else addBatch();

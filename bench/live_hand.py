@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""A simulated hand on a live session's UDP port: a mass with a damper, pushed by an operator who trembles, feeling the force late.
+
+    bench/live_hand.py run  --app build/seldinger SCENE.toml [--seconds 10] [...]     latency, lateness and what was felt
+    bench/live_hand.py map  --app build/seldinger SCENE.toml -o stability.csv        stable or not, over stiffness x delay
+    bench/live_hand.py plot stability.csv -o stability.png
+
+The hand is integrated in 20 parts of a millisecond, the force held for a period and `delay` periods old, as a device holds it. A cell of the map is
+unstable where, pressed against what the wire has met, the hand swings by more than the tremor alone makes it (0.2 mm). Colgate's line,
+with a force that is held for T and comes tau late, is b_hand = k (T/2 + tau) + b [Colgate & Schenkel 1997].
+"""
+import argparse
+import csv
+import json
+import math
+import os
+import re
+import select
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+REQUEST, ANSWER = struct.Struct("<IHHQdddII"), struct.Struct("<IHHQQdddddII")
+
+
+class Session:
+    def __init__(self, app, scene, options=()):
+        self.record = os.path.join(tempfile.mkdtemp(prefix="seldinger-hand-"), "hand.record")
+        self.process = subprocess.Popen([app, "live", scene, "--port", "0", "--udp", "0", "--record", self.record, *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        found = re.search(r"hand UDP [^:]+:(\d+)", line)
+        if not found:
+            sys.exit("live_hand: no session: " + line + self.process.stderr.read())
+        self.port = int(found.group(1))
+
+    def end(self):
+        self.process.terminate()
+        self.process.communicate()
+        with open(self.record + ".summary.json") as file:
+            return json.load(file)
+
+
+class Hand:
+    """@param push  the operator's force as a function of time and position [N]"""
+
+    def __init__(self, port, mass=0.15, damping=3.0, tremor=0.02, delay=0, period=1e-3, seed=1):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", port))
+        self.socket.setblocking(False)
+        self.mass, self.damping, self.tremor, self.delay, self.period = mass, damping, tremor, delay, period
+        self.x = self.v = self.turn = 0.0
+        self.sequence, self.sent, self.trips, self.log, self.forces = 0, {}, [], [], [0.0] * (delay + 1)
+        self.answer = None
+
+    def receive(self):
+        while True:
+            try:
+                data = self.socket.recv(128)
+            except (BlockingIOError, ConnectionRefusedError):
+                return
+            self.answer = ANSWER.unpack(data)
+            sent = self.sent.pop(self.answer[3], None)
+            if sent is not None:
+                self.trips.append(time.perf_counter() - sent)
+
+    def tick(self, t, push):
+        self.receive()
+        self.forces.append(self.answer[6] if self.answer else 0.0)
+        felt = self.forces[-1 - self.delay]
+        parts = 20
+        h = self.period / parts
+        drive = push(t, self.x) + self.tremor * math.sin(2 * math.pi * 9 * t)
+        for _ in range(parts):
+            self.v = (self.v + h / self.mass * (drive - felt)) / (1 + h * self.damping / self.mass)
+            self.x += h * self.v
+        self.sequence += 1
+        self.sent[self.sequence] = time.perf_counter()
+        self.socket.send(REQUEST.pack(0x484C4553, 1, 0, self.sequence, t, self.x, self.turn, 0, 0))
+        self.log.append((t, self.x, felt, self.answer[9] if self.answer else 0.0))
+
+    def go(self, seconds, push, stop=lambda log: False):
+        begin = time.perf_counter()
+        k = 0
+        while k * self.period < seconds and not stop(self.log):
+            while (wait := begin + k * self.period - time.perf_counter()) > 0:
+                if select.select([self.socket], [], [], wait)[0]:
+                    self.receive()
+            self.tick(k * self.period, push)
+            k += 1
+
+
+def quantiles(values):
+    values = sorted(values)
+    return {f"p{name}_ms": round(1e3 * values[min(len(values) - 1, int(share * len(values)))], 4)
+            for name, share in (("50", 0.5), ("99", 0.99), ("999", 0.999))} if values else {}
+
+
+def follow(speed):
+    """An operator who wants to be at speed x t, and pushes as a hand of 60 N/m does."""
+    return lambda t, x: 60 * (speed * t - x)
+
+
+def run(options):
+    session = Session(options.app, options.scene, options.live)
+    hand = Hand(session.port, delay=options.delay)
+    time.sleep(1)
+    hand.go(options.seconds, follow(options.speed))
+    summary = session.end()
+    print(json.dumps({"sent": hand.sequence, "answered": len(hand.trips), "round_trip": quantiles(hand.trips),
+                      **{key: summary[key] for key in ("rate_hz", "steps", "late", "late_share", "stretched_s", "step", "wake_up", "input_to_force",
+                                                       "scheduling", "packets", "coupling")}}, indent=2))
+
+
+def swing(app, scene, stiffness, delay, options):
+    """How far the hand swings in the last second of three, pressed with options.press against what it has met."""
+    session = Session(app, scene, ["--coupling-stiffness", str(stiffness), *options.live])
+    hand = Hand(session.port, delay=delay, damping=options.damping)
+    time.sleep(0.5)
+    hand.turn = 0.0
+    reach = lambda t, x: 60 * (min(options.reach, 0.25 * t) - x) if t < 1.5 else options.press
+    hand.go(4.5, reach, lambda log: bool(log) and abs(log[-1][1]) > 0.5)
+    summary = session.end()
+    last = [x for t, x, *_ in hand.log if t > hand.log[-1][0] - 1]
+    # a slow drift is the wire sliding on, a swing goes both ways
+    turns = [last[k] for k in range(1, len(last) - 1) if (last[k] - last[k - 1]) * (last[k + 1] - last[k]) < 0]
+    gone = max((abs(a - b) for a, b in zip(turns, turns[1:])), default=0.0)
+    return gone, summary
+
+
+def stability(options):
+    rows = []
+    for delay in options.delays:
+        for stiffness in options.stiffnesses:
+            gone, summary = swing(options.app, options.scene, stiffness, delay, options)
+            line = (options.damping) / (1e-3 * (0.5 + 1 + delay))
+            rows.append({"stiffness_n_m": stiffness, "delay_ms": delay, "swing_mm": round(1e3 * gone, 4), "stable": int(gone < 2e-4),
+                         "colgate_n_m": round(line, 1), "late_share": summary["late_share"],
+                         "coupling_energy_lowest_j": summary["coupling"][0]["advance_energy_lowest_j"]})
+            print(rows[-1], flush=True)
+            with open(options.output, "w", newline="") as file:
+                table = csv.DictWriter(file, rows[0].keys())
+                table.writeheader()
+                table.writerows(rows)
+
+
+def plot(options):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    with open(options.table) as file:
+        rows = list(csv.DictReader(file))
+    figure, axes = plt.subplots(figsize=(7, 4.5))
+    for stable, marker, colour in (("1", "o", "#147a3d"), ("0", "x", "#b3261e")):
+        chosen = [row for row in rows if row["stable"] == stable]
+        axes.scatter([float(r["delay_ms"]) for r in chosen], [float(r["stiffness_n_m"]) for r in chosen], marker=marker, color=colour,
+                     label="stable" if stable == "1" else "swings")
+    line = sorted({(float(r["delay_ms"]), float(r["colgate_n_m"])) for r in rows})
+    axes.plot(*zip(*line), color="#5d6b78", label="Colgate's line, hand of 3 N s/m")
+    axes.axhline(500, color="#0b6bcb", linestyle="--", label="default stiffness")
+    axes.set(yscale="log", xlabel="delay of the force beside the period that it is held for [ms]", ylabel="coupling stiffness [N/m]")
+    axes.legend()
+    figure.tight_layout()
+    figure.savefig(options.output, dpi=110)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name in ("run", "map"):
+        command = commands.add_parser(name)
+        command.add_argument("scene")
+        command.add_argument("--app", required=True)
+        command.add_argument("--live", nargs="*", default=[], help="options of `seldinger live`")
+    commands.choices["run"].add_argument("--seconds", type=float, default=10)
+    commands.choices["run"].add_argument("--speed", type=float, default=0.02)
+    commands.choices["run"].add_argument("--delay", type=int, default=0)
+    command = commands.choices["map"]
+    command.add_argument("-o", dest="output", required=True)
+    command.add_argument("--damping", type=float, default=3.0)
+    command.add_argument("--reach", type=float, default=0.3, help="where the hand meets something [m]")
+    command.add_argument("--press", type=float, default=0.6, help="and how it presses on [N]")
+    command.add_argument("--stiffnesses", type=float, nargs="+", default=[125, 250, 500, 1000, 2000, 4000, 8000, 16000])
+    command.add_argument("--delays", type=int, nargs="+", default=[0, 2, 5, 10, 20])
+    command = commands.add_parser("plot")
+    command.add_argument("table")
+    command.add_argument("-o", dest="output", required=True)
+    options = parser.parse_args()
+    {"run": run, "map": stability, "plot": plot}[options.command](options)
+
+
+if __name__ == "__main__":
+    main()

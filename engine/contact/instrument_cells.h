@@ -1,0 +1,55 @@
+#pragma once
+// The instruments of a world as contact between them sees them: cells of material with their surfaces, and which pairs may touch
+// where (D13; kernels/shared/instrument_types.h).
+
+#include "contact/contact_spec.h"
+#include "rod/wire_spec.h"
+#include "shared/instrument_types.h"
+#include "vessel/vessel_spec.h"
+
+#include <span>
+#include <vector>
+
+namespace seldinger {
+
+/// Instruments inside each other as contact takes them: CoaxialSpec of engine/model.h.
+struct NestedInstruments {
+    std::vector<int> order;  // wires, outer first
+    double mu_static = 0, mu_sliding = 0;
+    double stiffness = 0;  // force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
+};
+
+/// What contact between instruments is made from.
+struct InstrumentSetup {
+    std::vector<WireSpec> wires;
+    std::vector<ContactSpec> contacts;      // [wires]
+    std::vector<int> system_of;             // [wires]
+    std::vector<NestedInstruments> nested;  // those modelled as a rod each
+    bool from_outside = false;              // instruments of a system touch each other, and each itself
+
+    /// Whether any two can touch.
+    [[nodiscard]] bool any() const { return from_outside || !nested.empty(); }
+};
+
+/// Young's modulus and Poisson's ratio of a surface whose material is not given: the polymer jacket of a guidewire [Pa], [-].
+inline constexpr double jacket_youngs = 5e7, jacket_poisson = 0.4;
+
+struct InstrumentCells {
+    explicit InstrumentCells(const InstrumentSetup& setup);
+
+    std::vector<InstrumentRod> rods;          // [wires]; what changes from step to step is left out
+    std::vector<InstrumentPair> pairs;        // by rod a
+    std::vector<InstrumentSurface> surfaces;  // [cells]
+    std::vector<uint> rod_of;                 // [cells]
+    std::vector<int> of_wire;                 // [wires + 1] first cell of each
+    std::vector<double> move_limit;           // [wires] that no node may move farther at once [m]
+
+private:
+    void add_cells(const WireSpec& spec);
+    void add_pairs(const InstrumentSetup& setup, int wire);
+    void add_pair(const InstrumentSetup& setup, int a, int b, uint touch);
+    void add_nested_pairs(const InstrumentSetup& setup, int wire, const NestedInstruments& nest);
+    [[nodiscard]] double widest(int wire) const;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,404 @@
+// Contact between instruments in the order in which a step calls it.
+
+#include "contact/instrument_contact.h"
+
+#include "contact/programs.h"
+#include "core/bytes.h"
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+namespace seldinger {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)
+
+device::Queue queue_for_slots(std::size_t count) { return count < pool_work ? device::Queue::Inline : device::Queue::Pool; }
+
+template <class T>
+device::Buffer filled(device::Context& context, const std::vector<T>& from)
+{
+    device::Buffer buffer(context, std::max<std::size_t>(from.size(), 1) * sizeof(T));
+    if (!from.empty()) context.write(device::Queue::Inline, buffer, from.data(), from.size() * sizeof(T));
+    context.finish(device::Queue::Inline);
+    return buffer;
+}
+
+std::vector<int> firsts(std::span<const int> system_of)
+{
+    std::vector<int> list;
+    for (std::size_t w = 0; w < system_of.size(); ++w)
+        if (w == 0 || system_of[w] != system_of[w - 1]) list.push_back(static_cast<int>(w));
+    list.push_back(static_cast<int>(system_of.size()));
+    return list;
+}
+
+}  // namespace
+
+InstrumentContact::Nodes::Nodes(device::Context& context, int capacity)
+    : position(3 * (capacity + 2)),  // a rod of two nodes may have a third named, without weight
+      material(capacity + 2),
+      theta(capacity + 2),
+      position_buffer(context, position.size() * sizeof(double)),
+      material_buffer(context, material.size() * sizeof(double)),
+      theta_buffer(context, theta.size() * sizeof(double))
+{
+}
+
+void InstrumentContact::Nodes::upload(device::Context& context, device::Queue queue)
+{
+    context.write(queue, position_buffer, position.data(), position.size() * sizeof(double));
+    context.write(queue, material_buffer, material.data(), material.size() * sizeof(double));
+    context.write(queue, theta_buffer, theta.data(), theta.size() * sizeof(double));
+}
+
+InstrumentContact::InstrumentContact(device::Context& context, const InstrumentSetup& setup, RodArrays& rods)
+    : context_(context),
+      rods_(rods),
+      cells_(setup),
+      system_of_(setup.system_of),
+      first_wire_(firsts(setup.system_of)),
+      find_(context, programs::instruments, "instruments_find", device::Items::Branching),
+      evaluate_(context, programs::instruments, "instruments_evaluate", device::Items::Branching),
+      nodes_(context, rods.total_capacity()),
+      nodes_t0_(context, rods.total_capacity()),
+      rods_buffer_(context, cells_.rods.size() * sizeof(InstrumentRod)),
+      pairs_(filled(context, cells_.pairs)),
+      surfaces_(filled(context, cells_.surfaces)),
+      rod_of_(filled(context, cells_.rod_of)),
+      slots_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentSlot)),
+      states_t0_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState)),
+      states_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState)),
+      list_buffer_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(std::uint32_t)),
+      slots_host_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
+      no_states_(slots_host_.size())
+{
+    const std::size_t systems = first_wire_.size() - 1;
+    for (std::size_t s = 0; s < systems; ++s) sums_.emplace_back(rods, first_wire_[s], first_wire_[s + 1] - first_wire_[s]);
+    found_of_.assign(systems + 1, 0);
+    picked_of_.assign(systems + 1, 0);
+    std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
+    double least = cells_.surfaces.front().radius;
+    for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
+    params_.skin = least;
+    params_.cell_count = static_cast<uint>(cells_.surfaces.size());
+    params_.friction = static_cast<uint>(setup.contacts.front().friction);
+    params_.smooth_speed = 1e-3;
+}
+
+void InstrumentContact::set_settling(Settling how)
+{
+    params_.settling = how == Settling::Stuck ? SEL_SETTLE_STUCK : how == Settling::Sliding ? SEL_SETTLE_SLIDING : 0;
+}
+
+void InstrumentContact::set_nodes(Nodes& nodes, const RodView& rod, int begin) const
+{
+    for (int i = 0; i < rod.n; ++i) {
+        const auto at = static_cast<std::size_t>(begin + i);
+        nodes.position[3 * at] = rod.x[i];
+        nodes.position[3 * at + 1] = rod.y[i];
+        nodes.position[3 * at + 2] = rod.z[i];
+        nodes.material[at] = rod.material_s[i];
+        nodes.theta[at] = i + 1 < rod.n ? rod.theta[i] : 0.0;
+    }
+}
+
+void InstrumentContact::begin_step(RodArrays& rods)
+{
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        set_nodes(nodes_t0_, rods.view(w), rods.node_begin(w));
+        cells_.rods[w].count_t0 = static_cast<uint>(rods.node_count(w));
+    }
+}
+
+void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
+{
+    const auto start = Clock::now();
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        set_nodes(nodes_, rod, rods.node_begin(w));
+        InstrumentRod& known = cells_.rods[w];
+        known.node = static_cast<uint>(rods.node_begin(w));
+        known.count = static_cast<uint>(rod.n);
+        known.inside = rod.material_s[rod.n - 1];
+        const int cells = cells_.of_wire[w + 1] - cells_.of_wire[w];
+        known.live = live[w] ? static_cast<uint>(std::clamp(static_cast<int>(known.inside / known.spacing + 1e-9), 0, cells)) : 0;
+    }
+    context_.enter(device::Queue::Inline);
+    nodes_t0_.upload(context_, device::Queue::Inline);
+    if (search_is_stale({})) search(device::Queue::Inline);
+    else context_.write(device::Queue::Inline, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
+    context_.finish(device::Queue::Inline);
+    times_.detect += since(start);
+}
+
+void InstrumentContact::set_trial(const TrialState& trial)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        const int begin = rods_.node_begin(w);
+        for (int i = begin; i < begin + rods_.node_count(w); ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            nodes_.position[3 * at] = trial.x[at];
+            nodes_.position[3 * at + 1] = trial.y[at];
+            nodes_.position[3 * at + 2] = trial.z[at];
+            nodes_.theta[at] = trial.theta[at];
+        }
+    }
+}
+
+// ---- what is near -----------------------------------------------------------------------------------------------------------
+
+void InstrumentContact::measure_rods()
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        double square = 0;
+        const auto begin = static_cast<std::size_t>(rods_.node_begin(w));
+        for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(w)); ++i) {
+            double sum = 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double d = nodes_.position[3 * i + 3 + c] - nodes_.position[3 * i + c];
+                sum += d * d;
+            }
+            square = std::max(square, sum);
+        }
+        cells_.rods[w].longest_edge = std::sqrt(square);
+    }
+}
+
+/// Whether nodes have moved by half of the skin, come or gone, or cells have come in, since the last search. @param active  wires
+/// that are asked; empty: all
+bool InstrumentContact::search_is_stale(std::span<const std::uint8_t> active) const
+{
+    if (!searched_) return true;
+    const double farthest = 0.25 * params_.skin * params_.skin;
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!active.empty() && !active[w]) continue;
+        const InstrumentRod& rod = cells_.rods[w];
+        if (rod.count != searched_count_[w] || rod.live != searched_live_[w]) return true;
+        for (std::size_t i = rod.node; i < rod.node + rod.count; ++i) {
+            double moved = 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double d = nodes_.position[3 * i + c] - searched_position_[3 * i + c];
+                moved += d * d;
+            }
+            if (!(moved <= farthest)) return true;
+            if (i + 1 < rod.node + rod.count && nodes_.material[i] != searched_material_[i]) return true;
+        }
+    }
+    return false;
+}
+
+void InstrumentContact::search(device::Queue queue)
+{
+    measure_rods();
+    context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
+    nodes_.upload(context_, queue);
+    find_.launch(queue, params_.cell_count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+    // what earlier trials of this step have left is in slots that now stand for something else
+    context_.write(queue, states_, no_states_.data(), no_states_.size() * sizeof(InstrumentState));
+    context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
+    searched_ = true;
+    searched_position_ = nodes_.position;
+    searched_material_ = nodes_.material;
+    searched_count_.clear();
+    searched_live_.clear();
+    for (const InstrumentRod& rod : cells_.rods) {
+        searched_count_.push_back(rod.count);
+        searched_live_.push_back(rod.live);
+    }
+    list_found();
+}
+
+void InstrumentContact::list_found()
+{
+    found_.clear();
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
+        found_of_[s] = found_.size();
+        const auto first = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s]]);
+        const auto end = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s + 1]]);
+        for (std::uint32_t k = first; k < end; ++k)
+            if (slots_host_[k].touch != SEL_TOUCH_NONE) found_.push_back(k);
+    }
+    found_of_.back() = found_.size();
+}
+
+// ---- at a trial -------------------------------------------------------------------------------------------------------------
+
+void InstrumentContact::pick(std::span<const std::uint8_t> active)
+{
+    picked_.clear();
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
+        picked_of_[s] = picked_.size();
+        bool any = false;
+        for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) any = any || active[w];
+        if (!any) continue;
+        sums_[s].clear();
+        picked_.insert(picked_.end(), found_.begin() + static_cast<std::ptrdiff_t>(found_of_[s]),
+                       found_.begin() + static_cast<std::ptrdiff_t>(found_of_[s + 1]));
+    }
+    picked_of_.back() = picked_.size();
+}
+
+void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+{
+    auto start = Clock::now();
+    set_trial(trial);
+    if (search_is_stale(active)) {
+        context_.enter(device::Queue::Inline);
+        search(device::Queue::Inline);
+    }
+    pick(active);
+    times_.detect += since(start);
+    if (picked_.empty()) return;
+    start = Clock::now();
+    params_.inv_dt = h > 0 ? 1 / h : 0;
+    launch(queue_for_slots(picked_.size()));
+    times_.evaluate += since(start);
+    start = Clock::now();
+    take_records();
+    times_.reduce += since(start);
+}
+
+void InstrumentContact::launch(device::Queue queue)
+{
+    context_.enter(queue);
+    nodes_.upload(context_, queue);
+    context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
+    if (forces_buffer_.bytes() < picked_.size() * sizeof(InstrumentForce))
+        forces_buffer_ = device::Buffer(context_, 2 * picked_.size() * sizeof(InstrumentForce));
+    params_.item_count = static_cast<uint>(picked_.size());
+    evaluate_.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
+                     nodes_t0_, states_t0_, states_, forces_buffer_);
+    forces_.resize(std::max(forces_.size(), picked_.size()));
+    context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
+}
+
+void InstrumentContact::take_records()
+{
+    const InstrumentMoves moves{nodes_.position, nodes_t0_.position, nodes_.theta, nodes_t0_.theta};
+    for_each_item(static_cast<int>(sums_.size()), 1, [&](int s) {
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) {
+            const InstrumentPair& pair = cells_.pairs[forces_[k].pair];
+            sums_[s].take(forces_[k], static_cast<int>(pair.a), static_cast<int>(pair.b), moves);
+        }
+    });
+}
+
+void InstrumentContact::couple(const SystemUnknowns& system, std::span<double> /*residual*/, BandedSolver* tangent,
+                               bool symmetric) const
+{
+    if (tangent) sums_of(system.wires.front()).couple(system, *tangent, symmetric);
+}
+
+// ---- the accepted state -----------------------------------------------------------------------------------------------------
+
+void InstrumentContact::commit(std::span<const std::uint8_t> active)
+{
+    context_.enter(device::Queue::Inline);
+    bool any = false;
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!active[w]) continue;
+        cells_.rods[w].epoch++;
+        const auto system = static_cast<std::size_t>(system_of_[w]);
+        if (found_of_[system] == found_of_[system + 1]) continue;
+        const std::size_t record = SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState);
+        context_.copy(device::Queue::Inline, states_, states_t0_,
+                      static_cast<std::size_t>(cells_.of_wire[w + 1] - cells_.of_wire[w]) * record,
+                      static_cast<std::size_t>(cells_.of_wire[w]) * record);
+        any = true;
+    }
+    if (any) context_.finish(device::Queue::Inline);
+}
+
+/// The slots of a wire's cells, those zero that no contact of the last step has written.
+std::vector<InstrumentState> InstrumentContact::living(int wire)
+{
+    const auto first = static_cast<std::size_t>(cells_.of_wire[wire]), end = static_cast<std::size_t>(cells_.of_wire[wire + 1]);
+    std::vector<InstrumentState> states((end - first) * SEL_INSTRUMENT_SLOTS);
+    context_.enter(device::Queue::Inline);
+    context_.read(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
+                  first * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState));
+    for (InstrumentState& state : states)
+        if (state.contact.epoch + 1 != cells_.rods[wire].epoch) std::memset(&state, 0, sizeof state);
+    return states;
+}
+
+void InstrumentContact::save(std::vector<std::uint8_t>& bytes)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
+}
+
+void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const std::vector<InstrumentState> states = living(wire);
+    const auto lives = [](const InstrumentState& state) { return state.contact.epoch != 0; };
+    const auto count = static_cast<std::uint32_t>(std::count_if(states.begin(), states.end(), lives));
+    put_bytes(bytes, &cells_.rods[wire].epoch, 1);
+    put_bytes(bytes, &count, 1);
+    const std::uint32_t first_pair = cells_.rods[wire].pair;  // a system's bytes do not depend on those before it
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        if (!lives(states[k])) continue;
+        const auto place = static_cast<std::uint32_t>(k);
+        InstrumentState state = states[k];
+        state.pair -= first_pair;
+        put_bytes(bytes, &place, 1);
+        put_bytes(bytes, &state, 1);
+    }
+}
+
+void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    std::vector<InstrumentState> states(no_states_);
+    for (int w = 0; w < rods_.wire_count(); ++w) {
+        std::uint32_t count = 0;
+        take_bytes(bytes, end, &cells_.rods[w].epoch, 1);
+        take_bytes(bytes, end, &count, 1);
+        const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[w]);
+        const auto most = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[w + 1]) - first;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            std::uint32_t place = 0;
+            take_bytes(bytes, end, &place, 1);
+            if (place >= most) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
+            take_bytes(bytes, end, &states[first + place], 1);
+            states[first + place].pair += cells_.rods[w].pair;
+        }
+    }
+    context_.enter(device::Queue::Inline);
+    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState));
+    context_.finish(device::Queue::Inline);
+    searched_ = false;
+}
+
+std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
+{
+    std::vector<ContactRow> list;
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        for (const InstrumentState& state : living(w)) {
+            const ContactState& contact = state.contact;
+            if (!(contact.flags & SEL_CONTACT_ACTIVE)) continue;
+            const auto edge = std::upper_bound(rod.material_s.begin(), rod.material_s.begin() + rod.n - 1, state.along_a);
+            ContactRow row;
+            row.a = {BodyKind::Rod, w, std::max(0, static_cast<int>(edge - rod.material_s.begin()) - 1)};
+            row.b = {BodyKind::Rod, static_cast<int>(cells_.pairs[state.pair].b), static_cast<int>(contact.triangle)};
+            row.point = {contact.point[0], contact.point[1], contact.point[2]};
+            row.normal = {contact.normal[0], contact.normal[1], contact.normal[2]};
+            row.gap = contact.gap;
+            row.normal_force = contact.normal_force;
+            row.friction = {contact.friction[0], contact.friction[1], contact.friction[2]};
+            row.stuck = contact.flags & SEL_CONTACT_STUCK;
+            row.length = state.length;
+            list.push_back(row);
+        }
+    }
+    return list;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,108 @@
+#pragma once
+// Contact between instruments (D13), a force term: wires side by side, crossing, a wire with itself, an instrument in the lumen of
+// another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; what is integrated: instrument_cell.h.
+//
+// Per step: begin_step remembers nodes, prepare takes the node set and looks for what cells are near to (kernel instruments_find)
+// where anything has changed; at each trial instruments_evaluate makes the forces of all that were found, whose records are summed on
+// the host (instrument_sums.h). Where a node has moved by half of the skin since the last search, the trial is searched anew: what is
+// found is always that of the trial. A trial in which one has sunk deeper into another than the law's pole is refused, and no node
+// moves by more than 0.45 of the smaller radius at once: axes that are 1.5 radii apart do not pass each other.
+//
+// Whether an instrument is inside another goes by the way along both from the hub, and where on it from the place of the last search
+// onwards: never by what is near in space. Instruments fed at one inlet lie on each other there, in the middle of the lumen.
+
+#include "contact/contact_row.h"
+#include "contact/instrument_cells.h"
+#include "contact/instrument_sums.h"
+#include "device/device.h"
+#include "solve/force_term.h"
+
+#include <memory>
+#include <vector>
+
+namespace seldinger {
+
+class InstrumentContact final : public ForceTerm {
+public:
+    /// @param context  in double precision      @param rods  of the world; both outlive this
+    InstrumentContact(device::Context& context, const InstrumentSetup& setup, RodArrays& rods);
+
+    void begin_step(RodArrays& rods) override;
+    void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
+    void set_settling(Settling how) override;
+    void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
+    [[nodiscard]] bool admissible(int wire) const override { return !sums_of(wire).blocked(); }
+    void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const override
+    {
+        sums_of(wire).add(wire, residual, tangent, symmetric);
+    }
+    void couple(const SystemUnknowns& system, std::span<double> residual, BandedSolver* tangent, bool symmetric) const override;
+    [[nodiscard]] bool unsymmetric(int wire) const override { return sums_of(wire).sliding(); }
+    [[nodiscard]] double largest_force(int wire) const override { return sums_of(wire).largest_force(wire); }
+    [[nodiscard]] double move_limit(int wire) const override { return cells_.move_limit[wire]; }
+    [[nodiscard]] bool may_jump() const override { return false; }
+    void commit(std::span<const std::uint8_t> active) override;
+    [[nodiscard]] double work_from_outside(int wire) const override { return sums_of(wire).from_other(wire); }
+    [[nodiscard]] ContactWork contact_work(int wire) const override { return sums_of(wire).totals(wire).work; }
+    [[nodiscard]] double stored_energy(int wire) const override { return sums_of(wire).stored(wire); }
+    [[nodiscard]] StageTimes times() const override { return times_; }
+    void clear_times() override { times_ = {}; }
+    void save(std::vector<std::uint8_t>& bytes) override;
+    void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+
+    [[nodiscard]] const ContactTotals& totals(int wire) const { return sums_of(wire).totals(wire); }
+    /// Adds the forces on the nodes of a wire, [n].
+    void add_nodal_forces(int wire, std::span<Vec3> forces) const { sums_of(wire).add_nodal_forces(wire, forces); }
+    /// Contacts of the accepted state.
+    [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
+
+private:
+    /// Nodes of all rods on host and device.
+    struct Nodes {
+        Nodes(device::Context& context, int capacity);
+        std::vector<double> position, material, theta;
+        device::Buffer position_buffer, material_buffer, theta_buffer;
+        void upload(device::Context& context, device::Queue queue);
+        template <class F>
+        void for_each_argument(const F& f) const
+        {
+            f(position_buffer);
+            f(material_buffer);
+            f(theta_buffer);
+        }
+    };
+    [[nodiscard]] const InstrumentSums& sums_of(int wire) const { return sums_[static_cast<std::size_t>(system_of_[wire])]; }
+    void set_nodes(Nodes& nodes, const RodView& rod, int begin) const;
+    void set_trial(const TrialState& trial);
+    void measure_rods();
+    [[nodiscard]] bool search_is_stale(std::span<const std::uint8_t> active) const;
+    void search(device::Queue queue);
+    void list_found();
+    void pick(std::span<const std::uint8_t> active);
+    void launch(device::Queue queue);
+    void take_records();
+    [[nodiscard]] std::vector<InstrumentState> living(int wire);
+
+    device::Context& context_;
+    RodArrays& rods_;
+    InstrumentCells cells_;
+    std::vector<int> system_of_, first_wire_;  // [wires], [systems + 1]
+    std::vector<InstrumentSums> sums_;         // [systems]
+    device::Kernel find_, evaluate_;
+    Nodes nodes_, nodes_t0_;
+    device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
+    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_;
+    InstrumentParams params_{};
+    bool searched_ = false;
+    std::vector<double> searched_position_, searched_material_;  // at the last search
+    std::vector<std::uint32_t> searched_count_, searched_live_;  // [wires]
+    std::vector<InstrumentSlot> slots_host_;
+    std::vector<InstrumentState> no_states_;
+    std::vector<std::uint32_t> found_, picked_;      // slots that something is near in; of the systems evaluated
+    std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
+    std::vector<InstrumentForce> forces_;            // [picked]
+    StageTimes times_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,230 @@
+// Forces and tangents of contact between instruments, summed over the cells of a system.
+
+#include "contact/instrument_sums.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+constexpr int per_node = RodDofs::per_node;
+using Vector = InstrumentSums::Vector;
+
+/// +- w_k v + d_k turn at the three nodes of a side.
+void put_side(Vector& to, int from, const double* w, const double* v, double sign, const double* d, const double* turn,
+              double turn_sign)
+{
+    for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 3; ++c)
+            to[from + per_node * k + c] = sign * w[k] * v[c] + (d ? turn_sign * d[k] * turn[c] : 0.0);
+}
+
+/// How the gap at a point changes with the nodes.
+template <class Place>
+Vector gap_gradient(const Place& p)
+{
+    Vector g{};
+    put_side(g, 0, p.wa, p.n, 1, nullptr, nullptr, 0);
+    put_side(g, InstrumentSums::side, p.wb, p.n, -1, p.db, p.turn, 1);
+    return g;
+}
+
+Vector row_of(const InstrumentForce& f, const InstrumentRow& row)
+{
+    Vector r{};
+    put_side(r, 0, f.wa, row.v, 1, f.da, row.turn_a, 1);
+    put_side(r, InstrumentSums::side, f.wb, row.v, -1, f.db, row.turn_b, -1);
+    r[per_node * (f.edge_a - f.node_a) + RodDofs::spin_place] = row.spin_a;
+    r[InstrumentSums::side + per_node * (f.edge_b - f.node_b) + RodDofs::spin_place] = -row.spin_b;
+    return r;
+}
+
+void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size], double s, const Vector& u, const Vector& v)
+{
+    if (s == 0) return;
+    for (int i = 0; i < InstrumentSums::size; ++i) {
+        const double su = s * u[i];
+        if (su == 0) continue;
+        for (int j = 0; j < InstrumentSums::size; ++j) to[i][j] += su * v[j];
+    }
+}
+
+}  // namespace
+
+InstrumentSums::InstrumentSums(const RodArrays& rods, int first_wire, int wires)
+    : rods_(rods), first_wire_(first_wire), first_node_(rods.node_begin(first_wire)), wires_(wires)
+{
+    const int last = first_wire + wires - 1;
+    nodal_.resize(static_cast<std::size_t>(rods.node_begin(last) + rods.capacity(last) - first_node_));
+}
+
+void InstrumentSums::clear()
+{
+    if (used_ > 0 || blocked_) {
+        std::fill(nodal_.begin(), nodal_.end(), std::array<double, per_node>{});
+        std::fill(wires_.begin(), wires_.end(), OfWire{});
+    }
+    used_ = 0;
+    blocked_ = sliding_ = false;
+}
+
+/// That of the last call, most often: cells come in order.
+InstrumentSums::Block& InstrumentSums::block(int wire_a, int wire_b, int node_a, int node_b)
+{
+    for (std::size_t k = used_; k > 0 && k + 8 > used_; --k) {
+        Block& b = blocks_[k - 1];
+        if (b.wire_a == wire_a && b.wire_b == wire_b && b.node_a == node_a && b.node_b == node_b) return b;
+    }
+    if (used_ == blocks_.size()) blocks_.emplace_back();
+    Block& b = blocks_[used_++];
+    b = Block{};
+    b.wire_a = wire_a;
+    b.wire_b = wire_b;
+    b.node_a = node_a;
+    b.node_b = node_b;
+    return b;
+}
+
+void InstrumentSums::take(const InstrumentForce& force, int wire_a, int wire_b, const InstrumentMoves& moves)
+{
+    if (force.flags & SEL_FORCE_BLOCKED) blocked_ = true;
+    if (force.count == 0) return;
+    std::array<double, 2> pushing{}, rubbing{};
+    for (std::uint32_t k = 0; k < force.count; ++k) {
+        const InstrumentPoint& point = force.points[k];
+        Block& at = block(wire_a, wire_b, static_cast<int>(point.node_a), static_cast<int>(point.node_b));
+        Vector pushed{};
+        take_point(point, at, pushed);
+        const auto work = exert(at, pushed, moves);
+        for (int s = 0; s < 2; ++s) pushing[s] += work[s];
+    }
+    if (force.flags & SEL_FORCE_COUPLE) {
+        Block& at = block(wire_a, wire_b, static_cast<int>(force.node_a), static_cast<int>(force.node_b));
+        Vector pushed{};
+        take_friction(force, at, pushed);
+        rubbing = exert(at, pushed, moves);
+    }
+    const double normal = 0.5 * (pushing[0] + pushing[1]), friction = 0.5 * (rubbing[0] + rubbing[1]);
+    const double to_a = 0.5 * (pushing[0] - pushing[1] + rubbing[0] - rubbing[1]);
+    sum_up(force, wire_a, normal, friction, to_a);
+    if (wire_a != wire_b) sum_up(force, wire_b, normal, friction, -to_a);
+    else of(wire_a).totals.work.normal += normal, of(wire_a).totals.work.friction += friction, of(wire_a).from_other -= to_a;
+}
+
+/// K = slope g g^T - force (d2 gap)
+void InstrumentSums::take_point(const InstrumentPoint& p, Block& block, Vector& pushed) const
+{
+    const Vector g = gap_gradient(p);
+    for (int i = 0; i < size; ++i) pushed[i] = p.force * g[i];
+    add_outer_product(block.symmetric, p.slope, g, g);
+    Vector h{};
+    put_side(h, 0, p.wa, p.p, 1, nullptr, nullptr, 0);
+    put_side(h, side, p.wb, p.p, -1, p.db, p.q, 1);
+    add_outer_product(block.symmetric, -p.force * p.bend, h, h);
+    static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    double weight[6];
+    for (int k = 0; k < 3; ++k) weight[k] = p.wa[k], weight[3 + k] = -p.wb[k];
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) {
+            const double s = -p.force * weight[i] * weight[j];
+            for (int c = 0; c < 3; ++c)
+                for (int d = 0; d < 3; ++d) block.symmetric[per_node * i + c][per_node * j + d] += s * p.m[tri[c][d]];
+        }
+}
+
+void InstrumentSums::take_friction(const InstrumentForce& f, Block& block, Vector& pushed)
+{
+    pushed = row_of(f, f.force);
+    const Vector along = row_of(f, f.along), across = row_of(f, f.across);
+    add_outer_product(block.symmetric, f.stiff_along, along, along);
+    add_outer_product(block.symmetric, f.stiff_across, across, across);
+    if (!(f.flags & SEL_FORCE_SLIDING)) return;
+    block.sliding = sliding_ = true;
+    add_outer_product(block.skew, -f.skew, along, gap_gradient(f));
+}
+
+std::array<double, 2> InstrumentSums::exert(const Block& block, const Vector& pushed, const InstrumentMoves& moves)
+{
+    std::array<double, 2> work{};
+    for (int s = 0; s < 2; ++s) {
+        const int first = rods_.node_begin(s == 0 ? block.wire_a : block.wire_b) + (s == 0 ? block.node_a : block.node_b);
+        for (int k = 0; k < 3; ++k) {
+            const double* force = pushed.data() + side * s + per_node * k;
+            if (force[0] == 0 && force[1] == 0 && force[2] == 0 && force[3] == 0) continue;
+            const auto node = static_cast<std::size_t>(first + k);
+            auto& sum = nodal_[node - static_cast<std::size_t>(first_node_)];
+            for (int c = 0; c < per_node; ++c) sum[c] += force[c];
+            for (int c = 0; c < 3; ++c) work[s] += force[c] * (moves.position[3 * node + c] - moves.position_t0[3 * node + c]);
+            work[s] += force[RodDofs::spin_place] * (moves.theta[node] - moves.theta_t0[node]);
+        }
+    }
+    return work;
+}
+
+void InstrumentSums::sum_up(const InstrumentForce& force, int wire, double own_normal, double own_friction, double from_other)
+{
+    OfWire& sum = of(wire);
+    sum.totals.contacts += 1;
+    sum.totals.depth = std::max(sum.totals.depth, static_cast<double>(force.depth));
+    sum.totals.normal += force.normal_sum;
+    sum.totals.friction += force.friction_sum;
+    sum.totals.sliding += force.sliding_sum;
+    sum.totals.length += force.length;
+    sum.totals.work.normal += own_normal;
+    sum.totals.work.friction += own_friction;
+    sum.largest = std::max(sum.largest, static_cast<double>(force.normal_sum));
+    sum.stored += 0.5 * force.stored;
+    sum.from_other += from_other;
+}
+
+void InstrumentSums::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
+{
+    if (used_ == 0) return;
+    const int first = rods_.node_begin(wire) - first_node_;
+    for (int i = 0; i < rods_.node_count(wire); ++i)
+        for (int c = 0; c < per_node; ++c) residual[RodDofs::position(i, c)] -= nodal_[static_cast<std::size_t>(first + i)][c];
+    if (!tangent) return;
+    for (std::size_t b = 0; b < used_; ++b)
+        for (int s = 0; s < 2; ++s) {
+            const Block& block = blocks_[b];
+            if ((s == 0 ? block.wire_a : block.wire_b) != wire) continue;
+            const int at = RodDofs::position(s == 0 ? block.node_a : block.node_b);
+            for (int i = 0; i < side; ++i)
+                for (int j = 0; j < side; ++j) {
+                    const double value = block.at(side * s + i, side * s + j, symmetric);
+                    if (value != 0) tangent->add(at + i, at + j, value);
+                }
+        }
+}
+
+void InstrumentSums::couple(const SystemUnknowns& system, BandedSolver& tangent, bool symmetric) const
+{
+    for (std::size_t b = 0; b < used_; ++b) {
+        const Block& block = blocks_[b];
+        const int a_rod = system.rod_of(block.wire_a), b_rod = system.rod_of(block.wire_b);
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                if (block.node_a + k >= system.map.nodes(a_rod) || block.node_b + l >= system.map.nodes(b_rod)) continue;
+                const int row = RodDofs::node(system.map.node(a_rod, block.node_a + k));
+                const int col = RodDofs::node(system.map.node(b_rod, block.node_b + l));
+                const int i = per_node * k, j = side + per_node * l;
+                auto& ab = tangent.far.block(row, col);
+                for (int c = 0; c < per_node; ++c)
+                    for (int d = 0; d < per_node; ++d) ab.value[c][d] += block.at(i + c, j + d, symmetric);
+                auto& ba = tangent.far.block(col, row);
+                for (int c = 0; c < per_node; ++c)
+                    for (int d = 0; d < per_node; ++d) ba.value[d][c] += block.at(j + d, i + c, symmetric);
+            }
+    }
+}
+
+void InstrumentSums::add_nodal_forces(int wire, std::span<Vec3> forces) const
+{
+    const int first = rods_.node_begin(wire) - first_node_;
+    for (int i = 0; i < rods_.node_count(wire); ++i)
+        for (int c = 0; c < 3; ++c) forces[i][c] += nodal_[static_cast<std::size_t>(first + i)][c];
+}
+
+}  // namespace seldinger

@@ -1,0 +1,126 @@
+// The UDP socket of the hand channel: one thread that receives, judges and answers.
+#include "session/hand_channel.h"
+
+#include "core/error.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+#include <cerrno>
+#include <algorithm>
+#include <cstring>
+
+namespace seldinger {
+
+namespace {
+
+constexpr double largest_force = 20, largest_torque = 0.2;  // sent to a device [N], [N m]
+
+[[noreturn]] void fail(const std::string& address, int port, const char* what)
+{
+    const int error = errno;
+    const char* advice = error == EADDRINUSE ? "another session listens there; choose another with --udp"
+                                             : "choose an address of this machine and a port above 1023";
+    throw Error(ExitCode::BadFile, fmt::format("UDP {}:{}: {}: {}; {}", address, port, what, std::strerror(error), advice));
+}
+
+sockaddr_in address_of(const std::string& text, int port)
+{
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    if (inet_pton(AF_INET, text.c_str(), &address.sin_addr) != 1)
+        throw Error(ExitCode::BadScene, fmt::format("--udp-bind: \"{}\": expected an address such as 127.0.0.1", text));
+    return address;
+}
+
+std::uint64_t number_of(const sockaddr_in& sender)
+{
+    return static_cast<std::uint64_t>(sender.sin_addr.s_addr) << 16 | sender.sin_port;
+}
+
+}  // namespace
+
+HandChannel::HandChannel(const std::string& address, int port, int instruments) : gate_(instruments)
+{
+    sockaddr_in own = address_of(address, port);
+    socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (socket_ < 0) fail(address, port, "no socket");
+    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) {
+        const int error = errno;
+        ::close(socket_);
+        errno = error;
+        fail(address, port, "cannot be opened");
+    }
+    socklen_t size = sizeof own;
+    getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size);
+    port_ = ntohs(own.sin_port);
+    const timeval wake{0, 100000};  // to see that it is to stop
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wake, sizeof wake);
+}
+
+HandChannel::~HandChannel()
+{
+    stop();
+    ::close(socket_);
+}
+
+void HandChannel::start(std::function<double()> clock)
+{
+    thread_ = std::thread([this, clock = std::move(clock)] { listen(clock); });
+}
+
+void HandChannel::stop()
+{
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+}
+
+void HandChannel::listen(const std::function<double()>& clock)
+{
+    unsigned char bytes[SEL_HAND_REQUEST_BYTES + 1];  // one more than a request has: what is longer shows
+    unsigned char reply[SEL_HAND_ANSWER_BYTES];
+    while (recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT) >= 0) {}  // sent before there was anyone to take it
+    while (!stop_.load(std::memory_order_relaxed)) {
+        sockaddr_in sender{};
+        socklen_t size = sizeof sender;
+        const ssize_t got = recvfrom(socket_, bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&sender), &size);
+        if (got < 0) continue;
+        SelHandRequest request;
+        const auto verdict = gate_.take(bytes, static_cast<std::size_t>(got), number_of(sender), clock(), request);
+        auto& counter = counts_[static_cast<std::size_t>(verdict)];
+        counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+        if (verdict != HandGate::Verdict::Accepted) continue;
+        HandInput& hands = input.back();
+        for (int k = 0; k < most_instruments; ++k) hands.hand[static_cast<std::size_t>(k)] = gate_.hand(k);
+        input.publish();
+        answer(request, reply);
+        (void)sendto(socket_, reply, sizeof reply, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&sender), size);
+    }
+}
+
+void HandChannel::answer(const SelHandRequest& request, unsigned char* bytes)
+{
+    newest.take();
+    const StepNumbers& now = newest.front();
+    const InstrumentNumbers& it = now.instrument[request.instrument];
+    SelHandAnswer answer{};
+    answer.instrument = request.instrument;
+    answer.sequence = request.sequence;
+    answer.step = now.step;
+    answer.time_s = now.time;
+    answer.force_n = std::clamp(it.force, -largest_force, largest_force);
+    answer.torque_nm = std::clamp(it.torque, -largest_torque, largest_torque);
+    answer.force_per_advance_n_m = it.force_per_advance;
+    answer.advance_m = it.advance;
+    answer.late = static_cast<std::uint32_t>(now.late);
+    const bool cut = answer.force_n != it.force || answer.torque_nm != it.torque;
+    answer.flags = (now.paused ? SEL_HAND_PAUSED : 0) | (now.stopped ? SEL_HAND_STOPPED : 0) | (now.was_late ? SEL_HAND_LATE : 0) |
+                   (cut ? SEL_HAND_CUT : 0) | (now.score.reached ? SEL_HAND_REACHED : 0);
+    sel_write_answer(&answer, bytes);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,53 @@
+#pragma once
+// The hand's UDP port and its thread: takes requests through the gate, hands the newest hands to the physics, answers from its newest
+// step. No packet makes it wait or allocate.
+
+#include "session/hand_gate.h"
+#include "session/snapshot.h"
+#include "session/triple_buffer.h"
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace seldinger {
+
+/// What the hands want, all instruments together; the newest wins.
+struct HandInput {
+    std::array<HandState, most_instruments> hand{};
+};
+
+class HandChannel {
+public:
+    /// Opens the port. @param port  0: any that is free  @throws Error BadFile: in use, not allowed
+    HandChannel(const std::string& address, int port, int instruments);
+    ~HandChannel();
+    HandChannel(const HandChannel&) = delete;
+    HandChannel& operator=(const HandChannel&) = delete;
+
+    [[nodiscard]] int port() const { return port_; }
+    /// Listens from now on. @param clock  the session's [s]
+    void start(std::function<double()> clock);
+    void stop();
+
+    TripleBuffer<HandInput> input;       // to the physics
+    TripleBuffer<StepNumbers> newest;    // from the physics
+    /// Datagrams so far, by what became of them.
+    [[nodiscard]] std::uint64_t count(HandGate::Verdict verdict) const
+    {
+        return counts_[static_cast<std::size_t>(verdict)].load(std::memory_order_relaxed);
+    }
+
+private:
+    void listen(const std::function<double()>& clock);
+    void answer(const SelHandRequest& request, unsigned char* bytes);
+
+    int socket_ = -1, port_ = 0;
+    HandGate gate_;
+    std::array<std::atomic<std::uint64_t>, HandGate::verdict_count> counts_{};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace seldinger

@@ -1,0 +1,61 @@
+#pragma once
+// Which of the datagrams that arrive are a hand's: everything else is counted and ignored. Knows packets and times, no sockets.
+//
+// A device, told apart by its address, owns an instrument while it is heard; another one may take over after a silence. Sequence
+// numbers of the owner rise. A hand goes no faster than speed_limit on the whole: each instrument has an allowance of travel, filled at
+// that speed up to allowance_time's worth, that every move is taken off; so late packets in a bunch are as good as prompt ones, and a jump is
+// not.
+
+#include "session/hand_packet.h"
+#include "session/session_limits.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace seldinger {
+
+/// Where an instrument's hand is, as it was last believed.
+struct HandState {
+    double advance = 0, turn = 0;  // since the start [m], [rad]
+    std::uint32_t flags = 0;
+    double arrived = 0;  // on the session's clock [s]
+    bool heard = false;  // at all
+};
+
+class HandGate {
+public:
+    static constexpr double speed_limit = 1.0, turn_speed_limit = 100.0;  // [m/s], [rad/s]
+    static constexpr double allowance_time = 0.25;                        // [s]
+    static constexpr double silence = 0.1;                                // after which another device may take over [s]
+
+    enum class Verdict { Accepted, Malformed, Instrument, NotFinite, NotOwner, Sequence, Jump };
+    static constexpr int verdict_count = 7;
+
+    explicit HandGate(int instruments) : instruments_(instruments) {}
+
+    /// @param sender  any number that tells devices apart    @param now  [s], rising
+    /// @param out     the request, where it was accepted
+    Verdict take(const unsigned char* bytes, std::size_t size, std::uint64_t sender, double now, SelHandRequest& out);
+
+    [[nodiscard]] const HandState& hand(int instrument) const { return owners_[static_cast<std::size_t>(instrument)].hand; }
+    [[nodiscard]] std::uint64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
+
+private:
+    struct Owner {
+        HandState hand;
+        std::uint64_t sender = 0, sequence = 0;
+        double advance_zero = 0, turn_zero = 0;  // what the device's own zero is here
+        double travel = speed_limit * allowance_time, turning = turn_speed_limit * allowance_time;  // allowances left
+    };
+    [[nodiscard]] Verdict judge(const SelHandRequest& request, std::uint64_t sender, double now);
+    [[nodiscard]] static bool within(Owner& owner, const HandState& to, double now);
+
+    int instruments_;
+    std::array<Owner, most_instruments> owners_{};
+    std::array<std::uint64_t, verdict_count> counts_{};
+};
+
+[[nodiscard]] const char* name_of(HandGate::Verdict verdict);
+
+}  // namespace seldinger

@@ -1,0 +1,45 @@
+#pragma once
+// When the next step is due, and whether the last one was late. Knows no clock: it is told what time it is, so that a test can tell it too.
+//
+// Step k begins at its due time d and is to be over by d + T. One that is not is late: session time stretches by what it was late, and
+// the next one is due at once. What was missed is never made up for by steps that follow faster, since what the hand feels between
+// them would be a wire that runs.
+
+#include <cstdint>
+
+namespace seldinger {
+
+class Pacer {
+public:
+    /// @param period  T [s]
+    explicit Pacer(double period) : period_(period) {}
+
+    void start(double now) { due_ = now; }
+    /// When the next step is to begin [s].
+    [[nodiscard]] double due() const { return due_; }
+    /// A step is over. @return whether it was late
+    bool finished(double now)
+    {
+        const double deadline = due_ + period_;
+        ++steps_;
+        due_ = deadline;
+        if (now <= deadline) return false;
+        ++late_;
+        stretched_ += now - deadline;
+        due_ = now;
+        return true;
+    }
+    /// No step was taken (paused).
+    void rest(double now) { due_ = now + period_; }
+
+    [[nodiscard]] std::uint64_t steps() const { return steps_; }
+    [[nodiscard]] std::uint64_t late() const { return late_; }
+    /// By how much the session has taken longer than its own time says, pauses left out [s].
+    [[nodiscard]] double stretched() const { return stretched_; }
+
+private:
+    double period_, due_ = 0, stretched_ = 0;
+    std::uint64_t steps_ = 0, late_ = 0;
+};
+
+}  // namespace seldinger

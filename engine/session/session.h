@@ -1,0 +1,139 @@
+#pragma once
+// A live session: the world's first system stepped in real time by a thread of its own, from what hands and page want.
+//
+// Physics (this file) takes the newest wishes, steps, publishes; hand_channel.h and web_server.h talk to the outside; a clerk writes the
+// record. They meet in triple buffers and a ring: none ever waits for another, and the loop neither locks nor allocates.
+
+#include "session/byte_ring.h"
+#include "session/coupling.h"
+#include "session/hand_channel.h"
+#include "session/pacer.h"
+#include "session/score.h"
+#include "session/session_record.h"
+#include "session/snapshot.h"
+#include "session/time_histogram.h"
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace seldinger {
+
+struct SessionOptions {
+    double rate = 1000;    // steps a second
+    double duration = 0;   // session time [s]; 0: until it is stopped
+    CouplingSpec advance = advance_coupling, turn = turn_coupling;
+    std::filesystem::path record;
+};
+
+/// Instruments of the first system of a world made from this that a hand can hold: those that are fed.
+[[nodiscard]] std::vector<int> live_instruments(const WorldSetup& setup);
+
+/// What a page wants; the newest counts.
+struct PageWish {
+    int instrument = 0;
+    double push = 0, turn = 0;  // [m/s], [rad/s]
+    double until = 0;           // on the session's clock: a page that falls silent pushes no more [s]
+    bool fluoroscopy = false, contrast = false, paused = false;
+    std::uint32_t resets = 0;  // asked for so far
+};
+
+class Session {
+public:
+    /// @param setup  of `scene`, loaded   @param hand  may be null   @throws Error: the record, a task that the vessel has not
+    Session(const Scene& scene, WorldSetup setup, const SessionOptions& options, HandChannel* hand);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    void start();
+    /// Asks it to end; it does after the step that it is at.
+    void stop() { stop_ = true; }
+    [[nodiscard]] bool running() const { return running_; }
+    /// Waits for its end and closes the record. @throws Error BadFile: the record could not be written
+    void finish();
+
+    /// Seconds since the session was made.
+    [[nodiscard]] double clock() const;
+    [[nodiscard]] const World& world() const { return *world_; }  // after finish()
+    [[nodiscard]] const Scorer& scorer() const { return scorer_; }
+    [[nodiscard]] double step_length() const { return dt_; }  // [s]
+    [[nodiscard]] int instruments() const { return static_cast<int>(instruments_.size()); }
+    /// Summary and score sheet as JSON; after finish().
+    [[nodiscard]] std::string summary() const;
+    /// Why it was stopped by itself; empty: it was not.
+    [[nodiscard]] const std::string& failure() const { return failure_; }
+
+    TripleBuffer<PageWish> page;   // to the physics
+    TripleBuffer<ViewFrame> view;  // from the physics, sixty times a second
+    TimeHistogram step_times, wake_times, latencies;
+    /// So far; any thread.
+    [[nodiscard]] std::uint64_t steps_so_far() const { return steps_; }
+    [[nodiscard]] std::uint64_t late_so_far() const { return late_; }
+
+private:
+    struct Instrument {
+        Instrument(int of_world, const WireSetup& setup, const SessionOptions& options);
+        int wire;              // of the world
+        double start = 0, start_turn = 0, length = 0, twist_stiffness = 0;
+        Coupling advance, turn;
+        double page_way = 0, page_turn = 0;    // what the page has pushed and turned
+        double hand_zero = 0, turn_zero = 0;   // of the hand's port, since the last reset
+        double arrived = -1;                   // the hand's newest report that was used
+        HubLoad load, turn_load;
+    };
+
+    void prepare_record(const SessionOptions& options);
+    void run();
+    void take_wishes();
+    void step_once();
+    void ask(Instrument& it);
+    [[nodiscard]] double follow_page(double way, double speed, double force, double limit) const;
+    void take_readings(Instrument& it);
+    void note_latency(double now);
+    void reset();
+    void publish(double now);
+    void publish_view();
+    void fill(StepNumbers& numbers) const;
+    void keep_record();
+
+    const Scene scene_;
+    SessionOptions options_;
+    double dt_;
+    std::unique_ptr<World> world_;
+    HandChannel* hand_;
+    Scorer scorer_;
+    std::vector<Instrument> instruments_;
+    std::vector<std::uint8_t> initial_;  // state
+    Control control_;
+    Output shape_;
+    std::vector<double> hubs_;
+    std::vector<std::uint8_t> entry_;
+    Pacer pacer_;
+    PageWish wish_;
+    bool paused_ = false, stopped_ = false, was_late_ = false, fluoroscopy_ = false, contrast_ = false;
+    std::uint32_t resets_ = 0;
+    double step_time_ = 0, next_view_ = 0;
+    std::string failure_, scheduling_ = "ordinary";
+    std::chrono::steady_clock::time_point born_ = std::chrono::steady_clock::now();
+    double began_ = 0, ended_ = 0;  // on its clock [s]
+    long total_steps_ = 0;          // 0: no end
+
+    std::optional<RecordWriter> writer_;
+    ByteRing ring_{1 << 20};
+    std::atomic<bool> record_lost_{false}, closing_{false};
+    std::string record_error_;
+    std::thread physics_, clerk_;
+    std::atomic<bool> stop_{false}, running_{false};
+    std::atomic<std::uint64_t> steps_{0}, late_{0};
+};
+
+/// The score sheet as JSON.
+[[nodiscard]] std::string score_json(const Scene& scene, const ScoreNumbers& score);
+/// And as a page, without anything from outside.
+[[nodiscard]] std::string score_page(const Scene& scene, const ScoreNumbers& score);
+
+}  // namespace seldinger

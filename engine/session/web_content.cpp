@@ -1,0 +1,156 @@
+// The page's files, the scene as JSON, the wall and the frames as bytes.
+#include "session/web_content.h"
+
+#include "core/assets.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "session/session.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+namespace seldinger {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+void put(std::string& into, const T* data, std::size_t count)
+{
+    into.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+}
+
+nlohmann::json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer& scorer, double rate)
+{
+    nlohmann::json instruments = nlohmann::json::array();
+    for (const WireSetup& wire : setup.wires)
+        instruments.push_back({{"name", wire.name}, {"length", wire.wire.length}, {"radius", wire.wire.shaft.radius}});
+    const TaskSpec& task = scene.task;
+    nlohmann::json json{{"name", scene.name},       {"instruments", instruments},
+                        {"rate", rate},             {"dt", 1 / rate},
+                        {"inlet", list(setup.wires[0].feed.point)},
+                        {"task", task.text},        {"target", nullptr},
+                        {"limits", {{"wall_force", task.wall_force}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
+    // the patient's axes: an arch has its own, else those of docs/live.md
+    const bool arch = setup.vessel.shape == VesselShape::Arch;
+    json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));
+    json["front"] = list(arch ? setup.vessel.normal : Vec3(-Vec3::UnitY()));
+    if (task.target != TaskSpec::Target::None)
+        json["target"] = {{"point", list(scorer.target().mark())}, {"radius", scorer.target().mark_radius()}};
+    return json.dump();
+}
+
+nlohmann::json instrument_json(const InstrumentNumbers& n)
+{
+    return {{"hand", n.hand},       {"advance", n.advance},          {"turn", n.turn},         {"force", n.force},
+            {"torque", n.torque},   {"wire_force", n.wire_force},    {"wall", n.wall_force},   {"contacts", n.contacts}};
+}
+
+nlohmann::json score_object(const ScoreNumbers& s)
+{
+    return {{"time", s.time},           {"path", s.path_length}, {"advanced", s.advanced},       {"back", s.pulled_back},
+            {"pushes", s.pushes},       {"backs", s.pull_backs}, {"wall", s.wall_force},         {"wall_mean", s.wall_force_mean},
+            {"wall_max", s.wall_force_max}, {"above", s.time_above}, {"fluoroscopy", s.fluoroscopy}, {"contrast", s.contrast},
+            {"distance", s.distance},   {"reached", s.reached},  {"failed", s.failed}};
+}
+
+}  // namespace
+
+std::string three_js()
+{
+    for (const char* file : {"/usr/share/javascript/three/three.min.js", "/usr/share/nodejs/three/build/three.min.js"})
+        if (fs::exists(file)) return read_file(file);
+    throw Error(ExitCode::BadFile, "three.js is not installed; as root: apt-get install libjs-three");
+}
+
+std::string mesh_bytes(const WallMesh& mesh)
+{
+    std::string bytes;
+    const std::uint32_t counts[] = {static_cast<std::uint32_t>(mesh.vertices.size()), static_cast<std::uint32_t>(mesh.triangles.size())};
+    put(bytes, counts, 2);
+    for (const Vec3& v : mesh.vertices) {
+        const float p[] = {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+        put(bytes, p, 3);
+    }
+    for (const auto& t : mesh.triangles) {
+        const std::uint32_t corners[] = {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])};
+        put(bytes, corners, 3);
+    }
+    return bytes;
+}
+
+std::map<std::string, WebFile, std::less<>> web_files(const Scene& scene, const WorldSetup& setup, const Scorer& scorer, double rate)
+{
+    const fs::path folder = assets_folder() / "web";
+    std::map<std::string, WebFile, std::less<>> files;
+    files["/"] = {"text/html; charset=utf-8", read_file(folder / "index.html")};
+    for (const char* name : {"viewer.js", "live.js", "chart.js"})
+        files[std::string("/") + name] = {"text/javascript; charset=utf-8", read_file(folder / name)};
+    files["/live.css"] = {"text/css; charset=utf-8", read_file(folder / "live.css")};
+    files["/three.js"] = {"text/javascript; charset=utf-8", three_js()};
+    files["/scene.json"] = {"application/json", scene_json(scene, setup, scorer, rate)};
+    files["/mesh.bin"] = {"application/octet-stream", mesh_bytes(setup.mesh)};
+    return files;
+}
+
+void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::string& into)
+{
+    const StepNumbers& n = frame.numbers;
+    nlohmann::json instruments = nlohmann::json::array();
+    for (int k = 0; k < n.instruments; ++k) instruments.push_back(instrument_json(n.instrument[static_cast<std::size_t>(k)]));
+    std::string json = nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
+                                      {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
+                                      {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
+                                      {"instruments", instruments}, {"score", score_object(n.score)}}
+                           .dump();
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    into.clear();
+    const auto length = static_cast<std::uint32_t>(json.size());
+    put(into, &length, 1);
+    into += json;
+    for (int k = 0; k < n.instruments; ++k) {
+        const auto& nodes = frame.nodes[static_cast<std::size_t>(k)];
+        const auto count = static_cast<std::uint32_t>(nodes.size());
+        put(into, &count, 1);
+        put(into, nodes.data(), nodes.size());
+    }
+}
+
+bool read_wish(std::string_view text, PageWish& wish, bool& reset)
+{
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object()) return false;
+    const auto number = [&](const char* key, double limit, double& value) {
+        const auto found = json.find(key);
+        if (found == json.end()) return true;
+        if (!found->is_number() || !(std::abs(found->get<double>()) <= limit)) return false;
+        value = found->get<double>();
+        return true;
+    };
+    const auto flag = [&](const char* key, bool& value) {
+        const auto found = json.find(key);
+        if (found == json.end()) return true;
+        if (!found->is_boolean()) return false;
+        value = found->get<bool>();
+        return true;
+    };
+    PageWish said = wish;
+    double instrument = wish.instrument;
+    bool again = false;
+    const bool good = number("push", 0.2, said.push) && number("turn", 20, said.turn) && number("instrument", most_instruments - 1, instrument) &&
+                      flag("fluoro", said.fluoroscopy) && flag("contrast", said.contrast) && flag("pause", said.paused) && flag("reset", again);
+    if (!good || instrument < 0 || instrument != std::floor(instrument)) return false;
+    said.instrument = static_cast<int>(instrument);
+    wish = said;
+    reset = again;
+    return true;
+}
+
+}  // namespace seldinger

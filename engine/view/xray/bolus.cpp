@@ -1,0 +1,127 @@
+// Times of travel over the tree, and the spread of what arrives.
+#include "view/xray/bolus.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace seldinger {
+namespace {
+
+constexpr int moments = 2048;
+
+double murray(double radius) { return radius * radius * radius; }
+
+/// x Phi(x/s) + s phi(x/s): the ramp max(0, x) seen through a normal distribution.
+double smooth_ramp(double x, double s)
+{
+    if (!(s > 0)) return std::max(0.0, x);
+    const double z = x / s;
+    return 0.5 * x * std::erfc(-z / std::numbers::sqrt2) + s * std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi);
+}
+
+}  // namespace
+
+Bolus::Bolus(const Centreline& centreline, const BolusSpec& spec) : centreline_(centreline), spec_(spec)
+{
+    const auto count = static_cast<int>(centreline_.points.size());
+    if (count < 2 || spec.keys.empty())
+        throw Error(ExitCode::BadFile, "contrast: no centreline was found in the vessel, so there is no way for it to flow");
+    neighbour_.resize(count);
+    for (int i = 0; i < count; ++i)
+        if (const int p = centreline_.parent[i]; p >= 0) neighbour_[i].push_back(p), neighbour_[p].push_back(i);
+    const int inflow = centreline_.nearest(spec.inflow), at = centreline_.nearest(spec.at);
+
+    // outwards from the inflow: from where each point gets its blood, and how much of it
+    std::vector<int> order{inflow}, from(count, -1);
+    std::vector<double> flow(count, 0.0);
+    flow[inflow] = 1;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const int i = order[k];
+        double sum = 0;
+        for (const int j : neighbour_[i]) sum += j == from[i] ? 0 : murray(centreline_.radius[j]);
+        for (const int j : neighbour_[i])
+            if (j != from[i]) from[j] = i, flow[j] = flow[i] * murray(centreline_.radius[j]) / sum, order.push_back(j);
+    }
+    const auto area = [&](int i) { return std::numbers::pi * centreline_.radius[i] * centreline_.radius[i]; };
+    const double unit = spec.speed * area(at) / flow[at];  // [m^3/s]
+    tau_.assign(count, static_cast<double>(never));
+    tau_[at] = 0;
+    for (const int i : order) {
+        const int j = from[i];
+        if (i == at || j < 0 || tau_[j] >= never) continue;
+        const double volume = 0.5 * (area(i) + area(j)) * (centreline_.points[i] - centreline_.points[j]).norm();
+        tau_[i] = tau_[j] + volume / (unit * flow[i]);
+        longest_ = std::max(longest_, tau_[i]);
+    }
+}
+
+float Bolus::travel_time(const Vec3& place) const
+{
+    const int i = centreline_.nearest(place);
+    double best = (place - centreline_.points[i]).squaredNorm(), tau = tau_[i];
+    for (const int j : neighbour_[i]) {
+        const Vec3 edge = centreline_.points[j] - centreline_.points[i];
+        const double s = std::clamp((place - centreline_.points[i]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+        const double away = (place - centreline_.points[i] - s * edge).squaredNorm();
+        if (away < best)
+            best = away, tau = tau_[i] >= never || tau_[j] >= never ? double(never) : (1 - s) * tau_[i] + s * tau_[j];
+    }
+    return static_cast<float>(tau);
+}
+
+std::vector<float> Bolus::travel_times(std::span<const Vec3> places) const
+{
+    std::vector<float> times(places.size());
+    for_each_item(static_cast<int>(places.size()), 256, [&](int i) { times[i] = travel_time(places[i]); });
+    return times;
+}
+
+double Bolus::concentration(double tau, double t) const
+{
+    if (tau >= never || spec_.keys.empty()) return 0;
+    const double spread = spec_.spread * tau;
+    double sum = spec_.keys.front().iodine, slope = 0;
+    for (std::size_t k = 0; k < spec_.keys.size(); ++k) {
+        const BolusKey& key = spec_.keys[k];
+        const double after =
+            k + 1 < spec_.keys.size() ? (spec_.keys[k + 1].iodine - key.iodine) / (spec_.keys[k + 1].t - key.t) : 0.0;
+        sum += (after - slope) * smooth_ramp(t - tau - key.t, spread);
+        slope = after;
+    }
+    return std::max(0.0, sum);
+}
+
+BolusMoment::BolusMoment(const Bolus& bolus, double t) : step_(std::max(bolus.longest(), 1e-9) / (moments - 1))
+{
+    value_.resize(moments);
+    integral_.resize(moments);
+    for (int k = 0; k < moments; ++k) {
+        value_[k] = bolus.concentration(k * step_, t);
+        empty_ &= value_[k] <= 0;
+        integral_[k] = k == 0 ? 0 : integral_[k - 1] + 0.5 * step_ * (value_[k] + value_[k - 1]);
+    }
+}
+
+double BolusMoment::integral(double tau) const
+{
+    const double at = std::clamp(tau / step_, 0.0, moments - 1.0);
+    const int k = std::min(static_cast<int>(at), moments - 2);
+    const double s = at - k, here = value_[k] + s * (value_[k + 1] - value_[k]);
+    return integral_[k] + 0.5 * s * step_ * (value_[k] + here);
+}
+
+double BolusMoment::mean(double tau_a, double tau_b) const
+{
+    const bool a = tau_a < never, b = tau_b < never;
+    if (!a && !b) return 0;
+    // half of a stretch that ends upstream is filled
+    if (!a || !b) return 0.5 * mean(a ? tau_a : tau_b, a ? tau_a : tau_b);
+    const double low = std::min(tau_a, tau_b), high = std::max(low + 1e-3 * step_, std::max(tau_a, tau_b));
+    return (integral(high) - integral(low)) / (high - low);
+}
+
+}  // namespace seldinger

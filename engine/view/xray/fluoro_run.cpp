@@ -1,0 +1,314 @@
+// From a run's folder to pictures, films and DICOM files.
+#include "view/xray/fluoro_run.h"
+
+#include "core/error.h"
+#include "io/dicom_write.h"
+#include "io/film_write.h"
+#include "io/mesh_file.h"
+#include "io/npy_write.h"
+#include "io/png_write.h"
+#include "vessel/extract_centreline.h"
+#include "vessel/inside.h"
+#include "vessel/repair.h"
+#include "view/solids.h"
+#include "view/xray/fluoroscope.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace seldinger {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Range {
+    std::size_t first, last;
+};
+
+Range frames_asked(const FluoroOptions& options, std::size_t count)
+{
+    if (options.first < 0 && options.last < 0) return {count - 1, count - 1};
+    if (options.first < 0 || options.last < options.first || static_cast<std::size_t>(options.last) >= count)
+        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
+                                                    options.first, options.last, count - 1, count, count == 1 ? "" : "s"));
+    return {static_cast<std::size_t>(options.first), static_cast<std::size_t>(options.last)};
+}
+
+Vec3 middle_of(const RunFolder& run)
+{
+    Eigen::AlignedBox3d box;
+    for (const Vec3& v : run.wall.vertices) box.extend(v);
+    if (box.isEmpty())
+        for (const WireLine& wire : read_frame(run, run.frames.size() - 1).wires)
+            for (const Vec3& node : wire.nodes) box.extend(node);
+    return box.center();
+}
+
+Bolus find_bolus(const RunFolder& run, const FluoroOptions::Injection& injection)
+{
+    if (run.wall.triangles.empty()) throw Error(ExitCode::BadScene, "contrast: the run has no vessel for it to flow in");
+    const RepairReport report = describe(run.wall);
+    const Centreline centreline = extract_centreline(run.wall, report.loops, LumenQuery(run.wall, report.loops));
+    BolusSpec spec = injection.bolus;
+    const auto root = std::find(centreline.parent.begin(), centreline.parent.end(), -1);
+    if (injection.at_auto && root != centreline.parent.end()) spec.at = centreline.points[root - centreline.parent.begin()];
+    if (injection.inflow_auto) spec.inflow = spec.at;
+    return Bolus(centreline, spec);
+}
+
+/// One run as it is looked at, frame by frame.
+class Fluorography {
+public:
+    Fluorography(const fs::path& dir, const FluoroOptions& options, bool contrast)
+        : options_(options),
+          run_(read_run_folder(dir)),
+          arm_(options.arm),
+          contrast_(contrast && options.contrast),
+          scope_(options.kev > 0 ? single_energy(options.kev) : tube_spectrum(options.kvp)),
+          walls_(std::any_of(run_.frames.begin(), run_.frames.end(), [](const FrameFile& f) { return fs::exists(f.wall); }))
+    {
+        if (options.auto_isocentre) arm_.isocentre = middle_of(run_);
+        for (const InstrumentMatter& i : options.instruments) {
+            matter_.push_back(i.shaft);
+            for (const auto& s : i.stretches) matter_.push_back(s.material);
+        }
+        if (matter_.empty()) matter_.push_back(materials::stainless_steel());
+        if (contrast_) scope_.set_bolus(find_bolus(run_, *options.contrast));
+        scope_.set_wall(run_.wall);
+        if (!options.body.isZero()) scope_.set_body(options.body);
+        if (!options.bone.empty()) {
+            WallMesh bone = read_mesh(options.bone, options.bone_units);
+            (void)repair(bone);
+            scope_.set_bone(bone);
+        }
+    }
+
+    [[nodiscard]] const RunFolder& run() const { return run_; }
+    [[nodiscard]] const CArm& arm() const { return arm_; }
+    Fluoroscope& scope() { return scope_; }
+
+    /// Looks at a frame as the C-arm stands at `time`.
+    void look(std::size_t index, double time)
+    {
+        aim(time);
+        if (walls_) scope_.set_wall(wall_of(index));
+        std::vector<Device> devices;
+        for (const WireLine& wire : read_frame(run_, index).wires)
+            if (wire.nodes.size() > 1) devices.push_back(device_of(wire));
+        scope_.look(std::move(devices), matter_, contrast_ ? std::optional<double>(time) : std::nullopt);
+    }
+
+    /// The picture of the frame that was looked at.
+    std::vector<float> picture(std::uint64_t stream)
+    {
+        Exposure exposure = scope_.exposure();
+        if (options_.noise) add_quantum_noise(exposure, options_.photons, options_.seed, stream);
+        blur_picture(exposure.signal, arm_.columns, arm_.rows, options_.blur / arm_.pixel());
+        return std::move(exposure.signal);
+    }
+
+private:
+    void aim(double time)
+    {
+        CArm arm = arm_;
+        const auto& keys = options_.turning;
+        if (!keys.empty()) {
+            const auto next = std::find_if(keys.begin(), keys.end(), [&](const AngleKey& k) { return k.t > time; });
+            const AngleKey &a = next == keys.begin() ? *next : next[-1], &b = next == keys.end() ? keys.back() : *next;
+            const double s = b.t > a.t ? std::clamp((time - a.t) / (b.t - a.t), 0.0, 1.0) : 0.0;
+            arm.primary = a.primary + s * (b.primary - a.primary);
+            arm.secondary = a.secondary + s * (b.secondary - a.secondary);
+        }
+        if (aimed_ && arm.primary == arm_.primary && arm.secondary == arm_.secondary) return;
+        arm_ = arm;
+        scope_.set_view(arm_);
+        aimed_ = true;
+    }
+
+    WallMesh wall_of(std::size_t index) const
+    {
+        WallMesh wall = run_.wall;
+        if (fs::exists(run_.frames[index].wall))
+            wall.vertices = read_moved_wall(run_, index, WallQuantity::Displacement).vertices;
+        return wall;
+    }
+
+    Device device_of(const WireLine& wire) const
+    {
+        const InstrumentMatter* what = nullptr;
+        int first = 0, at = 0;  // of its materials in matter_
+        for (const InstrumentMatter& i : options_.instruments) {
+            if (i.name == wire.name) what = &i, first = at;
+            at += 1 + static_cast<int>(i.stretches.size());
+        }
+        Device device;
+        double from_tip = 0;
+        for (const TubeStation& s : smooth_line(wire.nodes, wire.radius)) {
+            if (!device.empty()) from_tip += (s.position - device.back().place).norm();
+            int material = first;
+            for (std::size_t k = 0; what && k < what->stretches.size(); ++k)
+                if (from_tip >= what->stretches[k].from && from_tip < what->stretches[k].to)
+                    material = first + 1 + static_cast<int>(k);
+            device.push_back({s.position, s.radius, what ? std::min(what->lumen, s.radius) : 0.0, material, 0});
+        }
+        return device;
+    }
+
+    const FluoroOptions& options_;
+    RunFolder run_;
+    CArm arm_;
+    bool contrast_;
+    Fluoroscope scope_;
+    bool walls_, aimed_ = false;
+    std::vector<Material> matter_;
+};
+
+fs::path picture_name(const fs::path& dir, const FluoroOptions& options, std::size_t index)
+{
+    const fs::path whole = options.output.empty() ? dir / "fluoro.png" : options.output;
+    if (options.first < 0 || options.first == options.last) {
+        if (fs::is_directory(whole))
+            throw Error(ExitCode::BadFile, whole.string() + ": is a folder, expected the name of a picture, e.g. fluoro.png");
+        if (options.first < 0 || !options.output.empty()) return whole;
+    }
+    return whole.parent_path() / fmt::format("{}_{:06}.png", whole.stem().string(), index);
+}
+
+/// Frames per second that show the run as fast as it happened, 1 to 60.
+double film_rate(const FluoroOptions& options, const RunFolder& run, const Range& range)
+{
+    if (options.rate > 0) return options.rate;
+    const double span = run.frames[range.last].time - run.frames[range.first].time;
+    return span > 0 ? std::clamp(static_cast<double>(range.last - range.first) / span, 1.0, 60.0) : 15.0;
+}
+
+/// Everything that frames are gathered in.
+struct Gathered {
+    std::vector<float> raw;
+    AngiographicImage dicom;
+    std::unique_ptr<FilmWriter> film;
+};
+
+class Session {
+public:
+    Session(const fs::path& dir, const FluoroOptions& options)
+        : dir_(dir), options_(options), main_(dir, options, true), range_(frames_asked(options, main_.run().frames.size()))
+    {
+        if (options.mask) mask_ = std::make_unique<Fluorography>(*options.mask, options, false);
+        for (const fs::path& file : {options.raw, options.dicom})
+            if (fs::is_directory(file))
+                throw Error(ExitCode::BadFile, file.string() + ": is a folder, expected the name of a file");
+        if (!options.film.empty())
+            gathered_.film = std::make_unique<FilmWriter>(options.film, options.arm.columns, options.arm.rows,
+                                                          film_rate(options, main_.run(), range_));
+    }
+
+    std::vector<fs::path> draw(const std::function<void(std::size_t, std::size_t, double)>& progress)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        for (std::size_t i = range_.first; i <= range_.last; ++i) {
+            frame(i);
+            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+            if (progress) progress(i - range_.first + 1, range_.last - range_.first + 1, passed.count());
+        }
+        finish();
+        return written_;
+    }
+
+private:
+    void frame(std::size_t index)
+    {
+        const bool gathers = !options_.raw.empty() || !options_.dicom.empty() || gathered_.film;
+        // a film or DICOM file alone needs no pictures beside it
+        const bool pictures = !options_.output.empty() || !gathers;
+        const fs::path file = pictures ? picture_name(dir_, options_, index) : fs::path();
+        if (pictures && options_.resume && fs::exists(file)) {
+            if (!gathers) return;
+        }
+        const double time = main_.run().frames[index].time;
+        main_.look(index, time);
+        if (!options_.raw.empty()) {
+            const std::vector<float> raw = main_.scope().line_integrals();
+            gathered_.raw.insert(gathered_.raw.end(), raw.begin(), raw.end());
+        }
+        if (!pictures && options_.dicom.empty() && !gathered_.film) return;
+        const std::vector<std::uint16_t> grey = levels(index, time);
+        if (pictures && !(options_.resume && fs::exists(file))) {
+            write_grey_png(file, options_.arm.columns, options_.arm.rows, grey);
+            written_.push_back(file);
+        }
+        if (gathered_.film) gathered_.film->add(grey);
+        if (!options_.dicom.empty()) {
+            gathered_.dicom.grey.insert(gathered_.dicom.grey.end(), grey.begin(), grey.end());
+            gathered_.dicom.primary.push_back(main_.arm().primary * 180 / std::numbers::pi);
+            gathered_.dicom.secondary.push_back(main_.arm().secondary * 180 / std::numbers::pi);
+        }
+    }
+
+    std::vector<std::uint16_t> levels(std::size_t index, double time)
+    {
+        const std::vector<float> signal = main_.picture(2 * index);
+        if (!mask_) return grey_levels(signal, main_.scope().reference(), options_.logarithmic);
+        mask_->look(std::min(index, mask_->run().frames.size() - 1), time);
+        return subtracted_levels(signal, mask_->picture(2 * index + 1));
+    }
+
+    void finish()
+    {
+        const auto columns = static_cast<std::size_t>(options_.arm.columns), rows = static_cast<std::size_t>(options_.arm.rows);
+        const std::size_t frames = range_.last - range_.first + 1;
+        if (!options_.raw.empty()) {
+            using Shape = std::vector<std::size_t>;
+            write_npy(options_.raw, gathered_.raw, frames == 1 ? Shape{rows, columns} : Shape{frames, rows, columns});
+            written_.push_back(options_.raw);
+        }
+        if (!options_.dicom.empty()) {
+            finish_dicom(frames);
+            written_.push_back(options_.dicom);
+        }
+        if (gathered_.film) {
+            gathered_.film->finish();
+            written_.push_back(options_.film);
+        }
+    }
+
+    void finish_dicom(std::size_t frames)
+    {
+        AngiographicImage& d = gathered_.dicom;
+        d.columns = options_.arm.columns, d.rows = options_.arm.rows;
+        d.sid = options_.arm.sid, d.sod = options_.arm.sod, d.pixel = options_.arm.pixel();
+        d.kvp = options_.kev > 0 ? 0 : options_.kvp;
+        const auto& all = main_.run().frames;
+        d.frame_time = frames > 1 ? (all[range_.last].time - all[range_.first].time) / static_cast<double>(frames - 1) : 0;
+        d.logarithmic = options_.logarithmic || mask_;
+        d.contrast = options_.contrast.has_value();
+        d.description = fmt::format("fluoroscopy of {}", fs::absolute(dir_).filename().string());
+        d.identity = fmt::format("{} {} {}:{} {} {} {}", d.description, angle_words(main_.arm()), range_.first, range_.last,
+                                 options_.seed, d.columns, d.rows);
+        write_dicom(options_.dicom, d);
+    }
+
+    const fs::path& dir_;
+    const FluoroOptions& options_;
+    Fluorography main_;
+    std::unique_ptr<Fluorography> mask_;
+    Range range_;
+    Gathered gathered_;
+    std::vector<fs::path> written_;
+};
+
+}  // namespace
+
+std::vector<fs::path> render_fluoro(const fs::path& dir, const FluoroOptions& options,
+                                    const std::function<void(std::size_t, std::size_t, double)>& progress)
+{
+    check(options.arm);
+    return Session(dir, options).draw(progress);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,47 @@
+// Contact between instruments: what cells are near to, and what they exert.
+//   launch  engine/contact/instrument_kernels.cpp       test  tests/contact/test_instrument_kernels.cpp
+#include "shared/instrument_near.h"
+#ifndef SEL_WORKGROUP
+    #define SEL_WORKGROUP 64  // default, so that the file compiles alone
+#endif
+#define SEL_INSTRUMENT_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
+
+// Stretches that each cell is near to.
+//   item    one cell of all rods
+//   reads   bodies; nodes of all rods       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
+SEL_INSTRUMENT_KERNEL void instruments_find(
+    const InstrumentParams par, __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs,
+    __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,
+    __global const real* restrict position, __global const real* restrict material, __global const real* restrict theta,
+    __global InstrumentSlot* restrict slots)
+{
+    const uint cell = get_global_id(0);
+    if (cell >= par.cell_count) return;
+    const SlotList list = near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of),
+                                     instrument_nodes(position, material, theta), par);
+    for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
+}
+
+// Forces of listed slots.
+//   item    one entry of `list`: a slot that something is near in
+//   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step; states_t0 [cells][slots]
+//   writes  forces [item_count]; states [cells][slots] of the listed
+SEL_INSTRUMENT_KERNEL void instruments_evaluate(
+    const InstrumentParams par, __global const uint* restrict list, __global const InstrumentRod* restrict rods,
+    __global const InstrumentPair* restrict pairs, __global const InstrumentSurface* restrict surfaces,
+    __global const uint* restrict rod_of, __global const InstrumentSlot* restrict slots, __global const real* restrict position,
+    __global const real* restrict material, __global const real* restrict theta, __global const real* restrict position_t0,
+    __global const real* restrict material_t0, __global const real* restrict theta_t0,
+    __global const InstrumentState* restrict states_t0, __global InstrumentState* restrict states,
+    __global InstrumentForce* restrict forces)
+{
+    const uint item = get_global_id(0);
+    if (item >= par.item_count) return;
+    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
+    InstrumentState now = no_instrument_state();
+    forces[item] = instrument_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
+                                    instrument_nodes(position, material, theta),
+                                    instrument_nodes(position_t0, material_t0, theta_t0),
+                                    states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now);
+    states[s] = now;
+}

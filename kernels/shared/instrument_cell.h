@@ -1,0 +1,341 @@
+// Contact of one cell of rod a with a stretch of rod b: which part of the cell touches, the normal force along it, friction in the
+// middle of it.
+//
+// The gap is taken as a function of the material coordinate s along the cell. Its least value is found, and the zeros on both
+// sides of it, or the ends of the cell; between them the force per metre is integrated by Gauss. So a line contact has its force
+// per metre, a crossing one its lens, wherever they lie on the cells: what one cell loses its neighbour gains, and nothing jumps.
+// The integrand vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points move with them is
+// left out of it (they stay on material where the cell touches as a whole).
+//
+// Friction is that of the whole force of the cell at its centroid: slip of a's surface past b's there, with both spins and the
+// turning of both tangents (friction_law.h). Both surfaces are taken at one point, on a's, so that force, couple and torques on the
+// two rods are those of one force and its opposite.
+#ifndef SEL_SHARED_INSTRUMENT_CELL_H
+#define SEL_SHARED_INSTRUMENT_CELL_H
+#include "shared/contact_records.h"
+#include "shared/instrument_gap.h"
+#include "shared/instrument_law.h"
+
+SEL_BEGIN
+
+// The two rods at the trial and at the start of the step.
+typedef struct InstrumentScene {
+    SplineView a, b, a_t0, b_t0;
+    GapPart part;
+    real apart;  // self: how far along the wire two points that touch are at least [m]
+} InstrumentScene;
+
+// A point of the cell.
+typedef struct CellPoint {
+    real s, gap, slope;  // slope: of the gap with the arc length of a [-]
+    SplinePlace a;
+    InstrumentGap g;
+} CellPoint;
+
+SEL_FN GapPart part_for(const InstrumentScene* scene, SplineView b, real s)
+{
+    GapPart part = scene->part;
+    if (part.touch == SEL_TOUCH_SELF) part.low = spline_at(b, s + scene->apart);
+    return part;
+}
+
+SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
+{
+    CellPoint point;
+    point.s = s;
+    point.a = spline_place(spline_at(scene->a, s), scene->a.count);
+    point.g = instrument_gap(scene->b, spline_sum(scene->a, point.a.node, point.a.w), start, part_for(scene, scene->b, s));
+    point.gap = point.g.gap;
+    const vec3 along = spline_sum(scene->a, point.a.node, point.a.d);
+    point.slope = dot3(point.g.n, along) / sqrt(dot3(along, along));
+    return point;
+}
+
+#define SEL_CELL_STEPS 24
+#define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
+#define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
+
+// The least gap between two points of the cell: where its slope changes sign, by turns of the secant and of halving.
+SEL_FN CellPoint least_gap(const InstrumentScene* scene, CellPoint left, CellPoint right)
+{
+    if (left.slope >= 0 && right.slope <= 0) return left.gap < right.gap ? left : right;
+    if (left.slope >= 0) return left;
+    if (right.slope <= 0) return right;
+    CellPoint best = left.gap < right.gap ? left : right;
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real share = k % 2 == 0 ? left.slope / (left.slope - right.slope) : (real)0.5;
+        const CellPoint middle = cell_point(scene, left.s + share * (right.s - left.s), best.g.at);
+        if (middle.gap < best.gap) best = middle;
+        if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
+        if (middle.slope < 0) left = middle;
+        else right = middle;
+    }
+    return best;
+}
+
+// Where the gap closes, between a point that overlaps and one that does not.
+SEL_FN real gap_zero(const InstrumentScene* scene, CellPoint in, CellPoint out)
+{
+    const real enough = SEL_ZERO * fabs(in.gap);
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real share = k % 2 == 0 && out.gap < SEL_FAR ? in.gap / (in.gap - out.gap) : (real)0.5;
+        const CellPoint middle = cell_point(scene, in.s + share * (out.s - in.s), in.g.at);
+        if (fabs(middle.gap) <= enough) return middle.s;
+        if (middle.gap < 0) in = middle;
+        else out = middle;
+    }
+    return in.s;
+}
+
+SEL_FN vec3 point_of_material(SplineView rod, real s)
+{
+    const SplinePlace p = spline_place(spline_at(rod, s), rod.count);
+    return spline_sum(rod, p.node, p.w);
+}
+
+// The gap of the same material point of a at the start of the step.
+SEL_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
+{
+    return instrument_gap(scene->b_t0, point_of_material(scene->a_t0, s), start, part_for(scene, scene->b_t0, s)).gap;
+}
+
+// Gauss-Legendre on [-1, 1].
+SEL_FN real gauss_place(uint k)
+{
+    return k == 0 ? (real)-0.86113631159405258 : k == 1 ? (real)-0.33998104358485626 : k == 2 ? (real)0.33998104358485626
+                                                                                              : (real)0.86113631159405258;
+}
+SEL_FN real gauss_weight(uint k) { return k == 1 || k == 2 ? (real)0.65214515486254614 : (real)0.34785484513745386; }
+
+SEL_FN void store_vec(real* to, vec3 v)
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+// Force and its growth at one Gauss point of `weight` metres.
+SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out)
+{
+    real slope;
+    const real per_metre = damped_force(closing, c, &slope);
+    if (per_metre <= 0) return;
+    InstrumentPoint* p = out->points + out->count++;
+    for (int k = 0; k < 3; ++k) {
+        p->wa[k] = point.a.w[k];
+        p->wb[k] = point.g.b.w[k];
+        p->db[k] = point.g.b.d[k];
+    }
+    store_vec(p->n, point.g.n);
+    store_vec(p->turn, point.g.turn);
+    store_vec(p->p, point.g.p);
+    store_vec(p->q, point.g.q);
+    for (int k = 0; k < 6; ++k) p->m[k] = point.g.m[k];
+    p->bend = point.g.bend;
+    p->force = weight * per_metre;
+    p->slope = weight * slope;
+    p->node_a = point.a.node;
+    p->node_b = point.g.b.node;
+    real ignored;
+    out->normal_sum += p->force;
+    out->stored += weight * elastic_normal(closing.depth, c->m, &ignored) * closing.depth / (c->m.exponent + 1);
+}
+
+// The normal force between two ends of what touches. @return its centroid along a
+SEL_FN real push_along(const InstrumentScene* scene, real left, real right, real start, Closing closing, const LawContext* c,
+                       InstrumentForce* out)
+{
+    const real half_length = (real)0.5 * (right - left), middle = (real)0.5 * (left + right);
+    real moment = 0;
+    for (uint k = 0; k < SEL_INSTRUMENT_POINTS; ++k) {
+        const real s = middle + half_length * gauss_place(k), before = out->normal_sum;
+        const CellPoint point = cell_point(scene, s, start);
+        if (point.gap >= 0) continue;
+        Closing here = closing;
+        here.depth = -point.gap;
+        if (c->par.inv_dt > 0 && c->m.damping > 0) {
+            const real gap_t0 = gap_at_start(scene, s, point.g.at);
+            here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
+            here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
+        }
+        push_at(point, half_length * gauss_weight(k), here, c, out);
+        moment += (out->normal_sum - before) * s;
+    }
+    return out->normal_sum > 0 ? moment / out->normal_sum : middle;
+}
+
+// One rod's surface at the contact: what its nodes do to it.
+typedef struct SurfaceMotion {
+    SplinePlace place;
+    vec3 lever;     // from the axis to the contact [m]
+    vec3 tangent;   // unit
+    real length;    // |c'| [m]
+    uint edge;      // that spins
+    vec3 move;      // of the contact over the step [m]
+} SurfaceMotion;
+
+SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, real material, vec3 lever)
+{
+    SurfaceMotion m;
+    m.place = spline_place(at, now.count);
+    m.lever = lever;
+    m.edge = edge_of_material(now, material);
+    const vec3 along = spline_sum(now, m.place.node, m.place.d);
+    m.length = sqrt(dot3(along, along));
+    m.tangent = (1 / m.length) * along;
+    const SplinePlace old = spline_place(spline_at(then, material), then.count);
+    const vec3 along_t0 = spline_sum(then, old.node, old.d);
+    const vec3 turn = m.tangent - (1 / sqrt(dot3(along_t0, along_t0))) * along_t0;
+    const real spin = now.theta[m.edge] - then.theta[edge_of_material(then, material)];
+    m.move = spline_sum(now, m.place.node, m.place.w) - spline_sum(then, old.node, old.w) + spin * cross3(m.tangent, lever) +
+             dot3(m.tangent, lever) * turn - dot3(lever, turn) * m.tangent;
+    return m;
+}
+
+SEL_FN InstrumentRow instrument_row(vec3 v, SurfaceMotion a, SurfaceMotion b)
+{
+    InstrumentRow row;
+    store_vec(row.v, v);
+    store_vec(row.turn_a, (1 / a.length) * (dot3(a.tangent, a.lever) * v - dot3(v, a.tangent) * a.lever));
+    store_vec(row.turn_b, (1 / b.length) * (dot3(b.tangent, b.lever) * v - dot3(v, b.tangent) * b.lever));
+    row.spin_a = dot3(v, cross3(a.tangent, a.lever));
+    row.spin_b = dot3(v, cross3(b.tangent, b.lever));
+    return row;
+}
+
+SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, InstrumentForce* out)
+{
+    for (int k = 0; k < 3; ++k) {
+        out->wa[k] = a.place.w[k];
+        out->da[k] = a.place.d[k];
+        out->wb[k] = b.place.w[k];
+        out->db[k] = b.place.d[k];
+    }
+    store_vec(out->n, point.g.n);
+    store_vec(out->turn, point.g.turn);
+    out->node_a = a.place.node;
+    out->node_b = b.place.node;
+    out->edge_a = a.edge;
+    out->edge_b = b.edge;
+}
+
+// Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
+SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c,
+                   InstrumentState* now, InstrumentForce* out)
+{
+    const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
+    const vec3 lever = -(c->m.radius) * n;
+    const real along_b = spline_material(scene->b, point.g.at);
+    const SurfaceMotion a = surface_motion(scene->a, scene->a_t0, spline_at(scene->a, point.s), point.s, lever);
+    const SurfaceMotion b =
+        surface_motion(scene->b, scene->b_t0, point.g.at, along_b, x + lever - point.g.centre);
+    place_friction(point, a, b, out);
+    vec3 move = a.move - b.move;
+    move = move - dot3(move, n) * n;
+    const vec3 slip = total_slip(move, n, carried, c);
+    const real size = sqrt(dot3(slip, slip)), load = out->normal_sum;
+    const SlipLaw law = slip_law(size, load, carried, c);
+    const vec3 d = size > 0 ? (1 / size) * slip : across_of(n), f = -law.force * d;
+    out->force = instrument_row(f, a, b);
+    out->along = instrument_row(d, a, b);
+    out->across = instrument_row(cross3(n, d), a, b);
+    out->stiff_along = size > 0 ? law.along : law.across;
+    out->stiff_across = law.across;
+    out->flags |= SEL_FORCE_COUPLE;
+    if (!law.stuck && size > 0) {
+        real slope = 0;
+        for (uint k = 0; k < out->count; ++k) slope += out->points[k].slope;
+        out->skew = slope > 0 ? law.force / load * slope : 0;
+        out->flags |= SEL_FORCE_SLIDING;
+        out->sliding_sum = law.force;
+    }
+    out->friction_sum = law.force;
+    out->friction_work = dot3(f, move);
+    out->stored += law.force * law.force / (2 * c->m.friction_stiffness * c->m.weight);
+    write_friction(slip, size, f, law, c, &now->contact);
+}
+
+SEL_FN InstrumentState no_instrument_state(void)
+{
+    InstrumentState none;
+    none.contact = no_contact_state();
+    none.along_a = none.along_b = none.length = 0;
+    none.pair = none.touch = 0;
+    return none;
+}
+
+SEL_FN InstrumentForce no_instrument_force(void)
+{
+    InstrumentForce none;
+    none.normal_sum = none.friction_sum = none.sliding_sum = none.length = none.friction_work = none.stored = 0;
+    none.stiff_along = none.stiff_across = none.skew = 0;
+    none.node_a = none.node_b = none.edge_a = none.edge_b = none.count = none.flags = none.pair = none.pad = 0;
+    none.depth = -SEL_FAR;
+    return none;
+}
+
+// What is known of a contact before its force: see closing_of() of contact_law.h.
+SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, ContactState old, int fresh, const LawContext* c)
+{
+    Closing closing;
+    const real gap_t0 = gap_at_start(scene, deepest.s, deepest.g.at);
+    closing.fresh = fresh;
+    closing.depth = -deepest.gap;
+    closing.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : closing.depth;
+    closing.rate = (closing.depth - closing.depth_t0) * c->par.inv_dt;
+    closing.rate_t0 = old.rate;
+    const int was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    closing.approach = max_r(was_active ? old.approach : fresh ? closing.rate : old.rate, c->m.speed_floor);
+    return closing;
+}
+
+// Where the deepest point is and how it closes.
+SEL_FN void write_deepest(CellPoint deepest, const InstrumentScene* scene, Closing closing, uint epoch, InstrumentState* now)
+{
+    const vec3 n = deepest.g.n;
+    const vec3 x = spline_sum(scene->a, deepest.a.node, deepest.a.w) - (scene->part.reach_a + deepest.gap) * n;
+    now->contact.epoch = epoch;
+    now->contact.gap = deepest.gap;
+    now->contact.rate = closing.rate;
+    now->contact.approach = closing.approach;
+    store_vec(now->contact.normal, n);
+    store_vec(now->contact.point, x);
+    now->along_a = deepest.s;
+    now->along_b = spline_material(scene->b, deepest.g.at);
+    now->contact.triangle = edge_of_material(scene->b, now->along_b);
+}
+
+// @param s0, s1  ends of the cell [m]     start  near where along b     track  gap within which the cell is followed [m]
+// @param fresh  `old` is none             c->mv.epoch: of this step
+SEL_FN InstrumentForce cell_force(const InstrumentScene* scene, real s0, real s1, real start, real track, ContactState old,
+                                  int fresh, LawContext* c, InstrumentState* now)
+{
+    InstrumentForce out = no_instrument_force();
+    const CellPoint left = cell_point(scene, s0, start), right = cell_point(scene, s1, left.g.at);
+    const CellPoint deepest = least_gap(scene, left, right);
+    out.depth = -deepest.gap;
+    if (deepest.gap > track) return out;
+    const Closing closing = cell_closing(scene, deepest, old, fresh, c);
+    write_deepest(deepest, scene, closing, c->mv.epoch, now);
+    if (blocked(closing, c)) out.flags |= SEL_FORCE_BLOCKED;
+    if (deepest.gap >= 0) return out;
+    const real from = left.gap < 0 ? s0 : gap_zero(scene, deepest, left);
+    const real until = right.gap < 0 ? s1 : gap_zero(scene, deepest, right);
+    const real centroid = push_along(scene, from, until, deepest.g.at, closing, c, &out);
+    if (out.count == 0) return out;
+    now->length = out.length = until - from;
+    now->contact.flags |= SEL_CONTACT_ACTIVE;
+    now->contact.normal_force = out.normal_sum;
+    if (c->par.friction == SEL_FRICTION_NONE) return out;
+    const CellPoint middle = cell_point(scene, centroid, deepest.g.at);
+    if (middle.gap >= SEL_FAR) return out;
+    CarriedState carried;
+    carried.old = old;
+    carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    c->m.weight = until - from;
+    rub_at(scene, middle, carried, c, now, &out);
+    return out;
+}
+
+SEL_END
+#endif

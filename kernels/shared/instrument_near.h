@@ -1,0 +1,241 @@
+// Which stretches of another rod, or of its own, a cell is near to; and the cell's evaluation as kernels and their twin run it.
+//
+// A cell's middle is held against the middles of the edges of b: where the slope of the distance along b changes sign from one to
+// the next, there is one nearest point between them, and a slot where it is within reach. Far stretches are passed over in leaps
+// that their distance allows.
+#ifndef SEL_SHARED_INSTRUMENT_NEAR_H
+#define SEL_SHARED_INSTRUMENT_NEAR_H
+#include "shared/instrument_cell.h"
+
+SEL_BEGIN
+
+// Nodes of all rods at one time.
+typedef struct InstrumentNodes {
+    SEL_GLOBAL const real* position;
+    SEL_GLOBAL const real* material;
+    SEL_GLOBAL const real* theta;
+} InstrumentNodes;
+
+// What does not change in a launch.
+typedef struct InstrumentBodies {
+    SEL_GLOBAL const InstrumentRod* rods;
+    SEL_GLOBAL const InstrumentPair* pairs;
+    SEL_GLOBAL const InstrumentSurface* surfaces;  // [cells]
+    SEL_GLOBAL const uint* rod_of;                 // [cells]
+} InstrumentBodies;
+
+SEL_FN InstrumentNodes instrument_nodes(SEL_GLOBAL const real* position, SEL_GLOBAL const real* material,
+                                        SEL_GLOBAL const real* theta)
+{
+    InstrumentNodes nodes;
+    nodes.position = position;
+    nodes.material = material;
+    nodes.theta = theta;
+    return nodes;
+}
+
+SEL_FN InstrumentBodies instrument_bodies(SEL_GLOBAL const InstrumentRod* rods, SEL_GLOBAL const InstrumentPair* pairs,
+                                          SEL_GLOBAL const InstrumentSurface* surfaces, SEL_GLOBAL const uint* rod_of)
+{
+    InstrumentBodies bodies;
+    bodies.rods = rods;
+    bodies.pairs = pairs;
+    bodies.surfaces = surfaces;
+    bodies.rod_of = rod_of;
+    return bodies;
+}
+
+SEL_FN SplineView spline_of(InstrumentNodes nodes, uint node, uint count)
+{
+    SplineView rod;
+    rod.position = nodes.position + 3 * node;
+    rod.material = nodes.material + node;
+    rod.theta = nodes.theta + node;
+    rod.count = count;
+    return rod;
+}
+
+#define SEL_SELF_APART ((real)3.141592653589793)  // radii along a wire nearer than which it does not touch itself
+
+// The slots of a cell while they are looked for; the nearest are kept.
+typedef struct SlotList {
+    InstrumentSlot slots[SEL_INSTRUMENT_SLOTS];
+    real distance[SEL_INSTRUMENT_SLOTS];
+    uint count;
+} SlotList;
+
+SEL_FN void add_slot(SlotList* list, uint pair, uint touch, real at, real distance)
+{
+    uint place = list->count;
+    if (place == SEL_INSTRUMENT_SLOTS) {
+        place = 0;
+        for (uint k = 1; k < SEL_INSTRUMENT_SLOTS; ++k)
+            if (list->distance[k] > list->distance[place]) place = k;
+        if (list->distance[place] <= distance) return;
+    } else {
+        list->count++;
+    }
+    list->slots[place].pair = pair;
+    list->slots[place].touch = touch;
+    list->slots[place].at = at;
+    list->distance[place] = distance;
+}
+
+// A nearest point between two places on b, if it is within `limit`.
+SEL_FN void try_stretch(SplineView b, vec3 x, real low, real high, real limit, real least_s, uint pair, uint touch,
+                        SlotList* list)
+{
+    const Closest near = closest_on(b, x, (real)0.5 * (low + high), low, high);
+    if (spline_material(b, near.at) < least_s) return;
+    const SplinePlace p = spline_place(near.at, b.count);
+    const vec3 away = x - spline_sum(b, p.node, p.w);
+    const real distance = sqrt(dot3(away, away));
+    if (distance < limit) add_slot(list, pair, touch, near.at, distance);
+}
+
+// All stretches of b near x. @param least_s  only hubwards of this material coordinate count
+SEL_FN void search_rod(SplineView b, vec3 x, real limit, real longest, real least_s, uint pair, uint touch, SlotList* list)
+{
+    const real end = (real)(b.count - 1);
+    real last = -1;  // slope at the middle of the edge before, < 0 at the tip: whatever is nearest on the first half edge is tried
+    int known = 1;
+    uint j = 0;
+    while (j + 1 < b.count) {
+        const vec3 from = node_at(b, j), edge = node_at(b, j + 1) - from, away = x - (from + (real)0.5 * edge);
+        const real slope = -dot3(away, edge), spare = sqrt(dot3(away, away)) - limit;
+        if (known && last <= 0 && slope > 0)
+            try_stretch(b, x, j == 0 ? (real)0 : (real)j - (real)0.5, (real)j + (real)0.5, limit, least_s, pair, touch, list);
+        if (j + 2 == b.count && slope <= 0) try_stretch(b, x, end - (real)0.5, end, limit, least_s, pair, touch, list);
+        uint leap = 1;
+        if (spare > 2 * longest) leap = (uint)min_r(spare / longest, (real)(b.count - 2 - j));
+        leap = leap < 1 ? 1 : leap;
+        known = leap == 1;
+        last = slope;
+        j += leap;
+    }
+}
+
+SEL_FN real way_limit(real way, uint rod, InstrumentBodies bodies)
+{
+    return rod == SEL_NO_ROD ? way : way + bodies.rods[rod].inside;
+}
+
+// Slots of one cell, unused ones with touch 0.
+SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentParams par)
+{
+    SlotList list;
+    list.count = 0;
+    for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
+        list.slots[k].pair = list.slots[k].touch = 0;
+        list.slots[k].at = list.distance[k] = 0;
+    }
+    const InstrumentRod a = bodies.rods[bodies.rod_of[cell]];
+    if (cell - a.cell >= a.live) return list;
+    const real s = a.spacing * ((real)(cell - a.cell) + (real)0.5), way = a.inside - s;
+    const vec3 x = point_of_material(spline_of(nodes, a.node, a.count), s);
+    for (uint p = a.pair; p < a.pair + a.pairs; ++p) {
+        const InstrumentPair pair = bodies.pairs[p];
+        const InstrumentRod rod = bodies.rods[pair.b];
+        if (rod.live == 0 || way < way_limit(pair.from, pair.from_rod, bodies) ||
+            way >= way_limit(pair.until, pair.until_rod, bodies))
+            continue;
+        const SplineView b = spline_of(nodes, rod.node, rod.count);
+        if (pair.touch == SEL_TOUCH_INSIDE) {
+            add_slot(&list, p, pair.touch, spline_at(b, rod.inside - way), 0);
+            continue;
+        }
+        const real radius = bodies.surfaces[cell].radius;
+        const real limit = radius + rod.widest + (real)0.5 * a.spacing + par.skin;
+        const real least = pair.touch == SEL_TOUCH_SELF ? s + SEL_SELF_APART * radius : (real)-1;
+        search_rod(b, x, limit, rod.longest_edge, least, p, pair.touch, &list);
+    }
+    return list;
+}
+
+// The surface of a rod at a material coordinate.
+SEL_FN InstrumentSurface surface_at(InstrumentRod rod, real s, SEL_GLOBAL const InstrumentSurface* surfaces)
+{
+    const real last = rod.inside / rod.spacing;
+    const real cell = clamp_r(s / rod.spacing, 0, max_r(last - (real)1e-9, 0));
+    return surfaces[rod.cell + (uint)cell];
+}
+
+SEL_FN GapPart gap_part(InstrumentPair pair, InstrumentSurface a, InstrumentSurface b, SplineView view)
+{
+    GapPart part;
+    part.touch = pair.touch;
+    part.low = 0;
+    part.high = (real)(view.count - 1);
+    part.reach_a = a.radius;
+    part.reach_b = b.radius;
+    part.rim = 0;
+    part.low_ends = (int)pair.ends;
+    part.high_ends = 1;
+    if (pair.touch == SEL_TOUCH_INSIDE) {
+        part.reach_b = b.lumen;
+        part.rim = (real)0.5 * (b.radius - b.lumen);
+        part.low = min_r(part.rim / (view.material[1] - view.material[0]), (real)0.5);
+    }
+    return part;
+}
+
+// The state that a slot had at the start of the step: of the same pair, the nearest along b.
+// @return its place among the cell's, or SEL_INSTRUMENT_SLOTS
+SEL_FN uint old_slot(SEL_GLOBAL const InstrumentState* states, uint pair, real along_b, real farthest, uint epoch)
+{
+    uint found = SEL_INSTRUMENT_SLOTS;
+    real least = farthest;
+    for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
+        if (states[k].contact.epoch + 1 != epoch || states[k].pair != pair || states[k].touch == SEL_TOUCH_NONE) continue;
+        const real apart = fabs(states[k].along_b - along_b);
+        if (apart >= least) continue;
+        least = apart;
+        found = k;
+    }
+    return found;
+}
+
+// Contact of one slot of one cell. @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell
+SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
+                                        InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0,
+                                        InstrumentParams par, InstrumentState* now)
+{
+    const InstrumentPair pair = bodies.pairs[slot.pair];
+    const InstrumentRod a = bodies.rods[pair.a], b = bodies.rods[pair.b];
+    InstrumentScene scene;
+    scene.a = spline_of(nodes, a.node, a.count);
+    scene.b = spline_of(nodes, b.node, b.count);
+    scene.a_t0 = spline_of(nodes_t0, a.node, a.count_t0);
+    scene.b_t0 = spline_of(nodes_t0, b.node, b.count_t0);
+    const real along_b = spline_material(scene.b, slot.at);
+    const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(b, along_b, bodies.surfaces);
+    scene.part = gap_part(pair, surface_a, surface_b, scene.b);
+    scene.apart = SEL_SELF_APART * surface_a.radius;
+    const uint old = old_slot(states_t0, slot.pair, along_b, 4 * (a.spacing + b.spacing), a.epoch);
+    const int fresh = old == SEL_INSTRUMENT_SLOTS;
+    LawContext c;
+    c.m = instrument_model(surface_a, surface_b, pair);
+    c.mv.tangent = c.mv.move = c.mv.turn = make_vec3(0, 0, 0);
+    c.mv.length = c.mv.spin = c.mv.radius_reduction = 0;
+    c.mv.fresh = fresh;
+    c.mv.epoch = a.epoch;
+    ContactParams laws;
+    laws.item_count = laws.slots = laws.known = 0;
+    laws.normal_law = SEL_NORMAL_DAMPED;
+    laws.smoothing = 0;
+    laws.friction = par.friction;
+    laws.settling = par.settling;
+    laws.inv_dt = par.inv_dt;
+    laws.smooth_speed = par.smooth_speed;
+    c.par = laws;
+    const real s0 = a.spacing * (real)(cell - a.cell);
+    now->pair = slot.pair;
+    now->touch = slot.touch;
+    InstrumentForce force = cell_force(&scene, s0, s0 + a.spacing, slot.at, (real)0.5 * surface_a.radius,
+                                       states_t0[fresh ? 0 : old].contact, fresh, &c, now);
+    force.pair = slot.pair;
+    return force;
+}
+
+SEL_END
+#endif

@@ -1,0 +1,86 @@
+#pragma once
+// Worlds of instruments that touch each other, without a vessel.
+
+#include "support/approx.h"
+#include "support/shared_folder.h"
+#include "world.h"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <optional>
+
+namespace seldinger::test {
+
+/// A straight wire of even nodes, no friction; contact by f = stiffness depth per metre.
+inline WireSetup straight_wire(double bend, double stretch, double length, double radius, int nodes, double stiffness = 1e10)
+{
+    WireSetup made;
+    made.wire.length = length;
+    made.wire.nodes = nodes;
+    WireSection& s = made.wire.shaft;
+    s.radius = radius;
+    s.density = 6450;
+    s.bend_stiffness = bend;
+    s.twist_stiffness = 0.76 * bend;
+    s.stretch_stiffness = stretch;
+    made.contact.stiffness_from_wall = false;
+    made.contact.stiffness = stiffness;
+    made.contact.exponent = 1;
+    made.contact.friction = FrictionLaw::None;
+    return made;
+}
+
+inline void put(WireSetup& wire, const Vec3& base, const Vec3& direction)
+{
+    wire.wire.place.base = base;
+    wire.wire.place.direction = direction;
+    wire.wire.place.normal = std::abs(direction.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX();
+}
+
+inline HoldSpec hold_of(WirePoint::Kind kind, bool direction, bool spin = false)
+{
+    HoldSpec hold;
+    hold.at.kind = kind;
+    hold.position = true;
+    hold.direction = direction;
+    hold.spin = spin;
+    return hold;
+}
+
+/// All wires one system that touch each other; equilibria.
+inline WorldSetup touching(std::vector<WireSetup> wires)
+{
+    WorldSetup made;
+    made.gravity = Vec3::Zero();
+    made.integrator.scheme = Scheme::Static;
+    made.systems = {static_cast<int>(wires.size())};
+    made.wires = std::move(wires);
+    made.instruments_touch = true;
+    return made;
+}
+
+/// Of contact on a wire as a whole [N].
+inline Vec3 contact_force(const World& world, int wire)
+{
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& force : world.nodal_contact_force(wire)) sum += force;
+    return sum;
+}
+
+/// A reference of the shared folder, or nothing: the test case then counts as skipped.
+inline std::optional<nlohmann::json> shared_case(const std::string& file, const std::string& id)
+{
+    const auto shared = shared_folder_or_skip();
+    if (!shared) return std::nullopt;
+    std::ifstream in(*shared / "reference" / file);
+    REQUIRE(in);
+    const nlohmann::json all = nlohmann::json::parse(in);
+    for (const auto& one : all["cases"])
+        if (one["id"] == id) return one;
+    FAIL("no case " << id);
+    return std::nullopt;
+}
+
+}  // namespace seldinger::test

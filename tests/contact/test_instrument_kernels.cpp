@@ -1,0 +1,220 @@
+// Kernels of contact between instruments against their host twins, bit for bit.
+
+#include "contact/host_reference_support.h"
+#include "contact/instrument_cells.h"
+#include "shared/instrument_near.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <vector>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr int nodes_each = 40;
+
+/// A catheter along x, a wire in it that comes out of its mouth, and a coil that crosses both and itself.
+struct Scene {
+    std::unique_ptr<InstrumentCells> cells;
+    std::vector<double> position, material, theta, position_t0;
+    std::vector<InstrumentState> states;  // [cells][slots]
+    InstrumentParams par{};
+
+    [[nodiscard]] InstrumentBodies bodies() const
+    {
+        return instrument_bodies(cells->rods.data(), cells->pairs.data(), cells->surfaces.data(), cells->rod_of.data());
+    }
+    [[nodiscard]] InstrumentNodes nodes() const { return instrument_nodes(position.data(), material.data(), theta.data()); }
+    [[nodiscard]] InstrumentNodes nodes_t0() const { return instrument_nodes(position_t0.data(), material.data(), theta.data()); }
+};
+
+WireSpec spec(double length, double radius, double lumen)
+{
+    WireSpec wire;
+    wire.length = length;
+    wire.lumen_radius = lumen;
+    wire.shaft.radius = radius;
+    wire.shaft.density = 6000;
+    wire.shaft.youngs = 1e8;
+    return wire;
+}
+
+Vec3 place(int rod, double s)
+{
+    if (rod == 0) return {0.04 - s, 0, 0};
+    if (rod == 1) return {0.05 - s, 0.2e-3 * std::sin(200 * s), 0.16e-3 * std::cos(170 * s)};
+    const double turn = s / 1.2e-3;
+    return {0.02 + 2.2e-4 * turn / 6.28 + 0.05 * s, 0.9e-3 + 1.2e-3 * std::cos(turn), 1.2e-3 * std::sin(turn)};
+}
+
+Scene make_scene(unsigned seed)
+{
+    InstrumentSetup setup;
+    setup.wires = {spec(0.04, 0.8e-3, 0.5e-3), spec(0.05, 0.3e-3, 0), spec(0.02, 0.25e-3, 0)};
+    setup.contacts.resize(3);
+    setup.system_of = {0, 0, 0};
+    setup.nested = {{{0, 1}, 0.1, 0.08, 0}};
+    setup.from_outside = true;
+    Scene scene;
+    scene.cells = std::make_unique<InstrumentCells>(setup);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> some(0, 3e-6);
+    for (int rod = 0; rod < 3; ++rod) {
+        InstrumentRod& known = scene.cells->rods[rod];
+        known.node = static_cast<uint>(nodes_each * rod);
+        known.count = known.count_t0 = nodes_each;
+        known.inside = setup.wires[rod].length;
+        known.live = static_cast<uint>(scene.cells->of_wire[rod + 1] - scene.cells->of_wire[rod]);
+        for (int i = 0; i < nodes_each; ++i) {
+            const double s = known.inside * i / (nodes_each - 1);
+            const Vec3 at = place(rod, s);
+            known.longest_edge = std::max(known.longest_edge, i ? (at - place(rod, s - known.inside / (nodes_each - 1))).norm() : 0);
+            for (int c = 0; c < 3; ++c) {
+                scene.position.push_back(at[c] + some(random));
+                scene.position_t0.push_back(at[c] + some(random));
+            }
+            scene.material.push_back(s);
+            scene.theta.push_back(0.1 * s);
+        }
+        known.longest_edge += 4e-5;
+    }
+    scene.par.skin = 0.25e-3;
+    scene.par.inv_dt = 1e3;
+    scene.par.smooth_speed = 1e-3;
+    scene.par.cell_count = static_cast<uint>(scene.cells->surfaces.size());
+    scene.states.resize(SEL_INSTRUMENT_SLOTS * scene.cells->surfaces.size());
+    std::memset(scene.states.data(), 0, scene.states.size() * sizeof(InstrumentState));
+    return scene;
+}
+
+template <class T>
+bool same(const T& a, const T& b)
+{
+    return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+/// Of what is meant to be read: points that push, and friction where it acts.
+bool same_force(const InstrumentForce& a, const InstrumentForce& b)
+{
+    if (a.count != b.count || a.flags != b.flags || a.depth != b.depth || a.normal_sum != b.normal_sum || a.stored != b.stored)
+        return false;
+    for (uint k = 0; k < a.count; ++k)
+        if (!same(a.points[k], b.points[k])) return false;
+    if (!(a.flags & SEL_FORCE_COUPLE)) return true;
+    return same(a.force, b.force) && same(a.along, b.along) && same(a.across, b.across) && a.stiff_along == b.stiff_along &&
+           a.skew == b.skew && a.friction_work == b.friction_work && a.edge_a == b.edge_a && a.edge_b == b.edge_b &&
+           same(a.wa, b.wa) && same(a.db, b.db);
+}
+
+struct OnDevice {
+    OnDevice(device::Context& context, device::Queue queue, const Scene& s)
+        : rods(context, queue, s.cells->rods),
+          pairs(context, queue, s.cells->pairs),
+          surfaces(context, queue, s.cells->surfaces),
+          rod_of(context, queue, s.cells->rod_of),
+          position(context, queue, s.position),
+          material(context, queue, s.material),
+          theta(context, queue, s.theta),
+          position_t0(context, queue, s.position_t0)
+    {
+    }
+    Guarded<InstrumentRod> rods;
+    Guarded<InstrumentPair> pairs;
+    Guarded<InstrumentSurface> surfaces;
+    Guarded<uint> rod_of;
+    Guarded<double> position, material, theta, position_t0;
+};
+
+/// Slots by kernel and by its twin.
+std::vector<InstrumentSlot> found_by_both(device::Context& context, device::Queue queue, const Scene& s, const OnDevice& on)
+{
+    std::vector<InstrumentSlot> twin(s.states.size());
+    for (uint cell = 0; cell < s.par.cell_count; ++cell) {
+        const SlotList list = near_slots(cell, s.bodies(), s.nodes(), s.par);
+        for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) twin[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
+    }
+    device::Kernel kernel(context, "contact/instruments.cl", "instruments_find", device::Items::Branching);
+    Guarded<InstrumentSlot> slots(context, queue, std::vector<InstrumentSlot>(twin.size()));
+    kernel.launch(queue, s.par.cell_count, s.par, on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(), on.rod_of.buffer(),
+                  on.position.buffer(), on.material.buffer(), on.theta.buffer(), slots.buffer());
+    CHECK(first_difference(slots.read(), twin) == -1);
+    return twin;
+}
+
+struct Counts {
+    int inside = 0, outside = 0, self = 0, pushing = 0, sliding = 0, partly = 0;
+};
+
+Counts evaluate_by_both(device::Context& context, device::Queue queue, Scene& s, const OnDevice& on,
+                        const std::vector<InstrumentSlot>& slots)
+{
+    std::vector<uint> list;
+    for (uint k = 0; k < slots.size(); ++k)
+        if (slots[k].touch != SEL_TOUCH_NONE) list.push_back(k);
+    s.par.item_count = static_cast<uint>(list.size());
+    std::vector<InstrumentState> states(s.states.size());
+    std::memset(states.data(), 0, states.size() * sizeof(InstrumentState));
+    std::vector<InstrumentForce> forces;
+    Counts counts;
+    Guarded<InstrumentState> device_states(context, queue, states), states_t0(context, queue, s.states);
+    for (const uint k : list) {
+        InstrumentState now = no_instrument_state();
+        const uint cell = k / SEL_INSTRUMENT_SLOTS;
+        forces.push_back(instrument_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
+                                          s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now));
+        states[k] = now;
+        const InstrumentForce& f = forces.back();
+        (slots[k].touch == SEL_TOUCH_INSIDE ? counts.inside : slots[k].touch == SEL_TOUCH_SELF ? counts.self : counts.outside)++;
+        counts.pushing += f.count > 0;
+        counts.sliding += (f.flags & SEL_FORCE_SLIDING) != 0;
+        counts.partly += f.count > 0 && f.length < 0.99 * s.cells->rods[s.cells->rod_of[cell]].spacing;
+    }
+    device::Kernel kernel(context, "contact/instruments.cl", "instruments_evaluate", device::Items::Branching);
+    Guarded<uint> device_list(context, queue, list);
+    Guarded<InstrumentSlot> device_slots(context, queue, slots);
+    Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
+    kernel.launch(queue, list.size(), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
+                  on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
+                  on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
+                  device_forces.buffer());
+    const std::vector<InstrumentForce> by_device = device_forces.read();
+    for (std::size_t k = 0; k < list.size(); ++k) CHECK(same_force(by_device[k], forces[k]));
+    CHECK(first_difference(device_states.read(), states) == -1);
+    s.states = states;
+    return counts;
+}
+
+}  // namespace
+
+TEST_SUITE("contact/instrument_kernels")
+{
+    TEST_CASE("twin: instruments_find and instruments_evaluate, over two steps")
+    {
+        device::Context& context = reference_context(false);
+        for (const device::Queue queue : {device::Queue::Inline, device::Queue::Pool}) {
+            Scene scene = make_scene(7);
+            const OnDevice first(context, queue, scene);
+            const Counts one = evaluate_by_both(context, queue, scene, first, found_by_both(context, queue, scene, first));
+            REQUIRE(one.inside > 20);
+            REQUIRE(one.outside > 3);
+            REQUIRE(one.self > 5);
+            REQUIRE(one.pushing > 10);
+            REQUIRE(one.partly > 3);
+            // a second step from where the first one ended, with the states that it left
+            scene.position_t0 = scene.position;
+            for (double& x : scene.position) x += 2e-7;
+            for (InstrumentRod& rod : scene.cells->rods) rod.epoch++;
+            for (std::size_t k = 0; k < nodes_each; ++k) scene.position[3 * k] += 2e-5;  // the catheter alone, along itself
+            const OnDevice second(context, queue, scene);
+            const Counts two = evaluate_by_both(context, queue, scene, second, found_by_both(context, queue, scene, second));
+            REQUIRE(two.pushing > 10);
+            REQUIRE(two.sliding > 3);
+        }
+    }
+}

@@ -1,0 +1,216 @@
+// Whole sessions in this process: a hand over UDP, hostile datagrams, reset, record and replay, the score, and what the hub says of its
+// own stiffness.
+
+#include "session/session.h"
+
+#include "session/session_fixture.h"
+#include "support/temporary_folder.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+Scene scene_of(const std::string& text = live_scene) { return read_scene_text(text, "live.toml"); }
+
+void rest(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+/// The same inputs once more, without a clock. @return the state's hash
+std::string replayed(const std::filesystem::path& path, const Scene& scene)
+{
+    const SessionRecord record = read_record(path);
+    World world(make_setup(scene));
+    check_record(record, path, scene, record.header.vessel_hash);
+    const auto initial = world.save_state();
+    Control control;
+    for (const RecordEntry& entry : record.entries) {
+        if (entry.kind == RecordEntry::Kind::Reset) world.restore_state(initial);
+        if (entry.kind != RecordEntry::Kind::Step) continue;
+        control.move_to(0, entry.hubs[0], entry.hubs[1]);
+        (void)step(world, control, record.header.dt);
+    }
+    return world.state_hash();
+}
+
+}  // namespace
+
+TEST_SUITE("session/session")
+{
+    TEST_CASE("property: a hand over UDP moves the instrument, is answered, and the record replays to the same bits, reset included")
+    {
+        const TemporaryFolder folder;
+        const Scene scene = scene_of();
+        SessionOptions options;
+        options.record = folder.path() / "s.record";
+        HandChannel hand("127.0.0.1", 0, 1);
+        Session session(scene, make_setup(scene), options, &hand);
+        hand.start([&] { return session.clock(); });
+        session.start();
+        const Line line(SOCK_DGRAM, hand.port());
+        SelHandAnswer answer{};
+        int answered = 0;
+        for (std::uint64_t k = 1; k <= 700; ++k) {
+            answered += line.ask(k, 0.06 * std::sin(0.004 * static_cast<double>(k)), 0.01 * static_cast<double>(k), answer);
+            CHECK(answer.sequence == k);
+            if (k == 350) {
+                PageWish wish;
+                wish.resets = 1;
+                session.page.put(wish);
+            }
+            rest(1e-3);
+        }
+        REQUIRE(answered == 700);
+        CHECK(answer.step > 0);
+        CHECK(std::isfinite(answer.force_n));
+        session.stop();
+        session.finish();
+        const std::string hash = session.world().state_hash();
+        CHECK(replayed(options.record, scene) == hash);
+        CHECK(read_record(options.record).whole);
+        CHECK(read_record(options.record).entries.back().hash == hash);
+        const auto summary = nlohmann::json::parse(session.summary());
+        CHECK(summary["packets"]["accepted"] == 700);
+        CHECK(summary["resets"] == 1);
+        CHECK(summary["state_hash"] == hash);
+        // what is brought in is never less than what is stored and done, but for what was not foreseen of a contact
+        CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -1e-5);
+    }
+
+    TEST_CASE("property: hostile datagrams move nothing and are counted")
+    {
+        const Scene scene = scene_of();
+        HandChannel hand("127.0.0.1", 0, 1);
+        Session session(scene, make_setup(scene), {}, &hand);
+        hand.start([&] { return session.clock(); });
+        session.start();
+        const Line line(SOCK_DGRAM, hand.port());
+        SelHandAnswer answer{};
+        REQUIRE(line.ask(5, 0.001, 0, answer));
+        std::string junk(2000, 'x');
+        const int n = 20000;
+        for (int k = 0; k < n; ++k) {
+            line.send(junk.data(), static_cast<std::size_t>(k % 2000));
+            if (k % 200 == 0) rest(1e-3);  // what the socket has no room for is lost before it is counted
+        }
+        const SelHandRequest bad{0, 6, 0, std::nan(""), 0, 0}, jump{0, 7, 0, 5.0, 0, 0};
+        for (const SelHandRequest& r : {bad, jump}) {
+            unsigned char bytes[SEL_HAND_REQUEST_BYTES];
+            sel_write_request(&r, bytes);
+            line.send(bytes, sizeof bytes);
+        }
+        REQUIRE(line.ask(8, 0.002, 0, answer));
+        CHECK(answer.sequence == 8);
+        CHECK(hand.count(HandGate::Verdict::Malformed) > n / 2);
+        CHECK(hand.count(HandGate::Verdict::NotFinite) == 1);
+        CHECK(hand.count(HandGate::Verdict::Jump) == 1);
+        CHECK(hand.count(HandGate::Verdict::Accepted) == 2);
+        rest(0.2);
+        session.stop();
+        session.finish();
+        CHECK(session.failure().empty());
+        CHECK(session.world().readings(0).inserted == doctest::Approx(0.002).epsilon(0.05));
+    }
+
+    TEST_CASE("property: a page pushes the wire to the target, falls silent and is still, and the score says what was done")
+    {
+        const Scene scene = scene_of();
+        SessionOptions options;
+        options.duration = 2.5;
+        Session session(scene, make_setup(scene), options, nullptr);
+        PageWish wish;
+        wish.push = 0.03;
+        wish.until = session.clock() + 1.2;  // 0.004 + 0.036 m
+        wish.fluoroscopy = true;
+        session.page.put(wish);
+        session.start();
+        while (session.running()) rest(0.01);
+        session.finish();
+        const ScoreNumbers& score = session.scorer().now();
+        CHECK(session.steps_so_far() == 2500);
+        CHECK(score.reached);
+        CHECK_FALSE(score.failed);
+        CHECK(score.pushes == 1);
+        CHECK(score.pull_backs == 0);
+        CHECK(score.path_length == doctest::Approx(score.advanced).epsilon(0.1));  // it slides along a straight floor
+        CHECK(score.fluoroscopy == doctest::Approx(score.time));
+        CHECK(session.world().readings(0).inserted < 0.04);
+        const auto sheet = nlohmann::json::parse(score_json(scene, score));
+        CHECK(sheet["verdict"] == "passed");
+        CHECK(score_page(scene, score).find("Three centimetres in.") != std::string::npos);
+    }
+
+    TEST_CASE("property: a record that was cut off anywhere is read up to its last whole block")
+    {
+        const TemporaryFolder folder;
+        const auto path = folder.path() / "cut.record";
+        {
+            RecordWriter writer(path, {version(), "n", "d", 1, 2, 1e-3, 1});
+            for (int block = 0; block < 3; ++block) {
+                std::vector<std::uint8_t> bytes;
+                const double hubs[] = {0.1 * block, 0.2};
+                for (int k = 0; k < 10; ++k) put_step(bytes, 0, hubs, 1);
+                writer.append(bytes);
+            }
+        }
+        const std::string text = read_file(path);
+        CHECK(read_record(path).steps() == 30);
+        CHECK_FALSE(read_record(path).whole);
+        const std::size_t block = 12 + 10 * 18;
+        for (std::size_t cut = 1; cut < block; cut += 7) {
+            write_file(path, text.substr(0, text.size() - cut));
+            CHECK(read_record(path).steps() == 20);
+        }
+        std::string flipped = text;
+        flipped[text.size() - block - 1] ^= 1;  // in the second block: it and what follows is not believed
+        write_file(path, flipped);
+        CHECK(read_record(path).steps() == 10);
+        write_file(path, "no record");
+        CHECK_THROWS_WITH_AS(read_record(path), doctest::Contains("is no record"), Error);
+    }
+
+    TEST_CASE("derivative: hand_stiffness is how the hand's force grows with what is fed within a step")
+    {
+        Scene scene = scene_of();
+        World world(make_setup(scene));
+        world.watch_hand_stiffness();
+        Control control;
+        double at = 0.004;
+        for (int k = 0; k < 1200; ++k) (void)step(world, control.move_to(0, at += 2e-5, 0.0), 1e-3);
+        REQUIRE(world.readings(0).contacts > 0);
+        const auto state = world.save_state();
+        const double d = 1e-8;
+        double force[2], stiffness = 0;
+        for (const int side : {0, 1}) {
+            world.restore_state(state);
+            (void)step(world, control.move_to(0, at + 2e-5 + (side ? d : -d), 0.0), 1e-3);
+            force[side] = world.readings(0).hand_force;
+            stiffness = world.readings(0).hand_stiffness;
+        }
+        const double measured = (force[1] - force[0]) / (2 * d);
+        CAPTURE(stiffness);
+        REQUIRE(measured > 10);
+        // its factors are those of the last Newton iteration but one, and the curvature of the hub's own cell is left out
+        CHECK(stiffness == doctest::Approx(measured).epsilon(0.05));
+    }
+
+    TEST_CASE("property: watching the stiffness and reading snapshots changes no bit")
+    {
+        const Scene scene = scene_of();
+        std::string hash[2];
+        for (const int watched : {0, 1}) {
+            World world(make_setup(scene));
+            if (watched) world.watch_hand_stiffness();
+            Control control;
+            for (int k = 0; k < 400; ++k) (void)step(world, control.move_to(0, 0.004 + 1e-4 * k, 1e-3 * k), 1e-3);
+            hash[watched] = world.state_hash();
+        }
+        CHECK(hash[0] == hash[1]);
+    }
+}

@@ -1,0 +1,175 @@
+// Who is admitted, what a page may say, and the server's refusals over a real socket.
+
+#include "session/web_content.h"
+#include "session/web_policy.h"
+#include "session/web_server.h"
+
+#include "session/session.h"
+#include "session/session_fixture.h"
+#include "support/skip.h"
+
+#include <filesystem>
+#include <thread>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+std::string get(int port, const std::string& target, const std::string& more = "", const std::string& host = "127.0.0.1")
+{
+    const Line line(SOCK_STREAM, port);
+    line.send("GET " + target + " HTTP/1.1\r\nHost: " + host + ":" + std::to_string(port) + "\r\n" + more + "Connection: close\r\n\r\n");
+    std::string all;
+    for (std::string part = line.receive(); !part.empty(); part = line.receive()) all += part;
+    return all;
+}
+
+const std::string upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n";
+
+std::string open_socket(const Line& line, int port, const std::string& origin = "", const std::string& target = "/ws")
+{
+    line.send("GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\n" + upgrade +
+              (origin.empty() ? "" : "Origin: " + origin + "\r\n") + "\r\n");
+    return line.receive();
+}
+
+struct Served {
+    Scene scene = read_scene_text(live_scene, "live.toml");
+    Session session{scene, make_setup(scene), {}, nullptr};
+    WebServer web;
+    explicit Served(const std::string& token = "") : web({"127.0.0.1", token, 0}, scene, session)
+    {
+        web.start();
+        session.start();
+    }
+    ~Served()
+    {
+        session.stop();
+        session.finish();
+        web.stop();
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("session/web")
+{
+    TEST_CASE("property: who is admitted")
+    {
+        using enum Admission;
+        const auto here = "127.0.0.1";
+        CHECK(admit({"/", "127.0.0.1:8080", "", ""}, here, "") == Welcome);
+        CHECK(admit({"/", "localhost:8080", "http://localhost:8080", ""}, here, "") == Welcome);
+        CHECK(admit({"/", "[::1]:8080", "", ""}, here, "") == Welcome);
+        CHECK(admit({"/", "evil.example:8080", "", ""}, here, "") == WrongHost);  // its name points here
+        CHECK(admit({"/", "", "", ""}, here, "") == WrongHost);
+        CHECK(admit({"/ws", "127.0.0.1:8080", "http://evil.example", ""}, here, "") == WrongOrigin);
+        CHECK(admit({"/ws", "127.0.0.1:8080", "http://127.0.0.1:9999", ""}, here, "") == WrongOrigin);
+        CHECK(admit({"/ws", "127.0.0.1:8080", "null", ""}, here, "") == WrongOrigin);
+        CHECK(admit({"/", "192.168.1.5:8080", "", ""}, "0.0.0.0", "secret") == WrongToken);
+        CHECK(admit({"/?token=secre", "192.168.1.5:8080", "", ""}, "0.0.0.0", "secret") == WrongToken);
+        CHECK(admit({"/?token=secrets", "192.168.1.5:8080", "", ""}, "0.0.0.0", "secret") == WrongToken);
+        CHECK(admit({"/?a=b&token=secret", "192.168.1.5:8080", "", ""}, "0.0.0.0", "secret") == Welcome);
+        CHECK(admit({"/ws", "192.168.1.5:8080", "", "x=y; seldinger_token=secret"}, "0.0.0.0", "secret") == Welcome);
+        CHECK(is_loopback("127.0.0.1"));
+        CHECK_FALSE(is_loopback("0.0.0.0"));
+        CHECK_FALSE(is_loopback("10.0.0.1"));
+    }
+
+    TEST_CASE("property: what a page may say")
+    {
+        PageWish wish;
+        bool reset = false;
+        CHECK(read_wish(R"({"push": 0.03, "turn": -2, "instrument": 1, "fluoro": true})", wish, reset));
+        CHECK(wish.push == 0.03);
+        CHECK(wish.instrument == 1);
+        CHECK(wish.fluoroscopy);
+        CHECK(read_wish(R"({"reset": true})", wish, reset));
+        CHECK(reset);
+        CHECK(wish.push == 0.03);  // what is not said stays
+        for (const char* bad : {"", "[]", "7", "{", R"({"push": "far"})", R"({"push": 1e9})", R"({"push": null})", R"({"instrument": -1})",
+                                R"({"instrument": 0.5})", R"({"instrument": 99})", R"({"pause": 1})", "\xff\xfe"}) {
+            CAPTURE(bad);
+            const PageWish before = wish;
+            CHECK_FALSE(read_wish(bad, wish, reset));
+            CHECK(wish.push == before.push);
+            CHECK(wish.instrument == before.instrument);
+        }
+    }
+
+    TEST_CASE("property: more messages than a page sends are not allowed, as many are")
+    {
+        RateLimit limit(100);
+        int allowed = 0;
+        for (int k = 0; k < 1000; ++k) allowed += limit.allow(1.0);
+        CHECK(allowed == 100);
+        for (int k = 1; k <= 1000; ++k) CHECK(limit.allow(1.0 + 0.011 * k));
+    }
+
+    TEST_CASE("property: an address that others reach needs a token, and a port that is taken is one line")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        CHECK_THROWS_WITH_AS(WebServer({"0.0.0.0", "", 0}, served.scene, served.session), doctest::Contains("--token"), Error);
+        CHECK_THROWS_WITH_AS(WebServer({"127.0.0.1", "", served.web.port()}, served.scene, served.session), doctest::Contains("--port"), Error);
+        CHECK_THROWS_WITH_AS(WebServer({"nowhere", "", 0}, served.scene, served.session), doctest::Contains("--bind"), Error);
+    }
+
+    TEST_CASE("property: pages, refusals and hostile bytes over a socket")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        const int port = served.web.port();
+        CHECK(get(port, "/").find("200 OK") != std::string::npos);
+        CHECK(get(port, "/scene.json").find("\"live tube\"") != std::string::npos);
+        CHECK(get(port, "/mesh.bin").find("200 OK") != std::string::npos);
+        CHECK(get(port, "/../CMakeLists.txt").find("404") != std::string::npos);
+        CHECK(get(port, "/", "", "evil.example").find("403") != std::string::npos);
+        CHECK(get(port, "/", "X: " + std::string(20000, 'x') + "\r\n").find("200") == std::string::npos);
+        {
+            const Line foreign(SOCK_STREAM, port), own(SOCK_STREAM, port);
+            CHECK(open_socket(foreign, port, "http://evil.example").find("403") != std::string::npos);
+            CHECK(open_socket(own, port, "http://127.0.0.1:" + std::to_string(port)).find("101") != std::string::npos);
+            CHECK_FALSE(own.receive().empty());  // frames come
+        }
+        for (int k = 0; k < 200; ++k) {  // frames that are none: unmasked, too long, of no kind
+            const Line line(SOCK_STREAM, port);
+            (void)open_socket(line, port);
+            const std::string bad[] = {std::string("\x81\x05hello", 7), std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff", 10),
+                                       std::string("\xbf\x80zzzz", 6), std::string(3000, static_cast<char>(k))};
+            line.send(bad[k % 4]);
+        }
+        CHECK(get(port, "/").find("200 OK") != std::string::npos);
+        CHECK(served.session.running());
+    }
+
+    TEST_CASE("property: no more sockets than there may be")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        std::vector<std::unique_ptr<Line>> lines;
+        int open = 0, refused = 0;
+        for (int k = 0; k < 12; ++k) {
+            lines.push_back(std::make_unique<Line>(SOCK_STREAM, served.web.port()));
+            const std::string answer = open_socket(*lines.back(), served.web.port());
+            open += answer.find("101") != std::string::npos;
+            refused += answer.find("503") != std::string::npos;
+        }
+        CHECK(open == 8);
+        CHECK(refused == 4);
+    }
+
+    TEST_CASE("property: with a token, nothing without it")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served("secret");
+        const int port = served.web.port();
+        CHECK(get(port, "/").find("403") != std::string::npos);
+        CHECK(get(port, "/mesh.bin?token=wrong").find("403") != std::string::npos);
+        CHECK(get(port, "/?token=secret").find("seldinger_token=secret; HttpOnly") != std::string::npos);
+        CHECK(get(port, "/live.js", "Cookie: seldinger_token=secret\r\n").find("200 OK") != std::string::npos);
+        const Line line(SOCK_STREAM, port);
+        CHECK(open_socket(line, port).find("403") != std::string::npos);
+    }
+}
