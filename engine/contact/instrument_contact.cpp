@@ -353,25 +353,34 @@ void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     }
 }
 
+/// What save_wire() wrote, into the slots of the wire's cells.
+void InstrumentContact::take_states(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::span<InstrumentState> into)
+{
+    std::uint32_t count = 0;
+    take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
+    take_bytes(bytes, end, &count, 1);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        std::uint32_t place = 0;
+        take_bytes(bytes, end, &place, 1);
+        if (place >= into.size()) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
+        take_bytes(bytes, end, &into[place], 1);
+        into[place].pair += cells_.rods[wire].pair;
+    }
+}
+
 void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
-    std::vector<InstrumentState> states(no_states_);
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        std::uint32_t count = 0;
-        take_bytes(bytes, end, &cells_.rods[w].epoch, 1);
-        take_bytes(bytes, end, &count, 1);
-        const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[w]);
-        const auto most = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[w + 1]) - first;
-        for (std::uint32_t k = 0; k < count; ++k) {
-            std::uint32_t place = 0;
-            take_bytes(bytes, end, &place, 1);
-            if (place >= most) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
-            take_bytes(bytes, end, &states[first + place], 1);
-            states[first + place].pair += cells_.rods[w].pair;
-        }
-    }
+    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
+}
+
+void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
+    std::vector<InstrumentState> states(static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first);
+    take_states(bytes, end, wire, states);
     context_.enter(device::Queue::Inline);
-    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState));
+    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
+                   first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);
     searched_ = false;
 }

@@ -50,6 +50,7 @@ public:
     void save(std::vector<std::uint8_t>& bytes) override;
     void save_wire(std::vector<std::uint8_t>& bytes, int wire) override;
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
     [[nodiscard]] const ContactTotals& totals(int wire) const { return sums_of(wire).totals(wire); }
     /// Adds the forces on the nodes of a wire, [n].
@@ -83,6 +84,7 @@ private:
     void launch(device::Queue queue);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
+    void take_states(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::span<InstrumentState> into);
 
     device::Context& context_;
     RodArrays& rods_;
