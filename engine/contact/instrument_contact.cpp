@@ -353,6 +353,24 @@ void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     }
 }
 
+/// What save_wire() wrote, into the slots of the wire's cells.
+void InstrumentContact::take_states(const std::uint8_t*& bytes, const std::uint8_t* end, int wire,
+                                    std::span<InstrumentState> into)
+{
+    std::uint32_t count = 0;
+    take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
+    take_bytes(bytes, end, &count, 1);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        std::uint32_t place = 0;
+        take_bytes(bytes, end, &place, 1);
+        if (place >= into.size()) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
+        take_bytes(bytes, end, &into[place], 1);
+        if (into[place].pair >= cells_.rods[wire].pairs)
+            throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
+        into[place].pair += cells_.rods[wire].pair;
+    }
+}
+
 void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
@@ -361,20 +379,10 @@ void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* 
 void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
 {
     const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
-    const auto size = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first;
-    std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));
-    std::uint32_t count = 0;
-    take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
-    take_bytes(bytes, end, &count, 1);
-    for (std::uint32_t k = 0; k < count; ++k) {
-        std::uint32_t place = 0;
-        take_bytes(bytes, end, &place, 1);
-        if (place >= size) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
-        take_bytes(bytes, end, &states[place], 1);
-        if (states[place].pair >= cells_.rods[wire].pairs)
-            throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
-        states[place].pair += cells_.rods[wire].pair;
-    }
+    const auto size =
+        static_cast<std::ptrdiff_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - static_cast<std::ptrdiff_t>(first);
+    std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + size);
+    take_states(bytes, end, wire, states);
     context_.enter(device::Queue::Inline);
     context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));

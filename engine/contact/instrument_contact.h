@@ -84,6 +84,7 @@ private:
     void launch(device::Queue queue);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
+    void take_states(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::span<InstrumentState> into);
 
     device::Context& context_;
     RodArrays& rods_;

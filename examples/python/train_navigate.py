@@ -34,8 +34,7 @@ def play(env, policies, seed):
     while running.any():
         inputs = np.concatenate([seen, np.ones((n, 1))], axis=1)
         actions = np.tanh(np.einsum("nai,ni->na", policies, inputs))
-        actions[~running] = 0.0
-        env._ended[:] = False  # those that have ended wait where they are
+        actions[~running] = 0.0  # those that have ended wait where they are
         seen, reward, terminated, truncated, info = env.step(actions)
         total += np.where(running, reward, 0.0)
         arrived |= running & info["success"]

@@ -32,7 +32,8 @@ from . import _engine  # noqa: E402
 from ._engine import InstrumentOutput, Output, State  # noqa: E402
 from ._errors import Error  # noqa: E402
 from ._studies import batch, chart, plan, sweep  # noqa: E402
-from ._world import Control, Scene, StepReport, World, assets, scene_names  # noqa: E402
+from ._scene import Scene, assets, scene_names  # noqa: E402
+from ._world import Control, StepReport, World  # noqa: E402
 
 _engine.set_error(Error)
 for _class in (InstrumentOutput, Output, State):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from . import _engine, _toml
-from ._world import Scene, SceneLike, assets
+from ._scene import Scene, SceneLike, assets
 
 
 def _sweep_text(vary: Any) -> str:

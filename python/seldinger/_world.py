@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple, Union
 
 import numpy as np
 
-from . import _engine, _toml
+from . import _engine
 from ._errors import Error
-
-SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any], "Scene"]
+from ._scene import Scene, SceneLike
 
 _FLAGS = {"halved": 1, "not_converged": 2, "wall_far": 4, "wall_penetration": 8, "non_finite": 16, "best_effort": 32, "energy": 64}
 _ADVICE = {
@@ -21,81 +18,6 @@ _ADVICE = {
     16: "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller",
     2: "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower",
 }
-
-
-def assets() -> Path:
-    """The folder of scenes and instruments that come with the package ($SELDINGER_ASSETS, else beside it).
-
-    >>> import seldinger
-    >>> (seldinger.assets() / "scenes" / "aortic-arch.toml").is_file()
-    True
-    """
-    return Path(os.environ["SELDINGER_ASSETS"])
-
-
-class Scene:
-    """A scene as text, with the place that its relative paths start from.
-
-    Parameters
-    ----------
-    scene : str, path, dict or Scene
-        The name of one that comes with the package ("aortic-arch"), a file, TOML text (with a line break in it), or the same as a
-        dict.
-    set : list of str
-        Overrides as of the command's --set, "table.key=value".
-    **overrides
-        The same as keywords: `contact__mu_sliding=0.1` or `**{"contact.mu_sliding": 0.1}`; values are Python's.
-
-    Examples
-    --------
-    >>> import seldinger
-    >>> seldinger.Scene("swing", wire__nodes=21).overrides
-    ['wire.nodes=21']
-    """
-
-    def __init__(self, scene: SceneLike, *, set: Sequence[str] = (), **overrides: Any) -> None:
-        earlier: list[str] = []
-        if isinstance(scene, Scene):
-            self.text, self.file, earlier = scene.text, scene.file, scene.overrides
-        elif isinstance(scene, Mapping):
-            self.text, self.file = _toml.document(scene), str(Path.cwd() / "scene.toml")
-        elif isinstance(scene, str) and "\n" in scene:
-            self.text, self.file = scene, str(Path.cwd() / "scene.toml")
-        elif isinstance(scene, (str, os.PathLike)):
-            self.file = str(_find(scene))
-            try:
-                self.text = Path(self.file).read_text(encoding="utf-8")
-            except (OSError, UnicodeDecodeError) as why:
-                raise Error(f"{scene}: {getattr(why, 'strerror', None) or why}; expected a scene file, or one of "
-                            f"{', '.join(scene_names())}", 3) from None
-        else:
-            raise TypeError(f"scene: {type(scene).__name__} given; a name, a path, a dict or a Scene expected")
-        self.overrides: list[str] = [*earlier, *_toml.overrides(overrides, set)]
-
-    def __repr__(self) -> str:
-        return f"Scene({self.file!r}, set={self.overrides!r})"
-
-
-def scene_names() -> list[str]:
-    """Names of the scenes that come with the package.
-
-    >>> import seldinger
-    >>> "aortic-arch" in seldinger.scene_names()
-    True
-    """
-    folder = assets() / "scenes"
-    return sorted({p.stem for p in folder.glob("*.toml")} | {p.stem for p in (folder / "reference").glob("*.toml")})
-
-
-def _find(name: str | os.PathLike[str]) -> Path:
-    path = Path(name)
-    if path.exists() or path.suffix == ".toml" or len(path.parts) > 1:
-        return path
-    for folder in ("", "reference"):
-        place = assets() / "scenes" / folder / f"{path}.toml"
-        if place.is_file():
-            return place
-    return path
 
 
 class StepReport(NamedTuple):

@@ -19,7 +19,8 @@ void check_process()
                     "multiprocessing's \"spawn\" or \"forkserver\", or make the first World after the fork");
 }
 
-Handle::Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides, int device)
+Handle::Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides,
+               int device)
 {
     check_process();
     for (const std::vector<std::string>& own : overrides) scenes_.push_back(read_scene_text(text, file, own));
@@ -60,9 +61,10 @@ StepReport Handle::one_step(const std::vector<HubTarget>* targets, const std::ve
     return seldinger::step(*world_, control_, dt);
 }
 
-StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt)
+StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on)
 {
     World& at = world();
+    failed_.assign(static_cast<std::size_t>(at.wire_count()), 0);
     std::vector<HubTarget> start;
     for (int w = 0; targets && n > 1 && w < at.wire_count(); ++w) {
         const WireReadings now = at.readings(w);
@@ -79,7 +81,9 @@ StepSummary Handle::step(const std::vector<HubTarget>* targets, long n, double d
         all.report.sub_steps = std::max(all.report.sub_steps, report.sub_steps);
         all.report.times += report.times;
         all.steps++;
-        if (report.failed() && at.system_count() == 1) break;
+        if (!report.failed()) continue;
+        for (int w = 0; w < at.wire_count(); ++w) failed_[w] = failed_[w] || at.report(w).failed();
+        if (!go_on && at.system_count() == 1) break;
     }
     return all;
 }
@@ -116,6 +120,7 @@ void Handle::restore(const SavedState& state, int into)
     if (system >= at.system_count()) throw Error(ExitCode::BadFile, "the saved state is of a system that is not there");
     if (system < 0) at.restore_state(state.bytes);
     else at.restore_state(system, state.bytes);
+    std::fill(failed_.begin(), failed_.end(), 0);
     if (output_) spare_ = std::move(output_);
     // a copy that only this world fills again
     if (state.output) output_ = std::const_pointer_cast<Output>(state.output);

@@ -1,5 +1,6 @@
 #pragma once
-// A World as Python holds it: with its scenes, its key frames, a copy of what was last read, and a lock, so that threads may share it.
+// A World as Python holds it: with its scenes, its key frames, a copy of what was last read, and a lock, so that threads may
+// share it.
 
 #include "scene/key_frames.h"
 #include "scene/scene.h"
@@ -47,7 +48,10 @@ public:
     [[nodiscard]] const Scene& scene(int system = 0) const { return scenes_[static_cast<std::size_t>(system)]; }
 
     /// `n` steps of dt. @param targets  per instrument; none: the hubs follow the scene's key frames
-    StepSummary step(const std::vector<HubTarget>* targets, long n, double dt);
+    /// @param go_on  past a step that failed; else a world of one system stops there
+    StepSummary step(const std::vector<HubTarget>* targets, long n, double dt, bool go_on = false);
+    /// Per instrument: whether a step of the last call failed.
+    [[nodiscard]] const std::vector<std::uint8_t>& failed() const { return failed_; }
     StepReport settle();
     /// Of the present state; the same object until something changes.
     std::shared_ptr<const Output> output();
@@ -65,9 +69,10 @@ private:
     std::vector<Scene> scenes_;
     KeyFrames keys_{std::vector<std::vector<FeedKey>>{}};
     std::unique_ptr<World> world_;
+    std::vector<std::uint8_t> failed_;
     Control control_;
-    std::shared_ptr<Output> output_;        // of the present state, once somebody has asked
-    std::shared_ptr<Output> spare_;         // to be filled again when nobody looks at it any more
+    std::shared_ptr<Output> output_;  // of the present state, once somebody has asked
+    std::shared_ptr<Output> spare_;   // to be filled again when nobody looks at it any more
     mutable std::mutex lock_;
 };
 

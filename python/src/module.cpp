@@ -51,20 +51,22 @@ std::vector<HubTarget> targets_from(const Reals& targets, const py::array_t<bool
     return list;
 }
 
-py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt)
+py::tuple step(Handle& handle, const py::object& targets, const py::object& moves, long n, double dt, bool go_on)
 {
     std::optional<std::vector<HubTarget>> asked;
-    if (!targets.is_none())
-        asked = targets_from(targets.cast<Reals>(), moves.cast<py::array_t<bool, py::array::c_style>>());
-    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt); });
+    if (!targets.is_none()) asked = targets_from(targets.cast<Reals>(), moves.cast<py::array_t<bool, py::array::c_style>>());
+    const StepSummary done = alone(handle, [&] { return handle.step(asked ? &*asked : nullptr, n, dt, go_on); });
     return summary(done.report, done.steps);
 }
 
 void bind_state(py::module_& module)
 {
-    py::class_<SavedState>(module, "State", "A saved state of a World. It can be pickled, and restored into any world of the same scene.")
-        .def_property_readonly("system", [](const SavedState& s) { return s.system; }, "int: of which system; -1: of all")
-        .def_property_readonly("bytes", [](const SavedState& s) { return as_bytes(s.bytes); }, "bytes: every changing byte")
+    py::class_<SavedState>(module, "State",
+                           "A saved state of a World. It can be pickled, and restored into any world of the same scene.")
+        .def_property_readonly(
+            "system", [](const SavedState& s) { return s.system; }, "int: of which system; -1: of all")
+        .def_property_readonly(
+            "bytes", [](const SavedState& s) { return as_bytes(s.bytes); }, "bytes: every changing byte")
         .def(py::pickle(
             [](const SavedState& s) {
                 return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes());
@@ -72,7 +74,8 @@ void bind_state(py::module_& module)
             [](const py::tuple& t) {
                 if (t.size() != 3) throw Error(ExitCode::BadFile, "the pickled state is damaged");
                 const Bytes output = from_bytes(t[2].cast<py::bytes>());
-                return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()), output.empty() ? nullptr : unpack(output)};
+                return SavedState{t[0].cast<int>(), from_bytes(t[1].cast<py::bytes>()),
+                                  output.empty() ? nullptr : unpack(output)};
             }));
 }
 
@@ -98,16 +101,13 @@ void bind_world(py::module_& module)
     py::class_<Handle> c(module, "World");
     c.def(py::init<const std::string&, const std::string&, const std::vector<std::vector<std::string>>&, int>(),
           py::call_guard<py::gil_scoped_release>());
-    c.def("step", &step);
+    c.def("step", &step, py::arg("targets"), py::arg("moves"), py::arg("n"), py::arg("dt"), py::arg("go_on") = false);
     c.def("settle", [](Handle& h) { return summary(alone(h, [&] { return h.settle(); }), 0); });
     c.def("output", [](Handle& h) { return OutputView{alone(h, [&] { return h.output(); })}; });
     c.def("save", [](Handle& h, int system) { return alone(h, [&] { return h.save(system); }); });
     c.def(
-        "restore",
-        [](Handle& h, const SavedState& s, int into) {
-            alone(h, [&] { h.restore(s, into); });
-        },
-        py::arg("state"), py::arg("into") = -1);
+        "restore", [](Handle& h, const SavedState& s, int into) { alone(h, [&] { h.restore(s, into); }); }, py::arg("state"),
+        py::arg("into") = -1);
     c.def("close", [](Handle& h) { alone(h, [&] { h.close(); }); });
     c.def("state_hash", [](Handle& h, int system) {
         return alone(h, [&] { return system < 0 ? h.world().state_hash() : h.world().state_hash(system); });
@@ -116,9 +116,8 @@ void bind_world(py::module_& module)
     c.def("at_rest", [](Handle& h) { return alone(h, [&] { return h.world().at_rest(); }); });
     c.def("model", [](Handle& h) { return alone(h, [&] { return h.world().model(); }); });
     c.def("device_name", [](Handle& h) { return alone(h, [&] { return h.world().device_name(); }); });
-    c.def("counts", [](Handle& h) {
-        return alone(h, [&] { return std::pair(h.world().wire_count(), h.world().system_count()); });
-    });
+    c.def("counts",
+          [](Handle& h) { return alone(h, [&] { return std::pair(h.world().wire_count(), h.world().system_count()); }); });
     c.def("names", [](Handle& h) {
         return alone(h, [&] {
             std::vector<std::string> names;
@@ -158,7 +157,8 @@ void bind_navigator(py::module_& module)
     py::class_<Navigator>(module, "Navigator")
         .def(py::init([](const Handle& h, const std::array<double, 3>& target, int shape_points, double shape_spacing,
                          int ahead_points, double ahead_spacing) {
-            const NavigateSpec spec{Vec3(target[0], target[1], target[2]), shape_points, shape_spacing, ahead_points, ahead_spacing};
+            const NavigateSpec spec{Vec3(target[0], target[1], target[2]), shape_points, shape_spacing, ahead_points,
+                                    ahead_spacing};
             return Navigator(h.world().setup().centreline, spec);
         }))
         .def("size", &Navigator::size)
@@ -169,7 +169,7 @@ void bind_navigator(py::module_& module)
                 throw py::value_error("observe: arrays of another shape");
             const std::span<float> seen(to.mutable_data(), static_cast<std::size_t>(to.size()));
             const std::span<double> read(measures.mutable_data(), static_cast<std::size_t>(measures.size()));
-            alone(h, [&] { n.observe(h.world(), seen, read); });
+            alone(h, [&] { n.observe(h.world(), h.failed(), seen, read); });
         });
 }
 

@@ -41,7 +41,8 @@ Vec3 along(const ConstRodView& rod, double s)
 Navigator::Navigator(const Centreline& line, const NavigateSpec& spec) : spec_(spec)
 {
     const std::size_t count = line.points.size();
-    if (count < 2) throw Error(ExitCode::BadScene, "navigate: the scene's vessel has no centreline; expected a vessel with branches");
+    if (count < 2)
+        throw Error(ExitCode::BadScene, "navigate: the scene's vessel has no centreline; expected a vessel with branches");
     std::vector<std::vector<int>> joined(count);
     for (std::size_t i = 0; i < count; ++i) {
         x_.push_back(line.points[i].x()), y_.push_back(line.points[i].y()), z_.push_back(line.points[i].z());
@@ -101,7 +102,7 @@ Vec3 Navigator::ahead(int at, double distance) const
     return {x_[i], y_[i], z_[i]};
 }
 
-void Navigator::see(const World& world, int system, float* to, double* measures) const
+void Navigator::see(const World& world, int system, bool failed, float* to, double* measures) const
 {
     const int wire = world.wires_of(system).first;
     const ConstRodView rod = world.rod(wire);
@@ -117,7 +118,9 @@ void Navigator::see(const World& world, int system, float* to, double* measures)
     const Vec3 other = forward.cross(side);
 
     const auto put = [&to](double value) { *to++ = static_cast<float>(std::clamp(value, -10.0, 10.0)); };
-    const auto put_in = [&](const Vec3& v, const Vec3& a, const Vec3& b, const Vec3& c) { put(v.dot(a)), put(v.dot(b)), put(v.dot(c)); };
+    const auto put_in = [&](const Vec3& v, const Vec3& a, const Vec3& b, const Vec3& c) {
+        put(v.dot(a)), put(v.dot(b)), put(v.dot(c));
+    };
     put(here.left / way_scale), put(here.n), put(here.b);
     put_in(forward, u_[here.at], n_[here.at], b_[here.at]);
     put(side.dot(n_[here.at])), put(side.dot(b_[here.at]));
@@ -132,16 +135,20 @@ void Navigator::see(const World& world, int system, float* to, double* measures)
     put(now.normal / force_scale), put(now.contacts / contact_scale);
     put(advance / way_scale), put(std::sin(turn)), put(std::cos(turn));
 
-    const double values[measure_count] = {here.left,       (tip - spec_.target).norm(), now.hand_force, now.hand_torque, now.normal,
-                                          advance,         turn,                        world.report(wire).failed() ? 1.0 : 0.0,
-                                          world.time(wire)};
+    const double values[measure_count] = {
+        here.left, (tip - spec_.target).norm(), now.hand_force,  now.hand_torque, now.normal, advance,
+        turn,      failed ? 1.0 : 0.0,          world.time(wire)};
     std::copy(std::begin(values), std::end(values), measures);
 }
 
-void Navigator::observe(const World& world, std::span<float> observation, std::span<double> measures) const
+void Navigator::observe(const World& world, std::span<const std::uint8_t> failed, std::span<float> observation,
+                        std::span<double> measures) const
 {
     for_each_item(world.system_count(), 8, [&](int s) {
-        see(world, s, observation.data() + static_cast<std::size_t>(s) * static_cast<std::size_t>(size()),
+        bool any = false;
+        const auto [first, end] = world.wires_of(s);
+        for (int w = first; w < end && !failed.empty(); ++w) any = any || failed[static_cast<std::size_t>(w)];
+        see(world, s, any, observation.data() + static_cast<std::size_t>(s) * static_cast<std::size_t>(size()),
             measures.data() + static_cast<std::size_t>(s) * measure_count);
     });
 }

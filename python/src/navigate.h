@@ -31,26 +31,29 @@ public:
     static constexpr int measure_count = 9;
 
     /// @param observation  [systems][size()]
-    /// @param measures     [systems][9]: way left [m], distance from the target [m], hand force [N], hand torque [N m], normal force
-    ///                     of the wall, summed [N], advance [m], turn [rad], whether the last step failed, simulated time [s]
-    void observe(const World& world, std::span<float> observation, std::span<double> measures) const;
+    /// @param measures     [systems][9]: way left [m], distance from the target [m], hand force [N], hand torque [N m], normal
+    /// force
+    ///                     of the wall, summed [N], advance [m], turn [rad], whether a step failed, simulated time [s]
+    /// @param failed       per instrument
+    void observe(const World& world, std::span<const std::uint8_t> failed, std::span<float> observation,
+                 std::span<double> measures) const;
     /// The way that is left from a place [m].
     [[nodiscard]] double way(const Vec3& place) const;
 
 private:
     struct Place {
-        int at = 0;         // nearest point of the centreline
-        double left = 0;    // way to the target [m]
+        int at = 0;           // nearest point of the centreline
+        double left = 0;      // way to the target [m]
         double n = 0, b = 0;  // off the centreline, radii of the lumen
     };
     [[nodiscard]] Place locate(const Vec3& p) const;
     [[nodiscard]] Vec3 ahead(int at, double distance) const;
-    void see(const World& world, int system, float* to, double* measures) const;
+    void see(const World& world, int system, bool failed, float* to, double* measures) const;
 
     NavigateSpec spec_;
     std::vector<double> x_, y_, z_;  // of the centreline's points [m]
     std::vector<double> radius_, left_;
-    std::vector<int> next_;          // towards the target; of the last point itself
+    std::vector<int> next_;  // towards the target; of the last point itself
     std::vector<Vec3> u_, n_, b_;
 };
 

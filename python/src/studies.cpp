@@ -160,7 +160,8 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
             Look look;
             look.legend = legend, look.inset = legend;
             handle.companion.reset();
-            picture = std::make_shared<Picture>(Picture{Renderer(width, height, look), width, height, legend, std::this_thread::get_id()});
+            picture = std::make_shared<Picture>(
+                Picture{Renderer(width, height, look), width, height, legend, std::this_thread::get_id()});
             picture->renderer.set_wall(world.setup().mesh);
             handle.companion = picture;
         }
@@ -192,8 +193,8 @@ void bind_studies(py::module_& module)
 {
     module.def("batch", &batch);
     module.def("sweep", &sweep);
-    module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance, double force,
-                          bool relative, double rate, double budget, const std::string& out, int device) {
+    module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance,
+                          double force, bool relative, double rate, double budget, const std::string& out, int device) {
         PlanGoals goals;
         goals.tolerance = tolerance, goals.force_tolerance = force, goals.force_is_relative = relative, goals.rate = rate;
         const py::gil_scoped_release others;

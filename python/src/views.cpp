@@ -60,8 +60,8 @@ py::dtype contact_type()
 py::array contacts(const std::shared_ptr<const Output>& data)
 {
     const std::vector<ContactRow>& rows = data->contacts;
-    return view(contact_type(), {static_cast<py::ssize_t>(rows.size())}, {static_cast<py::ssize_t>(sizeof(ContactRow))}, rows.data(),
-                data);
+    return view(contact_type(), {static_cast<py::ssize_t>(rows.size())}, {static_cast<py::ssize_t>(sizeof(ContactRow))},
+                rows.data(), data);
 }
 
 py::array vector(const Vec3& v)
@@ -85,13 +85,15 @@ template <class View, class Get>
 void add_wire(py::class_<View>& c, Get get)
 {
     const auto number = [&](const char* name, double WireReadings::*member, const char* text) {
-        c.def_property_readonly(name, [get, member](const View& v) { return get(v).readings.*member; }, text);
+        c.def_property_readonly(
+            name, [get, member](const View& v) { return get(v).readings.*member; }, text);
     };
     const auto array = [&](const char* name, auto member, const char* text) {
         c.def_property_readonly(
             name,
             [get, member](const View& v) {
-                if constexpr (std::is_same_v<decltype(member), std::vector<double> WireOutput::*>) return numbers(get(v).*member, v.data);
+                if constexpr (std::is_same_v<decltype(member), std::vector<double> WireOutput::*>)
+                    return numbers(get(v).*member, v.data);
                 else return points(get(v).*member, v.data);
             },
             text);
@@ -103,8 +105,10 @@ void add_wire(py::class_<View>& c, Get get)
     array("radius", &WireOutput::radius, "[n] float64, m: of the edge that begins at the node.");
     array("curvature", &WireOutput::curvature, "[n] float64, 1/m; 0 at the ends.");
     array("spin", &WireOutput::spin, "[n] float64, rad: of the material, right-handed about the direction of insertion.");
-    c.def_property_readonly("tip", [get](const View& v) { return vector(get(v).tip); }, "[3] float64, m.");
-    c.def_property_readonly("base_force", [get](const View& v) { return vector(get(v).readings.base_force); }, "[3] float64, N.");
+    c.def_property_readonly(
+        "tip", [get](const View& v) { return vector(get(v).tip); }, "[3] float64, m.");
+    c.def_property_readonly(
+        "base_force", [get](const View& v) { return vector(get(v).readings.base_force); }, "[3] float64, N.");
     number("inserted", &WireReadings::inserted, "float, m: advance since the start.");
     number("turned", &WireReadings::turned, "float, rad: by the hub, right-handed about the direction of insertion.");
     number("hand_force", &WireReadings::hand_force, "float, N: against the hand, + resists insertion.");
@@ -118,11 +122,15 @@ void add_wire(py::class_<View>& c, Get get)
     number("elastic", &WireReadings::elastic, "float, J.");
     number("gravitational", &WireReadings::gravitational, "float, J.");
     number("force_residual", &WireReadings::force_residual, "float, N: largest left on a free node.");
-    c.def_property_readonly("contact_count", [get](const View& v) { return get(v).readings.contacts; }, "int.");
-    c.def_property_readonly("energy", [get](const View& v) { return ledger(get(v).readings.energy); },
-                            "dict of float, J: where energy came from and went.");
-    c.def_property_readonly("at_rest", [get](const View& v) { return get(v).at_rest; }, "bool.");
-    c.def_property_readonly("failed", [get](const View& v) { return get(v).report.failed(); }, "bool: of its last step.");
+    c.def_property_readonly(
+        "contact_count", [get](const View& v) { return get(v).readings.contacts; }, "int.");
+    c.def_property_readonly(
+        "energy", [get](const View& v) { return ledger(get(v).readings.energy); },
+        "dict of float, J: where energy came from and went.");
+    c.def_property_readonly(
+        "at_rest", [get](const View& v) { return get(v).at_rest; }, "bool.");
+    c.def_property_readonly(
+        "failed", [get](const View& v) { return get(v).report.failed(); }, "bool: of its last step.");
 }
 
 py::list walls(const OutputView& v)
@@ -144,16 +152,21 @@ void bind_output(py::module_& module)
 {
     py::class_<WireView> wire(module, "InstrumentOutput", "One instrument of an Output.");
     add_wire(wire, [](const WireView& v) -> const WireOutput& { return v.wire(); });
-    wire.def_property_readonly("time", [](const WireView& v) { return v.wire().time; }, "float, s: where it stands.");
+    wire.def_property_readonly(
+        "time", [](const WireView& v) { return v.wire().time; }, "float, s: where it stands.");
 
-    py::class_<OutputView> output(module, "Output",
-                                  "What can be read of a world. Numbers and arrays without an instrument are the first one's. It stays "
-                                  "as it is when the world steps on or is gone.");
+    py::class_<OutputView> output(
+        module, "Output",
+        "What can be read of a world. Numbers and arrays without an instrument are the first one's. It stays "
+        "as it is when the world steps on or is gone.");
     add_wire(output, [](const OutputView& v) -> const WireOutput& { return v.data->wires.front(); });
-    output.def_property_readonly("time", [](const OutputView& v) { return v.data->time; }, "float, s.");
-    output.def_property_readonly("step", [](const OutputView& v) { return v.data->step; }, "int: steps since the start.");
-    output.def_property_readonly("contacts", [](const OutputView& v) { return contacts(v.data); },
-                                 "[c] structured: all contacts, sorted by (instrument, edge, element). A read-only view.");
+    output.def_property_readonly(
+        "time", [](const OutputView& v) { return v.data->time; }, "float, s.");
+    output.def_property_readonly(
+        "step", [](const OutputView& v) { return v.data->step; }, "int: steps since the start.");
+    output.def_property_readonly(
+        "contacts", [](const OutputView& v) { return contacts(v.data); },
+        "[c] structured: all contacts, sorted by (instrument, edge, element). A read-only view.");
     output.def_property_readonly("walls", &walls, "list of dict, one per system whose wall yields.");
     output.def_property_readonly(
         "instruments",

@@ -7,7 +7,7 @@ import pytest
 
 import seldinger
 
-MODULES = ["seldinger", "seldinger._errors", "seldinger._world", "seldinger._studies", "seldinger.gym"]
+MODULES = ["seldinger", "seldinger._errors", "seldinger._scene", "seldinger._world", "seldinger._studies", "seldinger.gym"]
 
 
 @pytest.mark.parametrize("name", MODULES)

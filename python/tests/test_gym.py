@@ -69,6 +69,37 @@ def test_a_vector_is_its_environments(mode, vary):
     vector.close()
 
 
+def test_steps_that_fail_are_told_alike():
+    # explicit steps of 4 ms are far beyond what is stable
+    settings = {"starts": 2, "max_steps": 60, "flat": True, "start_advance": (0.002, 0.003), "least_advance": 0.0,
+                "overrides": {"integrator.scheme": "explicit"}}
+    vector = seldinger.gym.NavigateVectorEnv(2, **settings)
+    single = SyncVectorEnv([lambda: seldinger.gym.NavigateEnv(**settings)] * 2)
+    assert same(vector.reset(seed=0)[0], single.reset(seed=0)[0])
+    failed = 0
+    for _ in range(40):
+        a, b = vector.step(np.full((2, 2), 0.5)), single.step(np.full((2, 2), 0.5))
+        assert all(same(x, y) for x, y in zip(a[:4], b[:4]))
+        assert np.array_equal(a[4]["failed"] & a[3], a[4]["failed"])  # truncated
+        failed += int(a[4]["failed"].sum())
+    assert failed > 0
+    vector.close()
+    single.close()
+
+
+def test_disabled_autoreset():
+    vector = seldinger.gym.NavigateVectorEnv(2, autoreset_mode="Disabled", **SMALL)
+    vector.reset(seed=1)
+    for k in range(14):
+        truncated = vector.step(np.ones((2, 2)))[3]
+        assert truncated.all() == (k >= 11)
+    vector.reset(options={"reset_mask": np.array([True, False])})
+    assert vector.step(np.ones((2, 2)))[3].tolist() == [False, True]
+    with pytest.raises(ValueError, match="reset_mask"):
+        vector.reset(options={"reset_mask": [1, 0]})
+    vector.close()
+
+
 def test_make_vec():
     vector = gymnasium.make_vec("seldinger/Navigate-v0", num_envs=3, vectorization_mode="vector_entry_point", flat=True, **SMALL)
     seen, _ = vector.reset(seed=1)
