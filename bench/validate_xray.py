@@ -9,18 +9,17 @@ Wires are polygons of 96 sides for gvxr and cylinders for us; it samples pixel c
 
 import argparse
 import csv
-import json
 import pathlib
-import re
 import subprocess
 import sys
 import time
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 KEV = 60.0
 # 1/m at 60 keV (tests/view/xray/test_materials.cpp holds ours against the reference)
-BLOOD, STEEL, PLATINUM, IODINE = 21.802, 944.72 * 7900 / 7950, 9136.5 * 21300 / 21300, 0.7577
+BLOOD, STEEL, PLATINUM, IODINE = 21.802, 944.72 * 7900 / 7950, 9136.5, 0.7577
 
 TUBE = """
 [scene]
@@ -52,10 +51,6 @@ duration_s = 3.0
 from_tip_m = [0.0, 0.03]
 density = 21300.0
 """
-
-
-def numbers(text):
-    return np.array(text.split(), float)
 
 
 def read_vtp(app_vtp):
@@ -180,12 +175,12 @@ def main():
     (out / "coronary.toml").write_text(CORONARY.replace("SCENE", str(coronary)))
     mesh = f"vessel.mesh={(pathlib.Path(args.shared) / 'vessels/tha016-root-coronary/marfan_ao.obj').resolve()}"
     cases = [
-        ("tube with contrast", out / "tube.toml", [], 20, 10, 0.12, BLOOD + 50 * IODINE),
-        ("arch with wire", "assets/scenes/aortic-arch.toml", ["--set", "scene.duration_s=6"], 30, 0, 0.4, BLOOD),
-        ("coronary, platinum tip", out / "coronary.toml", ["--set", mesh], 30, 15, 0.2, BLOOD),
+        ("tube with contrast", out / "tube.toml", [], 20, 10, 0.12, BLOOD + 50 * IODINE, [0, 0, 1], [0, 1, 0]),
+        ("arch with wire", "assets/scenes/aortic-arch.toml", ["--set", "scene.duration_s=6"], 30, 0, 0.4, BLOOD, [1, 0, 0], [0, 0, -1]),
+        ("coronary, platinum tip", out / "coronary.toml", ["--set", mesh], 30, 15, 0.2, BLOOD, [0, 0, 1], [0, 1, 0]),
     ]
     rows = []
-    for name, scene, extra, primary, secondary, field, mu_lumen in cases:
+    for name, scene, extra, primary, secondary, field, mu_lumen, head, back in cases:
         folder = out / name.split(",")[0].replace(" ", "-")
         subprocess.run([args.app, "run", str(scene), *extra, "-o", str(folder), "--overwrite", "--quiet"], check=True, stdout=subprocess.DEVNULL)
         raw = folder / "raw.npy"
@@ -198,11 +193,11 @@ def main():
         wire = read_vtp(wire_file)
         points, triangles = cap(vessel["points"], vessel["polys"].reshape(-1, 3)[:, ::-1])
         isocentre = 0.5 * (vessel["points"].min(0) + vessel["points"].max(0))
-        view = make_view(primary, secondary, 1.2, 0.8, isocentre, [0, 0, 1], [0, 1, 0])
+        view = make_view(primary, secondary, 1.2, 0.8, isocentre, head, back)
         nodes, radius = wire["points"], wire["radius"]
         along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
         fine = np.linspace(0, along[-1], 1 + int(np.ceil(along[-1] / 2e-3)))
-        spline = __import__("scipy.interpolate", fromlist=["CubicSpline"]).CubicSpline(along, nodes)
+        spline = CubicSpline(along, nodes)
         line, thick = spline(fine), np.interp(fine, along, radius)
         meshes = [("lumen", points, triangles, mu_lumen, "outer")]
         # an inner surface displaces the outer one: the wire, in pieces of one material

@@ -1,4 +1,5 @@
 // Whole pictures: Beer and Lambert's law, displacement, the bolus, noise and grey levels.
+#include "core/error.h"
 #include "view/xray/fluoroscope.h"
 
 #include <doctest/doctest.h>
@@ -65,6 +66,16 @@ TEST_SUITE("view/xray/fluoroscope")
         for (const SpectrumLine& line : tube_spectrum(75))
             sum += line.signal * std::exp(-0.02 * attenuation(materials::blood(), line.energy));
         CHECK(wide.line_integrals()[middle] == doctest::Approx(-std::log(sum)).epsilon(1e-4));
+    }
+
+    TEST_CASE("property: a C-arm inside the patient is refused in one line")
+    {
+        Fluoroscope scope(single_energy(60));
+        CArm arm;
+        arm.sod = 0.05;
+        scope.set_view(arm);
+        scope.set_body({0.19, 0.11, 0.5});
+        CHECK_THROWS_AS(scope.look({}, {}, std::nullopt), Error);
     }
 
     TEST_CASE("analytic: a bolus arrives by the volume before it, spreads, and ends")
