@@ -123,6 +123,7 @@ void put_picture(Elements& e, const AngiographicImage& image, std::size_t frames
     e.put(0x0020, 0x0011, "IS", "1");
     e.put(0x0020, 0x0013, "IS", "1");
     e.put(0x0020, 0x0020, "CS", "");
+    e.put(0x0020, 0x0060, "CS", "");
     e.number(0x0028, 0x0002, 1);
     e.put(0x0028, 0x0004, "CS", "MONOCHROME2");
     if (frames > 1) {

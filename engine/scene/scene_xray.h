@@ -28,7 +28,7 @@ struct SceneCArm {
     double photons = 1e5;                             // per pixel in the open beam
     double blur = 2e-4;                               // standard deviation on the detector [m]
     BodyShape body = BodyShape::Ellipsoid;
-    Vec3 body_axes = {0.17, 0.11, 0.5};  // half axes to the left, back and head [m]
+    Vec3 body_axes = {0.19, 0.11, 0.5};  // half axes to the left, back and head [m]
     std::filesystem::path bone;          // mesh; empty: none
     std::string bone_units = "mm";
     std::vector<CArmKey> keys;  // times strictly increasing; empty: LAO 0, CRA 0

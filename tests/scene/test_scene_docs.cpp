@@ -71,7 +71,9 @@ std::string path_of(const std::string& section, const std::string& key)
                                                              {"hold", "hold.0"},
                                                              {"load", "load.0"},
                                                              {"link", "link.0"},
-                                                             {"wall_load", "wall_load.0"}};
+                                                             {"wall_load", "wall_load.0"},
+                                                             {"carm.keys", "carm.keys.0"},
+                                                             {"contrast.keys", "contrast.keys.0"}};
     const auto found = lists.find(section);
     return (found == lists.end() ? section : found->second) + "." + key;
 }
@@ -101,6 +103,7 @@ const std::string bases[] = {
     head + stiff + "place = {shape = \"centreline\"}\n[vessel]\nshape = \"plane\"\nsize_m = 1.0\n",
     head + stiff + "place = {}\n" + tube + "wall = \"elastic\"\n[[wall_load]]\nat = [0.0, 0.0, 0.0]\nforce_n = [0.0, 0.0, 1.0]\n",
     head + stiff + "place = {shape = \"arc\", bend_radius_m = 0.1}\n[vessel]\nmesh = \"wall.stl\"\n",
+    head + stiff + "place = {}\n" + tube + "[carm]\nkeys = [{t_s = 0.0}]\n[contrast]\nkeys = [{t_s = 0.0}]\n",
 };
 
 struct Reading {
@@ -226,6 +229,8 @@ TEST_SUITE("scene/scene_docs")
                 if (k.section == "wall_load" && !says(base, "[[wall_load]]")) continue;
                 if (k.section.find("feed") == 0 && !says(base, "[feed]")) continue;
                 if (k.section == "coaxial" && !says(base, "[coaxial]")) continue;
+                if (k.section.starts_with("carm") && !says(base, "[carm]")) continue;
+                if (k.section.starts_with("contrast") && !says(base, "[contrast]")) continue;
                 if (k.section == "hold" && !says(base, "[[hold]]")) continue;
                 CHECK(with.scene == without.scene);
                 accepted = true;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace seldinger {
@@ -61,14 +62,20 @@ Bolus::Bolus(const Centreline& centreline, const BolusSpec& spec) : centreline_(
 
 float Bolus::travel_time(const Vec3& place) const
 {
-    const int i = centreline_.nearest(place);
-    double best = (place - centreline_.points[i]).squaredNorm(), tau = tau_[i];
+    // to whose inscribed sphere a place belongs: beside the mouth of a branch it is the vessel's that the branch leaves
+    const auto beyond = [&](const Vec3& point, double radius) { return (place - point).squaredNorm() - radius * radius; };
+    int i = 0;
+    double best = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < tau_.size(); ++k)
+        if (const double d = beyond(centreline_.points[k], centreline_.radius[k]); d < best) best = d, i = static_cast<int>(k);
+    double tau = tau_[i];
     for (const int j : neighbour_[i]) {
         const Vec3 edge = centreline_.points[j] - centreline_.points[i];
         const double s = std::clamp((place - centreline_.points[i]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-        const double away = (place - centreline_.points[i] - s * edge).squaredNorm();
-        if (away < best)
-            best = away, tau = tau_[i] >= never || tau_[j] >= never ? double(never) : (1 - s) * tau_[i] + s * tau_[j];
+        const double d = beyond(centreline_.points[i] + s * edge, (1 - s) * centreline_.radius[i] + s * centreline_.radius[j]);
+        if (d >= best) continue;
+        best = d;
+        tau = tau_[i] >= never || tau_[j] >= never ? static_cast<double>(never) : (1 - s) * tau_[i] + s * tau_[j];
     }
     return static_cast<float>(tau);
 }

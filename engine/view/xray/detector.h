@@ -36,7 +36,7 @@ void blur_picture(std::vector<float>& picture, int columns, int rows, double pix
 [[nodiscard]] std::vector<std::uint16_t> grey_levels(const std::vector<float>& signal, double reference, bool logarithmic);
 
 inline constexpr int most_grey = 4095;
-inline constexpr double reference_grey = 2600;
+inline constexpr double reference_grey = 1700;
 inline constexpr double grey_per_neper = 1000;  // of logarithmic pictures and of subtracted ones
 
 /// What the contrast run has more than the mask: 2048 + grey_per_neper (ln signal - ln mask), vessels with contrast dark.

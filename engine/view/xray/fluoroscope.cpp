@@ -2,6 +2,7 @@
 #include "view/xray/fluoroscope.h"
 
 #include "core/check.h"
+#include "core/error.h"
 #include "core/parallel.h"
 
 #include <algorithm>
@@ -91,6 +92,12 @@ void Fluoroscope::find_body()
     double most = 1;
     for (const Vec3& v : wall_.vertices)
         most = std::max(most, (axes.transpose() * (v - body_centre_)).cwiseQuotient(body_half_).norm());
+    const auto inside = [&](const Vec3& p) {
+        return (axes.transpose() * (p - body_centre_)).cwiseQuotient(most * body_half_).norm() <= 1;
+    };
+    if (inside(view_.source) || inside(view_.source + view_.sid * view_.direction))
+        throw Error(ExitCode::BadScene,
+                    "the C-arm is inside the patient: source or detector lies in the body; make --sod or --sid larger, or --body none");
     body_path_ = trace_ellipsoid(view_, body_centre_, axes, most * body_half_);
 }
 

@@ -1,0 +1,66 @@
+// The C-arm against the reference's views and against what its words say.
+#include "core/error.h"
+#include "support/shared_folder.h"
+#include "view/xray/c_arm.h"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <numbers>
+
+using namespace seldinger;
+
+TEST_SUITE("view/xray/c_arm")
+{
+    TEST_CASE("analytic: points of the public reference [17_xray/carm]")
+    {
+        const auto shared = test::shared_folder_or_skip();
+        if (!shared) return;
+        const auto reference = nlohmann::json::parse(std::ifstream(*shared / "reference/17_xray.json"));
+        int checked = 0;
+        for (const auto& c : reference["cases"]) {
+            if (c["kind"] != "carm") continue;
+            for (const auto& view : c["expected"]["views"]) {
+                CArm arm;
+                arm.sid = c["inputs"]["SID"], arm.sod = c["inputs"]["SOD"];
+                arm.rows = c["inputs"]["rows_columns"][0], arm.columns = c["inputs"]["rows_columns"][1];
+                arm.field = c["inputs"]["pixel"].get<double>() * arm.columns;
+                arm.primary = view["primary_deg"].get<double>() * std::numbers::pi / 180;
+                arm.secondary = view["secondary_deg"].get<double>() * std::numbers::pi / 180;
+                for (const auto& p : view["points"]) {
+                    const CArmPoint at = project(CArmView(arm), Vec3(p["point"][0], p["point"][1], p["point"][2]));
+                    CHECK(std::abs(at.column - p["column"].get<double>()) < 1e-9);  // allowed: 0.05
+                    CHECK(std::abs(at.row - p["row"].get<double>()) < 1e-9);
+                    CHECK(at.magnification == doctest::Approx(p["magnification"].get<double>()).epsilon(1e-12));
+                    ++checked;
+                }
+            }
+        }
+        REQUIRE(checked == 36);
+    }
+
+    TEST_CASE("analytic: LAO 90 puts the detector at the patient's left, CRA 90 at the head; the head is up from the front")
+    {
+        CArm arm;
+        arm.head = Vec3::UnitX(), arm.back = -Vec3::UnitZ();  // lies on the back along x
+        const Vec3 left = arm.back.cross(arm.head);
+        CHECK((CArmView(arm).direction - Vec3::UnitZ()).norm() < 1e-15);
+        CHECK((CArmView(arm).up - Vec3::UnitX()).norm() < 1e-15);
+        set_angles(arm, "LAO 90");
+        CHECK((CArmView(arm).direction - left).norm() < 1e-15);
+        set_angles(arm, "cra 90");
+        CHECK((CArmView(arm).direction - arm.head).norm() < 1e-15);
+    }
+
+    TEST_CASE("property: angles are read as they are written")
+    {
+        CArm arm;
+        set_angles(arm, "RAO 20 CAU 10.5");
+        CHECK(angle_words(arm) == "RAO 20, CAU 10.5");
+        set_angles(arm, "-20, -10.5");
+        CHECK(angle_words(arm) == "RAO 20, CAU 10.5");
+        for (const char* bad : {"", "LAO", "LAO 30 RAO 20", "LAO 200", "CRA 91", "up 30", "LAO -30", "30", "LAO x"})
+            CHECK_THROWS_AS(set_angles(arm, bad), Error);
+    }
+}

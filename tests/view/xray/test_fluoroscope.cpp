@@ -1,0 +1,181 @@
+// Whole pictures: Beer and Lambert's law, displacement, the bolus, noise and grey levels.
+#include "core/error.h"
+#include "view/xray/fluoroscope.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace seldinger;
+
+namespace {
+
+/// A closed box, normals inwards.
+WallMesh box(const Vec3& half)
+{
+    WallMesh mesh;
+    for (int k = 0; k < 8; ++k) mesh.vertices.push_back(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(half));
+    const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    for (const auto& f : faces) {
+        mesh.triangles.push_back({f[0], f[1], f[2]});
+        mesh.triangles.push_back({f[0], f[2], f[3]});
+    }
+    return mesh;
+}
+
+CArm far_arm(int size)
+{
+    CArm arm;
+    arm.sid = 10, arm.sod = 9, arm.field = 0.02, arm.columns = size, arm.rows = size;
+    return arm;
+}
+
+constexpr int middle = 32 * 65 + 32;
+
+}  // namespace
+
+TEST_SUITE("view/xray/fluoroscope")
+{
+    TEST_CASE("analytic: -ln(I/I0) of blood, body and a wire that displaces blood, at one energy and at several")
+    {
+        const double blood = attenuation(materials::blood(), 60), soft = attenuation(materials::soft_tissue(), 60),
+                     steel = attenuation(materials::stainless_steel(), 60);
+        Fluoroscope scope(single_energy(60));
+        scope.set_view(far_arm(65));
+        scope.set_wall(box({0.05, 0.01, 0.05}));
+        const std::vector<Device> wire = {{{Vec3(-0.02, 0, 0), 1e-3}, {Vec3(0.02, 0, 0), 1e-3}}};
+        scope.look({}, {}, std::nullopt);
+        CHECK(scope.line_integrals()[middle] == doctest::Approx(0.02 * blood).epsilon(1e-4));
+        CHECK(scope.mended() == 0);
+        scope.set_body({0.19, 0.11, 0.5});
+        scope.look({}, {}, std::nullopt);
+        CHECK(scope.line_integrals()[middle] == doctest::Approx(0.02 * blood + 0.2 * soft).epsilon(1e-4));
+        scope.look(wire, {materials::stainless_steel()}, std::nullopt);
+        const double chord = 2e-3 * (1 - std::pow(0.02 / 65 * 0.9 / 1e-3, 2) / 24);  // mean over the pixel's height
+        CHECK(scope.line_integrals()[middle] ==
+              doctest::Approx((0.02 - chord) * blood + 0.2 * soft + chord * steel).epsilon(2e-3));
+        const Exposure exposure = scope.exposure();
+        CHECK(exposure.signal[middle] == doctest::Approx(std::exp(-scope.line_integrals()[middle])).epsilon(1e-5));
+
+        Fluoroscope wide(tube_spectrum(75));
+        wide.set_view(far_arm(65));
+        wide.set_wall(box({0.05, 0.01, 0.05}));
+        wide.look({}, {}, std::nullopt);
+        double sum = 0;
+        for (const SpectrumLine& line : tube_spectrum(75))
+            sum += line.signal * std::exp(-0.02 * attenuation(materials::blood(), line.energy));
+        CHECK(wide.line_integrals()[middle] == doctest::Approx(-std::log(sum)).epsilon(1e-4));
+    }
+
+    TEST_CASE("property: a C-arm inside the patient is refused in one line")
+    {
+        Fluoroscope scope(single_energy(60));
+        CArm arm;
+        arm.sod = 0.05;
+        scope.set_view(arm);
+        scope.set_body({0.19, 0.11, 0.5});
+        CHECK_THROWS_AS(scope.look({}, {}, std::nullopt), Error);
+    }
+
+    TEST_CASE("analytic: a bolus arrives by the volume before it, spreads, and ends")
+    {
+        Centreline tube;
+        for (int k = 0; k <= 50; ++k)
+            tube.points.push_back(Vec3(0.002 * k, 0, 0)), tube.radius.push_back(0.01), tube.parent.push_back(k - 1);
+        const std::vector<BolusKey> keys = {{1.0, 0}, {1.01, 100}, {2.0, 100}, {2.01, 0}};
+        const Bolus bolus(tube, {Vec3(0.02, 0, 0), Vec3::Zero(), 0.1, 0.1, keys});
+        const std::vector<Vec3> places = {Vec3(0.05, 0.004, 0), Vec3(0.005, 0, 0)};
+        const auto tau = bolus.travel_times(places);
+        CHECK(tau[0] == doctest::Approx(0.3).epsilon(1e-5));
+        CHECK(tau[1] >= never);
+        CHECK(bolus.concentration(0.3, 1.8) == doctest::Approx(100).epsilon(1e-6));
+        CHECK(bolus.concentration(0.3, 1.305) == doctest::Approx(50).epsilon(1e-3));
+        CHECK(bolus.concentration(0.3, 3.0) < 1e-6);
+        double total = 0;  // what was injected passes: 100 * 1.0 s
+        for (double t = 0; t < 4; t += 0.001) total += 0.001 * bolus.concentration(0.5, t);
+        CHECK(total == doctest::Approx(100).epsilon(1e-3));
+        CHECK(BolusMoment(bolus, 1.8).mean(0.1, 0.2) == doctest::Approx(100).epsilon(1e-3));
+    }
+
+    TEST_CASE("analytic: flow divides by the cubes of the radii")
+    {
+        Centreline tree;
+        tree.points = {Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0.02, 0.01, 0), Vec3(0.02, -0.01, 0)};
+        tree.radius = {0.01, 0.01, 0.008, 0.004};
+        tree.parent = {-1, 0, 1, 1};
+        const Bolus bolus(tree, {Vec3::Zero(), Vec3::Zero(), 0.1, 0, {{0, 100}}});
+        const auto tau = bolus.travel_times(tree.points);
+        CHECK(tau[1] == doctest::Approx(0.1).epsilon(1e-6));
+        const double big = 512.0 / (512 + 64), length = std::sqrt(2e-4);
+        const double volume = std::numbers::pi * 0.5 * (1e-4 + 0.64e-4) * length, flow = std::numbers::pi * 1e-4 * 0.1;
+        CHECK(tau[2] == doctest::Approx(0.1 + volume / (big * flow)).epsilon(1e-5));
+    }
+
+    TEST_CASE(
+        "analytic: the variance of the noise is the theory's within 2 %, for one energy and for several, few photons and many")
+    {
+        for (const bool one : {true, false})
+            for (const double photons : {40.0, 3e4}) {
+                const auto beam = one ? single_energy(60) : tube_spectrum(75);
+                Fluoroscope scope(beam);
+                scope.set_view(far_arm(400));
+                scope.set_wall(box({0.05, 0.03, 0.05}));
+                scope.look({}, {}, std::nullopt);
+                Exposure e = scope.exposure();
+                // photons of energy E: mean n, signal n E, variance n E^2 (over the open beam's mean signal, squared)
+                double mean = 0, variance = 0, open = 0;
+                for (const SpectrumLine& line : beam) open += line.photons * line.energy;
+                for (const SpectrumLine& line : beam) {
+                    const double n = photons * line.photons * std::exp(-0.06 * attenuation(materials::blood(), line.energy));
+                    mean += n * line.energy / (photons * open);
+                    variance += n * line.energy * line.energy / (photons * photons * open * open);
+                }
+                add_quantum_noise(e, photons, 7, 3);
+                double sum = 0, square = 0;
+                const double count = static_cast<double>(e.signal.size());
+                for (const float s : e.signal) sum += s;
+                for (const float s : e.signal) square += (s - sum / count) * (s - sum / count);
+                CAPTURE(one);
+                CAPTURE(photons);
+                CHECK(sum / count == doctest::Approx(mean).epsilon(0.005));
+                CHECK(square / (count - 1) == doctest::Approx(variance).epsilon(0.02));  // 160,000 pixels: 0.35 % is one sigma
+            }
+    }
+
+    TEST_CASE("property: the same seed and frame make the same noise, another seed or frame another")
+    {
+        const auto noisy = [](std::uint64_t seed, std::uint64_t frame) {
+            Exposure e{32, 32, std::vector<float>(1024, 0.5f), std::vector<float>(1024, 0.5f)};
+            add_quantum_noise(e, 1000, seed, frame);
+            return e.signal;
+        };
+        CHECK(noisy(1, 2) == noisy(1, 2));
+        CHECK(noisy(1, 2) != noisy(2, 2));
+        CHECK(noisy(1, 2) != noisy(1, 3));
+    }
+
+    TEST_CASE("analytic: blur keeps the sum and has its width")
+    {
+        std::vector<float> point(101 * 101, 0.0f);
+        point[50 * 101 + 50] = 1;
+        blur_picture(point, 101, 101, 2.5);
+        double sum = 0, square = 0;
+        for (int row = 0; row < 101; ++row)
+            for (int x = 0; x < 101; ++x) sum += point[row * 101 + x], square += point[row * 101 + x] * (x - 50.0) * (x - 50.0);
+        CHECK(sum == doctest::Approx(1).epsilon(1e-5));
+        CHECK(std::sqrt(square) == doctest::Approx(2.5).epsilon(0.01));  // cut off at 4 standard deviations
+    }
+
+    TEST_CASE("analytic: grey levels are 12 bits, linear or logarithmic, and a subtraction of equals is the middle")
+    {
+        const std::vector<float> signal = {0.0f, 0.01f, 0.02f, 1.0f};
+        const auto linear = grey_levels(signal, 0.02, false), log = grey_levels(signal, 0.02, true);
+        CHECK(linear[0] == 0);
+        CHECK(linear[2] == reference_grey);
+        CHECK(linear[1] == reference_grey / 2);
+        CHECK(linear[3] == most_grey);
+        CHECK(log[1] == std::lround(reference_grey - grey_per_neper * std::log(2.0)));
+        CHECK(subtracted_levels(signal, signal)[1] == 2048);
+    }
+}
