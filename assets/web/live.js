@@ -78,6 +78,8 @@ function watchPace() {
   else pace(`time stretched: ${share.toFixed(2)} of real time`, 'bad');
 }
 
+const calm = (value) => (Math.abs(value) < 5e-3 ? 0 : value).toFixed(2);  // no minus before a zero
+
 function row(table, what, value, over) {
   const tr = table.insertRow();
   const th = document.createElement('th');
@@ -105,7 +107,7 @@ function showSheet(n) {
   $('verdict').textContent = verdict ? `Task: ${verdict}` : 'Task';
   $('verdict').className = verdict;
   const it = n.instruments[state.instrument] || n.instruments[0];
-  $('instrument').textContent = `${state.scene.instruments[state.instrument]?.name || 'Instrument'} ${state.instrument + 1}: ${(100 * it.advance).toFixed(1)} cm in, turned ${(it.turn / 2 / Math.PI).toFixed(2)}, ${it.force.toFixed(2)} N, ${it.contacts} contacts`;
+  $('instrument').textContent = `${state.scene.instruments[state.instrument]?.name || 'Instrument'} ${state.instrument + 1}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)}, ${calm(it.force)} N, ${it.contacts} contacts`;
   $('watchers').hidden = n.clients < 2;
   $('watchers').textContent = `${n.clients} watch`;
 }
