@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "rod/elastic.h"
 #include "rod/transport.h"
+#include "shared/segment.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 namespace seldinger {
@@ -173,6 +175,17 @@ void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const
     if (ring)
         for (int j = 0; j < n - 1; ++j) rod.theta[j] = place.twist * ((n - 2 - j) + 0.5) / (n - 1);
     set_rest_shape(rod, spec, place.rest_is_placed);
+}
+
+double axis_distance(const RodView& a, const RodView& b)
+{
+    const auto point = [](const RodView& rod, int i) { return make_vec3(rod.x[i], rod.y[i], rod.z[i]); };
+    double least2 = std::numeric_limits<double>::infinity();
+    for (int i = 0; i + 1 < a.n; ++i)
+        for (int j = 0; j + 1 < b.n; ++j)
+            least2 = std::min(least2, segments_distance2(point(a, i), point(a, i + 1) - point(a, i), point(b, j),
+                                                         point(b, j + 1) - point(b, j)));
+    return std::sqrt(least2);
 }
 
 }  // namespace seldinger

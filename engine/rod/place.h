@@ -18,4 +18,7 @@ namespace seldinger {
 /// @param path  points of the vessel's axis, from the entry on [m]; needed by the shape "centreline" only. @throws Error BadScene where the shape is too short
 void place_wire(RodArrays& rods, int wire, const WireSpec& spec, std::span<const Vec3> path);
 
+/// Least distance between two axes as they lie [m].
+[[nodiscard]] double axis_distance(const RodView& a, const RodView& b);
+
 }  // namespace seldinger

@@ -7,7 +7,6 @@
 #include "scene/scene_names.h"
 #include "scene/start_inside.h"
 #include "scene/vessel_load.h"
-#include "shared/segment.h"
 #include "vessel/inlets.h"
 #include "vessel/inside.h"
 
@@ -144,14 +143,7 @@ double start_distance(const WireSetup& a, const WireSetup& b, std::span<const Ve
     RodArrays rods(std::vector<int>{uniform_node_count(a.wire), uniform_node_count(b.wire)});
     place_wire(rods, 0, a.wire, path);
     place_wire(rods, 1, b.wire, path);
-    const RodView first = rods.view(0), second = rods.view(1);
-    const auto point = [](const RodView& rod, int i) { return make_vec3(rod.pos(i).x(), rod.pos(i).y(), rod.pos(i).z()); };
-    double least2 = far_apart;
-    for (int i = 0; i + 1 < first.n; ++i)
-        for (int j = 0; j + 1 < second.n; ++j)
-            least2 = std::min(least2, segments_distance2(point(first, i), point(first, i + 1) - point(first, i), point(second, j),
-                                                         point(second, j + 1) - point(second, j)));
-    return std::sqrt(least2);
+    return axis_distance(rods.view(0), rods.view(1));
 }
 
 /// Two instruments that are not inside each other start beside each other. Less than half of what they are thick between their
