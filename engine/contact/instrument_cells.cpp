@@ -154,9 +154,8 @@ void InstrumentCells::add_pairs(const InstrumentSetup& setup, int wire)
     if (!setup.from_outside) return;
     for (int other = wire + 1; other < static_cast<int>(setup.wires.size()); ++other) {
         if (setup.system_of[other] != setup.system_of[wire]) continue;
-        const bool nested = std::any_of(setup.nested.begin(), setup.nested.end(), [&](const NestedInstruments& nest) {
-            return holds(nest, wire) && holds(nest, other);
-        });
+        const bool nested = std::any_of(setup.nested.begin(), setup.nested.end(),
+                                        [&](const NestedInstruments& nest) { return holds(nest, wire) && holds(nest, other); });
         if (!nested) add_pair(setup, wire, other, SEL_TOUCH_OUTSIDE);
     }
     add_pair(setup, wire, wire, SEL_TOUCH_SELF);

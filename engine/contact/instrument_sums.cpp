@@ -17,8 +17,7 @@ void put_side(Vector& to, int from, const double* w, const double* v, double sig
               double turn_sign)
 {
     for (int k = 0; k < 3; ++k)
-        for (int c = 0; c < 3; ++c)
-            to[from + per_node * k + c] = sign * w[k] * v[c] + (d ? turn_sign * d[k] * turn[c] : 0.0);
+        for (int c = 0; c < 3; ++c) to[from + per_node * k + c] = sign * w[k] * v[c] + (d ? turn_sign * d[k] * turn[c] : 0.0);
 }
 
 /// How the gap at a point changes with the nodes.

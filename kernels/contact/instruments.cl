@@ -9,16 +9,17 @@
 // Stretches that each cell is near to.
 //   item    one cell of all rods
 //   reads   bodies; nodes of all rods       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
-SEL_INSTRUMENT_KERNEL void instruments_find(
-    const InstrumentParams par, __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs,
-    __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,
-    __global const real* restrict position, __global const real* restrict material, __global const real* restrict theta,
-    __global InstrumentSlot* restrict slots)
+SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global const InstrumentRod* restrict rods,
+                                            __global const InstrumentPair* restrict pairs,
+                                            __global const InstrumentSurface* restrict surfaces,
+                                            __global const uint* restrict rod_of, __global const real* restrict position,
+                                            __global const real* restrict material, __global const real* restrict theta,
+                                            __global InstrumentSlot* restrict slots)
 {
     const uint cell = get_global_id(0);
     if (cell >= par.cell_count) return;
-    const SlotList list = near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of),
-                                     instrument_nodes(position, material, theta), par);
+    const SlotList list =
+        near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta), par);
     for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
 }
 
@@ -39,9 +40,8 @@ SEL_INSTRUMENT_KERNEL void instruments_evaluate(
     if (item >= par.item_count) return;
     const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
     InstrumentState now = no_instrument_state();
-    forces[item] = instrument_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
-                                    instrument_nodes(position, material, theta),
-                                    instrument_nodes(position_t0, material_t0, theta_t0),
-                                    states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now);
+    forces[item] = instrument_force(
+        cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta),
+        instrument_nodes(position_t0, material_t0, theta_t0), states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now);
     states[s] = now;
 }

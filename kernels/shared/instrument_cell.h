@@ -1,5 +1,5 @@
-// Contact of one cell of rod a with a stretch of rod b: which part of the cell touches, the normal force along it, friction in the
-// middle of it.
+// Contact of one cell of rod a with a stretch of rod b: which part of the cell touches, the normal force along it, friction in
+// the middle of it.
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its least value is found, and the zeros on both
 // sides of it, or the ends of the cell; between them the force per metre is integrated by Gauss. So a line contact has its force
@@ -8,8 +8,8 @@
 // left out of it (they stay on material where the cell touches as a whole).
 //
 // Friction is that of the whole force of the cell at its centroid: slip of a's surface past b's there, with both spins and the
-// turning of both tangents (friction_law.h). Both surfaces are taken at one point, on a's, so that force, couple and torques on the
-// two rods are those of one force and its opposite.
+// turning of both tangents (friction_law.h). Both surfaces are taken at one point, on a's, so that force, couple and torques on
+// the two rods are those of one force and its opposite.
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
 #define SEL_SHARED_INSTRUMENT_CELL_H
 #include "shared/contact_records.h"
@@ -102,8 +102,10 @@ SEL_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
 // Gauss-Legendre on [-1, 1].
 SEL_FN real gauss_place(uint k)
 {
-    return k == 0 ? (real)-0.86113631159405258 : k == 1 ? (real)-0.33998104358485626 : k == 2 ? (real)0.33998104358485626
-                                                                                              : (real)0.86113631159405258;
+    return k == 0   ? (real)-0.86113631159405258
+           : k == 1 ? (real)-0.33998104358485626
+           : k == 2 ? (real)0.33998104358485626
+                    : (real)0.86113631159405258;
 }
 SEL_FN real gauss_weight(uint k) { return k == 1 || k == 2 ? (real)0.65214515486254614 : (real)0.34785484513745386; }
 
@@ -167,11 +169,11 @@ SEL_FN real push_along(const InstrumentScene* scene, real left, real right, real
 // One rod's surface at the contact: what its nodes do to it.
 typedef struct SurfaceMotion {
     SplinePlace place;
-    vec3 lever;     // from the axis to the contact [m]
-    vec3 tangent;   // unit
-    real length;    // |c'| [m]
-    uint edge;      // that spins
-    vec3 move;      // of the contact over the step [m]
+    vec3 lever;    // from the axis to the contact [m]
+    vec3 tangent;  // unit
+    real length;   // |c'| [m]
+    uint edge;     // that spins
+    vec3 move;     // of the contact over the step [m]
 } SurfaceMotion;
 
 SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, real material, vec3 lever)
@@ -220,15 +222,14 @@ SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, In
 }
 
 // Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
-SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c,
-                   InstrumentState* now, InstrumentForce* out)
+SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c, InstrumentState* now,
+                   InstrumentForce* out)
 {
     const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
     const vec3 lever = -(c->m.radius) * n;
     const real along_b = spline_material(scene->b, point.g.at);
     const SurfaceMotion a = surface_motion(scene->a, scene->a_t0, spline_at(scene->a, point.s), point.s, lever);
-    const SurfaceMotion b =
-        surface_motion(scene->b, scene->b_t0, point.g.at, along_b, x + lever - point.g.centre);
+    const SurfaceMotion b = surface_motion(scene->b, scene->b_t0, point.g.at, along_b, x + lever - point.g.centre);
     place_friction(point, a, b, out);
     vec3 move = a.move - b.move;
     move = move - dot3(move, n) * n;

@@ -6,13 +6,15 @@
 //             thickness; y is the point of its circle (radius R + rho, in the plane rho from the tip) that is nearest. Where that
 //             plane begins D = R + rho - |x_a - y|: the gap and its gradient are those of the lumen's cylinder.
 //
-// Gradient, by the envelope theorem with `at` held: d D = n . (dx_a - dc), n = (x_a - c)/D. With the tangent c' and D_u = -n . c' = 0
+// Gradient, by the envelope theorem with `at` held: d D = n . (dx_a - dc), n = (x_a - c)/D. With the tangent c' and D_u = -n . c'
+// = 0
 //
-//   d2 D = delta P delta / D - (c' . delta / D + n . dc')^2 / D_uu,     delta = dx_a - dc,  P = 1 - n n^T,  D_uu = |c'|^2/D - n . c''
+//   d2 D = delta P delta / D - (c' . delta / D + n . dc')^2 / D_uu,     delta = dx_a - dc,  P = 1 - n n^T,  D_uu = |c'|^2/D - n .
+//   c''
 //
 // and without the last term at the ends of b. The plane of the mouth turns with the first edge, which changes the gap by
-// -(z r/|x_a - y|) e . dt of its tangent t (z: how far x_a is beyond the plane, r = R + rho, e: radial); how this changes again is
-// left out of the Hessian.
+// -(z r/|x_a - y|) e . dt of its tangent t (z: how far x_a is beyond the plane, r = R + rho, e: radial); how this changes again
+// is left out of the Hessian.
 #ifndef SEL_SHARED_INSTRUMENT_GAP_H
 #define SEL_SHARED_INSTRUMENT_GAP_H
 #include "shared/instrument_types.h"
@@ -22,21 +24,21 @@ SEL_BEGIN
 
 // What of b a point is held against.
 typedef struct GapPart {
-    uint touch;         // SEL_TOUCH_*
-    real low, high;     // of b's curve; inside: low is the plane of the mouth
-    real reach_a;       // radius of a [m]
-    real reach_b;       // of b; inside: of its lumen [m]
-    real rim;           // inside: rho [m]
+    uint touch;               // SEL_TOUCH_*
+    real low, high;           // of b's curve; inside: low is the plane of the mouth
+    real reach_a;             // radius of a [m]
+    real reach_b;             // of b; inside: of its lumen [m]
+    real rim;                 // inside: rho [m]
     int low_ends, high_ends;  // outside: whether b ends there, with a ball; else nothing touches beyond
 } GapPart;
 
 typedef struct InstrumentGap {
-    real gap;         // [m]; SEL_FAR: nothing there
-    real at;          // of b
+    real gap;  // [m]; SEL_FAR: nothing there
+    real at;   // of b
     SplinePlace b;
-    vec3 centre;      // c(at)
-    vec3 n;           // d gap / d x_a
-    vec3 turn;        // d gap / d c'
+    vec3 centre;  // c(at)
+    vec3 n;       // d gap / d x_a
+    vec3 turn;    // d gap / d c'
     real m[6];
     real bend;
     vec3 p, q;

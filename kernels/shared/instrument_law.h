@@ -1,9 +1,9 @@
-// The law of contact between two instruments, per metre of a, from their surfaces: the wall's damped law (D6b, D7) with two rods, or
-// a rod and a lumen, as its sides; sticking and sliding friction (D9) of the surfaces.
+// The law of contact between two instruments, per metre of a, from their surfaces: the wall's damped law (D6b, D7) with two rods,
+// or a rod and a lumen, as its sides; sticking and sliding friction (D9) of the surfaces.
 //
-// Which laws: hunt-crossley and lankarani-nikravesh, whatever the wall's contact follows: a world whose wall is hard by multipliers
-// or a barrier has its instruments touch by the damped law all the same. No rolling resistance (D10) between instruments, and no law
-// of its own for a tip that is pushed into a wire head on (D6c).
+// Which laws: hunt-crossley and lankarani-nikravesh, whatever the wall's contact follows: a world whose wall is hard by
+// multipliers or a barrier has its instruments touch by the damped law all the same. No rolling resistance (D10) between
+// instruments, and no law of its own for a tip that is pushed into a wire head on (D6c).
 //
 // A line law f = k depth^n makes of two crossing wires a contact of force ~ depth^(n + 1/2): depth^2 for beds (n = 3/2), Hertz's
 // depth^(3/2) for n = 1.
@@ -17,8 +17,8 @@ SEL_BEGIN
 #define SEL_INSTRUMENT_EXACT ((real)0.8)  // of depth_limit: as for the wall, see engine/contact/wall_law.cpp
 #define SEL_WEIGHT_GRAVITY ((real)9.81)
 
-// Depth that the law may reach [m]: half of the smaller radius, or of the wall round a lumen, if that is less. Axes are then always
-// farther apart than two nodes may move at once, and stay on their sides.
+// Depth that the law may reach [m]: half of the smaller radius, or of the wall round a lumen, if that is less. Axes are then
+// always farther apart than two nodes may move at once, and stay on their sides.
 SEL_FN real instrument_depth_limit(InstrumentSurface a, InstrumentSurface b, uint touch)
 {
     const real other = touch == SEL_TOUCH_INSIDE ? b.radius - b.lumen : b.radius;

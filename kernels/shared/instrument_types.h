@@ -1,15 +1,15 @@
 // Layouts of contact between instruments (D13), shared by kernels, their host twin and the code that fills the buffers.
 //
-// A rod is divided into cells of about two radii, fixed in its material, so that what a contact carries from step to step (elastic
-// slip, approach speed) lives on material. Contact is looked for from the cells of one rod, a, to the curve of another, b, or to a
-// far part of its own; one cell may touch several stretches of b, each in a slot.
+// A rod is divided into cells of about two radii, fixed in its material, so that what a contact carries from step to step
+// (elastic slip, approach speed) lives on material. Contact is looked for from the cells of one rod, a, to the curve of another,
+// b, or to a far part of its own; one cell may touch several stretches of b, each in a slot.
 #ifndef SEL_SHARED_INSTRUMENT_TYPES_H
 #define SEL_SHARED_INSTRUMENT_TYPES_H
 #include "shared/contact_types.h"
 
 SEL_BEGIN
 
-#define SEL_INSTRUMENT_SLOTS 4  // stretches that one cell is near to, at most
+#define SEL_INSTRUMENT_SLOTS 4   // stretches that one cell is near to, at most
 #define SEL_INSTRUMENT_POINTS 4  // Gauss points of the part of a cell that touches
 
 #define SEL_TOUCH_NONE 0u
@@ -31,15 +31,15 @@ typedef struct InstrumentRod {
 
 // What a cell's surface is.
 typedef struct InstrumentSurface {
-    real radius, lumen;        // [m]; lumen 0: solid
-    real modulus;              // k_f of the outer surface, pressure per depth [N/m^3]; 0: it does not give way
-    real lumen_modulus;        // of the inner one
+    real radius, lumen;  // [m]; lumen 0: solid
+    real modulus;        // k_f of the outer surface, pressure per depth [N/m^3]; 0: it does not give way
+    real lumen_modulus;  // of the inner one
     real mu_static, mu_sliding;
-    real load;                 // own weight [N/m], by which the law's constants are reckoned
+    real load;  // own weight [N/m], by which the law's constants are reckoned
 } InstrumentSurface;
 
-// Two rods that may touch, or one with itself. Which cells of a: those whose way from the hub, which instruments inside each other
-// share, is at least `from` and less than `until`, either counted from the length of a rod that is inside if that is named.
+// Two rods that may touch, or one with itself. Which cells of a: those whose way from the hub, which instruments inside each
+// other share, is at least `from` and less than `until`, either counted from the length of a rod that is inside if that is named.
 typedef struct InstrumentPair {
     uint a, b;                   // rods
     uint touch;                  // SEL_TOUCH_*
@@ -74,8 +74,8 @@ typedef struct InstrumentPoint {
     real wa[3], wb[3], db[3];  // weights of x_a, c_b and of b's derivative
     real n[3], turn[3], m[6];  // m: xx xy xz yy yz zz
     real bend, p[3], q[3];
-    real force, slope;         // along n on a [N], and its growth with depth [N/m]
-    uint node_a, node_b;       // first of three, in the rods
+    real force, slope;    // along n on a [N], and its growth with depth [N/m]
+    uint node_a, node_b;  // first of three, in the rods
 } InstrumentPoint;
 
 // A direction on the surfaces, as the nodes feel it: x_i w_i v + d_i turn, and the spins.
@@ -94,22 +94,22 @@ typedef struct InstrumentForce {
     real skew;                           // mu times the slope of the normal force: -df/dq = -skew along (x) d gap
     real depth;                          // deepest, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, length;
-    real friction_work;                  // on both rods together, over the step [J]
-    real stored;                         // the most that it can give back [J]
+    real friction_work;  // on both rods together, over the step [J]
+    real stored;         // the most that it can give back [J]
     uint node_a, node_b, edge_a, edge_b;
-    uint count;                          // points that push
-    uint flags;                          // SEL_FORCE_*
+    uint count;  // points that push
+    uint flags;  // SEL_FORCE_*
     uint pair, pad;
 } InstrumentForce;
 
 // One step of one launch; passed by value.
 typedef struct InstrumentParams {
     uint item_count, cell_count;
-    uint friction;   // SEL_FRICTION_*
-    uint settling;   // SEL_SETTLE_*
-    real inv_dt;     // 0 in static equilibrium
+    uint friction;  // SEL_FRICTION_*
+    uint settling;  // SEL_SETTLE_*
+    real inv_dt;    // 0 in static equilibrium
     real smooth_speed;
-    real skin;       // gap up to which cells are listed, for nodes that move by half of it [m]
+    real skin;  // gap up to which cells are listed, for nodes that move by half of it [m]
 } InstrumentParams;
 
 SEL_END

@@ -1,13 +1,13 @@
-// The axis of a rod as a smooth curve: the quadratic B-spline of its nodes. Instruments slide along each other; over the corners of
-// a polygon a wire would run as over a ratchet, on a curve with a continuous tangent it does not.
+// The axis of a rod as a smooth curve: the quadratic B-spline of its nodes. Instruments slide along each other; over the corners
+// of a polygon a wire would run as over a ratchet, on a curve with a continuous tangent it does not.
 //
 // The curve goes through the middles of the edges, along the edges there; between the middles of edges i - 1 and i it is
 //
 //     c(t) = (1 - t)^2/2 x_{i-1} + (1/2 + t - t^2) x_i + t^2/2 x_{i+1},       t in [0, 1],
 //
-// and from the ends of the rod to the first and last middle it is straight. One coordinate, `at`, runs along it: at = i at node i,
-// i + 1/2 at the middle of edge i, t = at - i + 1/2. Material coordinates of the curve are the same spline of those of the nodes, so
-// that a point of the curve is a point of the material, with weights that do not change while the nodes stand.
+// and from the ends of the rod to the first and last middle it is straight. One coordinate, `at`, runs along it: at = i at node
+// i, i + 1/2 at the middle of edge i, t = at - i + 1/2. Material coordinates of the curve are the same spline of those of the
+// nodes, so that a point of the curve is a point of the material, with weights that do not change while the nodes stand.
 #ifndef SEL_SHARED_SPLINE_H
 #define SEL_SHARED_SPLINE_H
 #include "shared/portable.h"
@@ -101,8 +101,7 @@ SEL_FN real spline_at(SplineView rod, real s)
     const uint edge = edge_of_material(rod, s);
     const real from = rod.material[edge], to = rod.material[edge + 1], middle = (real)0.5 * (from + to);
     const int left = s < middle;
-    if ((left && edge == 0) || (!left && edge + 2 >= rod.count))
-        return (real)edge + clamp_r((s - from) / (to - from), 0, 1);
+    if ((left && edge == 0) || (!left && edge + 2 >= rod.count)) return (real)edge + clamp_r((s - from) / (to - from), 0, 1);
     const uint node = left ? edge : edge + 1;  // whose piece it is
     const real before = rod.material[node] - rod.material[node - 1], after = rod.material[node + 1] - rod.material[node];
     const real way = s - (real)0.5 * (rod.material[node - 1] + rod.material[node]);
@@ -119,8 +118,8 @@ typedef struct Closest {
 #define SEL_CLOSEST_STEPS 40
 #define SEL_CLOSEST_ENOUGH ((real)1e-12)  // of an edge
 
-// Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign holds
-// it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
+// Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign
+// holds it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
 {
     Closest found;

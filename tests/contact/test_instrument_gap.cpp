@@ -207,8 +207,7 @@ TEST_SUITE("contact/instrument_gap")
     {
         Nodes nodes;
         for (const double x : {0.0, 1.0, 1.3, 2.9, 3.4, 5.0}) nodes.add(make_vec3(1e-3 * x, 0, 0));
-        for (double s = 0; s <= 5e-3; s += 1e-4)
-            CHECK(point_of_material(nodes.view(), s).x == doctest::Approx(s).epsilon(1e-12));
+        for (double s = 0; s <= 5e-3; s += 1e-4) CHECK(point_of_material(nodes.view(), s).x == doctest::Approx(s).epsilon(1e-12));
     }
 
     TEST_CASE("property: the nearest point is the nearest")

@@ -74,7 +74,8 @@ Scene make_scene(unsigned seed)
         for (int i = 0; i < nodes_each; ++i) {
             const double s = known.inside * i / (nodes_each - 1);
             const Vec3 at = place(rod, s);
-            known.longest_edge = std::max(known.longest_edge, i ? (at - place(rod, s - known.inside / (nodes_each - 1))).norm() : 0);
+            known.longest_edge =
+                std::max(known.longest_edge, i ? (at - place(rod, s - known.inside / (nodes_each - 1))).norm() : 0);
             for (int c = 0; c < 3; ++c) {
                 scene.position.push_back(at[c] + some(random));
                 scene.position_t0.push_back(at[c] + some(random));

@@ -156,7 +156,8 @@ TEST_SUITE("contact/instrument_term")
         REQUIRE(sum > 1);
         for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(ply, 0, seed) < 2e-6);
         Term nested(in_lumen, true);
-        for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(nested, 0, seed) < 5e-2);  // its ends, and the mouth that turns
+        for (unsigned seed = 1; seed <= 5; ++seed)
+            CHECK(tangent_error(nested, 0, seed) < 5e-2);  // its ends, and the mouth that turns
     }
 
     TEST_CASE("derivative: where a contact ends within a cell the tangent lacks the motion of the Gauss points")
@@ -195,7 +196,8 @@ TEST_SUITE("contact/instrument_term")
         }
         REQUIRE(size > 1);
         CHECK(force.norm() < 1e-13 * size);
-        // the spin is about the edge, the curve's tangent differs from it by a quarter of the turn at a node at most: 0.09 of r mu
+        // the spin is about the edge, the curve's tangent differs from it by a quarter of the turn at a node at most: 0.09 of r
+        // mu
         CHECK(moment.norm() < 0.1 * 0.2 * radius * size);
     }
 }

@@ -175,7 +175,8 @@ TEST_SUITE("contact/instruments")
             CAPTURE(sunk);
             WireSetup wire = straight_wire(in["B"], in["EA"], length, r, 81);
             put(wire, {-length / 2, 0, r + support}, Vec3::UnitX());
-            // its middle is moved, not loaded: a wire that is free to slide over frictionless supports tilts and falls between them
+            // its middle is moved, not loaded: a wire that is free to slide over frictionless supports tilts and falls between
+            // them
             HoldSpec middle = hold_of(WirePoint::Kind::Distance, true);
             middle.at.from_tip = length / 2;
             middle.move = {{0, 0, 0, 0}, {1, 0, 0, -sunk}};

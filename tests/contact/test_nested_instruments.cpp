@@ -13,8 +13,8 @@ namespace {
 
 constexpr double wire_radius = 2e-4, wall = 3e-4;
 
-/// From the base along +x to the origin, an arc of `radius` towards +y about (0, bend, 0), and straight on. The part before the arc
-/// comes in from `off` farther out.
+/// From the base along +x to the origin, an arc of `radius` towards +y about (0, bend, 0), and straight on. The part before the
+/// arc comes in from `off` farther out.
 std::vector<Vec3> bent_path(double bend, double radius, double angle, double lead, double tail, double off)
 {
     std::vector<Vec3> points;
@@ -56,8 +56,8 @@ struct PullThrough {
     [[nodiscard]] WorldSetup setup() const
     {
         const double tail = std::max(0.03, 6 * std::sqrt(bend / far)), edge = 1e-3;
-        WireSetup catheter = along(bent_path(arc, arc, angle, tail + 4e-3, tail + 8e-3, 0), 1e-2, wire_radius + clearance + wall,
-                                   edge, true);
+        WireSetup catheter =
+            along(bent_path(arc, arc, angle, tail + 4e-3, tail + 8e-3, 0), 1e-2, wire_radius + clearance + wall, edge, true);
         catheter.wire.lumen_radius = wire_radius + clearance;
         hold_all(catheter);
         // guided B/(2 R T) off the inner wall, where a straight tail comes to lie
@@ -99,7 +99,8 @@ std::array<Vec3, 2> tips_of_j_wire(const nlohmann::json& in, double inserted, do
     const auto& outer = in["instruments"][0];
     const auto& inner = in["instruments"][1];
     const double length = 0.1, edge = 5e-4;
-    WireSetup catheter = straight_wire(outer[1][1], 7000, length, wire_radius + clearance + 2e-4, static_cast<int>(length / edge) + 1);
+    WireSetup catheter =
+        straight_wire(outer[1][1], 7000, length, wire_radius + clearance + 2e-4, static_cast<int>(length / edge) + 1);
     WireSetup wire = straight_wire(inner[2][1], 7000, inserted, wire_radius, static_cast<int>(inserted / edge) + 1);
     catheter.wire.lumen_radius = wire_radius + clearance;
     add_section(catheter, outer[0][0], outer[0][1], outer[0][2]);
@@ -165,8 +166,8 @@ TEST_SUITE("contact/nested_instruments")
         CHECK(-world.readings(1).base_force.x() == about(expected).epsilon(2e-3));
     }
 
-    // Where a section's curvature begins the axes part within the clearance, over a length ~ sqrt(clearance/curvature): tips are off
-    // by its power of one half.
+    // Where a section's curvature begins the axes part within the clearance, over a length ~ sqrt(clearance/curvature): tips are
+    // off by its power of one half.
     TEST_CASE("reference: 15_coaxial/j_wire_in_catheter: with its clearance a wire comes to the merged axis")
     {
         const auto given = shared_case("15_coaxial.json", "15_coaxial/j_wire_in_catheter");

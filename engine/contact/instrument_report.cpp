@@ -1,0 +1,102 @@
+// What contact between instruments keeps from step to step: saved, restored, shown.
+
+#include "contact/instrument_contact.h"
+
+#include "core/bytes.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace seldinger {
+
+/// The slots of a wire's cells, those zero that no contact of the last step has written.
+std::vector<InstrumentState> InstrumentContact::living(int wire)
+{
+    const auto first = static_cast<std::size_t>(cells_.of_wire[wire]), end = static_cast<std::size_t>(cells_.of_wire[wire + 1]);
+    std::vector<InstrumentState> states((end - first) * SEL_INSTRUMENT_SLOTS);
+    context_.enter(device::Queue::Inline);
+    context_.read(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
+                  first * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState));
+    for (InstrumentState& state : states)
+        if (state.contact.epoch + 1 != cells_.rods[wire].epoch) std::memset(&state, 0, sizeof state);
+    return states;
+}
+
+void InstrumentContact::save(std::vector<std::uint8_t>& bytes)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
+}
+
+void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const std::vector<InstrumentState> states = living(wire);
+    const auto lives = [](const InstrumentState& state) { return state.contact.epoch != 0; };
+    const auto count = static_cast<std::uint32_t>(std::count_if(states.begin(), states.end(), lives));
+    put_bytes(bytes, &cells_.rods[wire].epoch, 1);
+    put_bytes(bytes, &count, 1);
+    const std::uint32_t first_pair = cells_.rods[wire].pair;  // a system's bytes do not depend on those before it
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        if (!lives(states[k])) continue;
+        const auto place = static_cast<std::uint32_t>(k);
+        InstrumentState state = states[k];
+        state.pair -= first_pair;
+        put_bytes(bytes, &place, 1);
+        put_bytes(bytes, &state, 1);
+    }
+}
+
+void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
+}
+
+void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
+    const auto size = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first;
+    std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));
+    std::uint32_t count = 0;
+    take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
+    take_bytes(bytes, end, &count, 1);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        std::uint32_t place = 0;
+        take_bytes(bytes, end, &place, 1);
+        if (place >= size) throw Error(ExitCode::BadFile, "the saved state has contacts on cells that this scene has not");
+        take_bytes(bytes, end, &states[place], 1);
+        if (states[place].pair >= cells_.rods[wire].pairs)
+            throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
+        states[place].pair += cells_.rods[wire].pair;
+    }
+    context_.enter(device::Queue::Inline);
+    context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
+                   first * sizeof(InstrumentState));
+    context_.finish(device::Queue::Inline);
+    searched_ = false;
+}
+
+std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
+{
+    std::vector<ContactRow> list;
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const RodView rod = rods.view(w);
+        for (const InstrumentState& state : living(w)) {
+            const ContactState& contact = state.contact;
+            if (!(contact.flags & SEL_CONTACT_ACTIVE)) continue;
+            const auto edge = std::upper_bound(rod.material_s.begin(), rod.material_s.begin() + rod.n - 1, state.along_a);
+            ContactRow row;
+            row.a = {BodyKind::Rod, w, std::max(0, static_cast<int>(edge - rod.material_s.begin()) - 1)};
+            row.b = {BodyKind::Rod, static_cast<int>(cells_.pairs[state.pair].b), static_cast<int>(contact.triangle)};
+            row.point = {contact.point[0], contact.point[1], contact.point[2]};
+            row.normal = {contact.normal[0], contact.normal[1], contact.normal[2]};
+            row.gap = contact.gap;
+            row.normal_force = contact.normal_force;
+            row.friction = {contact.friction[0], contact.friction[1], contact.friction[2]};
+            row.stuck = contact.flags & SEL_CONTACT_STUCK;
+            row.length = state.length;
+            list.push_back(row);
+        }
+    }
+    return list;
+}
+
+}  // namespace seldinger
