@@ -32,7 +32,7 @@ void add_stability(CLI::App& app, Command& chosen)
         ->type_name("KEY=V,V,...");
     command->add_flag("--quick", options->quick, "nine cells a map, four methods: a few minutes");
     command->add_option("--row", options->rows, "only maps of these failure rows, e.g. F3,F4")
-        ->type_name("F1..F19")
+        ->type_name("F1..F21")
         ->delimiter(',');
     command->add_option("--maps", options->maps, "only these")->type_name("NAME")->delimiter(',');
     // a method's name may hold a comma

@@ -115,7 +115,7 @@ std::vector<StabilityMap> of_rows(const std::vector<StabilityMap>& all, const st
         if (std::any_of(rows.begin(), rows.end(), [&](const std::string& row) { return shows(map, row); })) found.push_back(map);
     for (const std::string& row : rows)
         if (std::none_of(all.begin(), all.end(), [&](const StabilityMap& map) { return shows(map, row); }))
-            throw Error(ExitCode::BadScene, fmt::format("--row: \"{}\" is none; expected F1 to F19", row));
+            throw Error(ExitCode::BadScene, fmt::format("--row: \"{}\" is none; expected F1 to F21", row));
     return found;
 }
 

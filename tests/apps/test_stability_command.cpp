@@ -35,7 +35,7 @@ TEST_SUITE("apps/stability")
             CHECK(result.error_lines() == 1);
             CHECK(result.err.find(words) != std::string::npos);
         };
-        refused("--row F20", 2, "expected F1 to F19");
+        refused("--row F22", 2, "expected F1 to F21");
         refused("--maps stifness", 2, "expected of: axial; stiffness");
         refused("--methods fast", 2, "expected of: published");
         refused("--vary wire.bend_nm2=1", 2, "goes with a SCENE.toml");

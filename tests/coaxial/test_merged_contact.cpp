@@ -150,12 +150,12 @@ TEST_SUITE("coaxial/merged contact")
         WorldSetup setup = in_a_bend(0.02, 0.05);
         CHECK(message(setup).empty());
         setup.coaxial[0].order = {0};
-        CHECK(message(setup).find("coaxial[0].order: names 1 instruments, expected 2 to 4") != std::string::npos);
+        CHECK(message(setup).find("coaxial[0].order: names fewer than two instruments") != std::string::npos);
         setup.coaxial[0].order = {0, 2};
-        CHECK(message(setup).find("names wire 2, expected 0 to 1") != std::string::npos);
+        CHECK(message(setup).find("names instrument 2, expected 0 to 1") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.systems = {1, 1};
-        CHECK(message(setup).find("in different systems") != std::string::npos);
+        CHECK(message(setup).find("names instruments of different systems") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.integrator.newmark = true;
         CHECK(message(setup).find("integrator: ") != std::string::npos);
