@@ -132,8 +132,9 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
     }
     context_.enter(device::Queue::Inline);
     nodes_t0_.upload(context_, device::Queue::Inline);
-    if (search_is_stale({})) search(device::Queue::Inline);
-    else context_.write(device::Queue::Inline, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
+    // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed knows
+    // nothing of searches before
+    search(device::Queue::Inline);
     context_.finish(device::Queue::Inline);
     times_.detect += since(start);
 }

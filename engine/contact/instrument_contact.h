@@ -3,8 +3,8 @@
 // of another and at its mouth. Geometry: kernels/shared/instrument_gap.h; laws: instrument_law.h; what is integrated:
 // instrument_cell.h.
 //
-// Per step: begin_step remembers nodes, prepare takes the node set and looks for what cells are near to (kernel instruments_find)
-// where anything has changed; at each trial instruments_evaluate makes the forces of all that were found, whose records are
+// Per step: begin_step remembers nodes, prepare takes the node set and looks for what cells are near to (kernel instruments_find);
+// at each trial instruments_evaluate makes the forces of all that were found, whose records are
 // summed on the host (instrument_sums.h). Where a node has moved by half of the skin since the last search, the trial is searched
 // anew: what is found is always that of the trial. A trial in which one has sunk deeper into another than the law's pole is
 // refused, and no node moves by more than 0.45 of the smaller radius at once: axes that are 1.5 radii apart do not pass each

@@ -81,7 +81,6 @@ def test_one_system_goes_back_and_the_others_do_not(choice):
     assert pair.output.instruments[0].hand_force == alone.output.hand_force
 
 
-@pytest.mark.xfail(reason="restore of instruments inside each other (model separate) is not bit-exact, of a whole world neither", strict=False)
 def test_instruments_that_touch_go_back_alike():
     keys = {"coaxial__model": "separate"}
     try:

@@ -1,5 +1,5 @@
-// Whole sessions in this process: a hand over UDP, hostile datagrams, reset, record and replay, the score, and what the hub says of its
-// own stiffness.
+// Whole sessions in this process: a hand over UDP, hostile datagrams, reset, record and replay, the score, and what the hub says
+// of its own stiffness.
 
 #include "session/session.h"
 
@@ -43,7 +43,8 @@ std::string replayed(const std::filesystem::path& path, const Scene& scene)
 
 TEST_SUITE("session/session")
 {
-    TEST_CASE("property: a hand over UDP moves the instrument, is answered, and the record replays to the same bits, reset included")
+    TEST_CASE(
+        "property: a hand over UDP moves the instrument, is answered, and the record replays to the same bits, reset included")
     {
         const TemporaryFolder folder;
         const Scene scene = scene_of();
@@ -99,6 +100,10 @@ TEST_SUITE("session/session")
             line.send(junk.data(), static_cast<std::size_t>(k % 2000));
             if (k % 200 == 0) rest(1e-3);  // what the socket has no room for is lost before it is counted
         }
+        // what follows must find room
+        for (auto seen = hand.count(HandGate::Verdict::Malformed) - 1; seen != hand.count(HandGate::Verdict::Malformed);
+             rest(0.05))
+            seen = hand.count(HandGate::Verdict::Malformed);
         const SelHandRequest bad{0, 6, 0, std::nan(""), 0, 0}, jump{0, 7, 0, 5.0, 0, 0};
         for (const SelHandRequest& r : {bad, jump}) {
             unsigned char bytes[SEL_HAND_REQUEST_BYTES];
@@ -107,7 +112,7 @@ TEST_SUITE("session/session")
         }
         REQUIRE(line.ask(8, 0.002, 0, answer));
         CHECK(answer.sequence == 8);
-        CHECK(hand.count(HandGate::Verdict::Malformed) > n / 2);
+        CHECK(hand.count(HandGate::Verdict::Malformed) > n / 20);  // the socket holds a hundred of them
         CHECK(hand.count(HandGate::Verdict::NotFinite) == 1);
         CHECK(hand.count(HandGate::Verdict::Jump) == 1);
         CHECK(hand.count(HandGate::Verdict::Accepted) == 2);
