@@ -69,7 +69,7 @@ TestSetup two_wires(NormalLaw law)
     add_bend(setup, 0.003, 0.05);
     for (int w = 0; w < 2; ++w) {
         const WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
-        TestWire wire = w == 0 ? fed_wire(spec, {0.0005, 0, -0.0024}, 0.2, 2.0) : placed_wire(spec, {});
+        TestWire wire = w == 0 ? fed_wire(spec, {0.0005, 0, -0.0024}, 0.2, 2.0) : placed_wire(spec, Vec3::Zero());
         if (w == 1) {
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;

@@ -115,7 +115,7 @@ TestSetup folded()
 {
     TestSetup setup;
     add_tube(setup, tube(0.02, 0.2, 4000));
-    TestWire wire = placed_wire(steel_wire(0.08, 33), {});
+    TestWire wire = placed_wire(steel_wire(0.08, 33), Vec3::Zero());
     wire.wire.place.shape = PlaceShape::Points;
     const double c = std::cos(12 * pi / 180), s = std::sin(12 * pi / 180), corner = 0.05 + 0.04 + 1e-9;
     wire.wire.place.points = {{0.05, 0, 0}, {corner, 0, 0}, {corner - 0.041 * c, 0, 0.041 * s}};

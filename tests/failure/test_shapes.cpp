@@ -101,7 +101,7 @@ TEST_SUITE("failure/shapes")
     {
         TestSetup setup;
         add_tube(setup, tube(0.02, 0.2, 4000));
-        TestWire wire = placed_wire(steel_wire(0.08, 33), {});
+        TestWire wire = placed_wire(steel_wire(0.08, 33), Vec3::Zero());
         wire.wire.place.shape = PlaceShape::Points;
         const double c = std::cos(12 * pi / 180), s = std::sin(12 * pi / 180);
         const double corner = 0.05 + 0.04 + 1e-9;  // a hair behind the sixteenth node: chords must not have to reach round it

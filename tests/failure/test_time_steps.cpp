@@ -16,7 +16,7 @@ bool failed(const Outcomes& o) { return o.outcome() >= Outcome::Overlap; }
 TestSetup cantilever()
 {
     TestSetup setup;
-    TestWire wire = placed_wire(steel_wire(0.1, 41), {});
+    TestWire wire = placed_wire(steel_wire(0.1, 41), Vec3::Zero());
     HoldSpec base;
     base.position = base.direction = base.spin = true;
     wire.holds = {base};

@@ -24,7 +24,7 @@ TestSetup three_wires(Detection detection)
     for (int w = 0; w < 3; ++w) {
         WireSpec spec = steel_wire(0.06 + 0.02 * w, 21 + 7 * w);
         spec.shaft.bend_stiffness *= 1 + w;
-        TestWire wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, {});
+        TestWire wire = w < 2 ? fed_wire(spec, {0.0005, 3e-4 * w, -0.0024}, 0.2 + 0.1 * w, 2.0 * w) : placed_wire(spec, Vec3::Zero());
         if (w == 2) {  // lies along the whole bend, and springs against its outer wall
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
@@ -244,7 +244,7 @@ TEST_SUITE("step/worlds")
             add_bend(setup, 0.006, 0.04);
             WireSpec spec = steel_wire(0.08, 25);
             spec.shaft.bend_stiffness *= stiffer;
-            TestWire wire = placed_wire(spec, {});
+            TestWire wire = placed_wire(spec, Vec3::Zero());
             wire.wire.place.shape = PlaceShape::Centreline;
             wire.wire.place.from = 0.002;
             HoldSpec hold;
@@ -268,7 +268,7 @@ TEST_SUITE("step/worlds")
     {
         TestSetup setup;
         add_bend(setup, 0.006, 0.04);
-        TestWire wire = placed_wire(steel_wire(0.05, 25), {});
+        TestWire wire = placed_wire(steel_wire(0.05, 25), Vec3::Zero());
         wire.wire.place.shape = PlaceShape::Centreline;
         wire.wire.place.from = 0.002;
         wire.wire.place.rest_is_placed = true;
