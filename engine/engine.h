@@ -75,7 +75,7 @@ public:
 
     /// 64-bit FNV-1a over every byte of the final state, friction anchors included, as 16 hex digits.
     [[nodiscard]] std::string state_hash() const;
-    /// Of one system, whoever else is in the world; of a system of one instrument, what state_hash() is in a world of its own.
+    /// Of one system, whoever else is in the world: what state_hash() is in a world of its own.
     [[nodiscard]] std::string state_hash(int system) const;
     /// Every changing byte, for checkpoints; restore() needs a world made from the same setup.
     [[nodiscard]] std::vector<std::uint8_t> save_state() const;

@@ -168,6 +168,7 @@ TEST_SUITE("step/instrument_worlds")
             CHECK(second.world.step_count() == 150);
             second.run(60);
             CHECK(second.world.state_hash() == first.world.state_hash());
+            CHECK(first.world.state_hash(0) == first.world.state_hash());
             CHECK(first.world.readings(1).inserted > 0.02);
             bool rods = false;
             for (const ContactRow& row : first.world.contacts()) rods = rods || row.b.kind == BodyKind::Rod;
