@@ -172,16 +172,13 @@ void InstrumentContact::measure_rods()
     }
 }
 
-/// Whether nodes have moved by half of the skin, come or gone, or cells have come in, since the last search. @param active  wires
-/// that are asked; empty: all
+/// Whether nodes of active wires have moved by half of the skin since the last search of this step.
 bool InstrumentContact::search_is_stale(std::span<const std::uint8_t> active) const
 {
-    if (!searched_) return true;
     const double farthest = 0.25 * params_.skin * params_.skin;
     for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!active.empty() && !active[w]) continue;
+        if (!active[w]) continue;
         const InstrumentRod& rod = cells_.rods[w];
-        if (rod.count != searched_count_[w] || rod.live != searched_live_[w]) return true;
         for (std::size_t i = rod.node; i < rod.node + rod.count; ++i) {
             double moved = 0;
             for (std::size_t c = 0; c < 3; ++c) {
@@ -189,7 +186,6 @@ bool InstrumentContact::search_is_stale(std::span<const std::uint8_t> active) co
                 moved += d * d;
             }
             if (!(moved <= farthest)) return true;
-            if (i + 1 < rod.node + rod.count && nodes_.material[i] != searched_material_[i]) return true;
         }
     }
     return false;
@@ -204,15 +200,7 @@ void InstrumentContact::search(device::Queue queue)
     // what earlier trials of this step have left is in slots that now stand for something else
     context_.write(queue, states_, no_states_.data(), no_states_.size() * sizeof(InstrumentState));
     context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
-    searched_ = true;
     searched_position_ = nodes_.position;
-    searched_material_ = nodes_.material;
-    searched_count_.clear();
-    searched_live_.clear();
-    for (const InstrumentRod& rod : cells_.rods) {
-        searched_count_.push_back(rod.count);
-        searched_live_.push_back(rod.live);
-    }
     list_found();
 }
 

@@ -98,9 +98,7 @@ private:
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
     device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_;
     InstrumentParams params_{};
-    bool searched_ = false;
-    std::vector<double> searched_position_, searched_material_;  // at the last search
-    std::vector<std::uint32_t> searched_count_, searched_live_;  // [wires]
+    std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
     std::vector<std::uint32_t> found_, picked_;      // slots that something is near in; of the systems evaluated

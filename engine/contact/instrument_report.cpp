@@ -71,7 +71,6 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
     context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);
-    searched_ = false;
 }
 
 std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)

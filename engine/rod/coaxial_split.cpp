@@ -3,6 +3,7 @@
 #include "rod/coaxial_split.h"
 
 #include "core/check.h"
+#include "rod/split.h"
 #include "rod/transport.h"
 
 #include <algorithm>
@@ -108,16 +109,9 @@ void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& 
         std::fill(gradient.begin(), gradient.end(), 0.0);
         add_coaxial(rod, line, now_of(rods, wires), base, frames, gradient, nullptr, HessianMode::None);
         const auto at = [&](int c) { return gradient[rod.dofs().position(m, c)]; };
-        Vec3 pull(at(0), at(1), at(2));
-        const Vec3 t = frames.tangent[m];
-        pull -= pull.dot(t) * t;
-        const double inner = line.rest_length[a], outer = line.rest_length[m], both = 1 / inner + 1 / outer;
-        const double stiffness = 2 * line.bend_stiffness[m + 1] / (outer * outer * outer) +
-                                 line.bend_stiffness[m] / line.voronoi_length(m) * both * both +
-                                 (a > 0 ? line.bend_stiffness[a] / (line.voronoi_length(a) * inner * inner) : 0.0);
-        const Vec3 shift = pull / stiffness;
+        const Vec3 shift = born_node_shift(line, frames.tangent[m], Vec3(at(0), at(1), at(2)));
         line.set_pos(m, line.pos(m) - shift);
-        if (shift.norm() < balanced * outer) break;
+        if (shift.norm() < balanced * line.rest_length[m]) break;
     }
 }
 

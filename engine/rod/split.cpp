@@ -287,16 +287,9 @@ void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, 
         std::fill(gradient.begin(), gradient.end(), 0.0);
         add_elastic(rod, scratch.clamps, scratch.frames, gradient, nullptr, HessianMode::None);
         const auto at = [&](int c) { return gradient[RodDofs::position(m, c)]; };
-        Vec3 pull(at(0), at(1), at(2));
-        const Vec3 t = scratch.frames.tangent[m];
-        pull -= pull.dot(t) * t;
-        const double inner = rod.rest_length[a], base = rod.rest_length[m], both = 1 / inner + 1 / base;
-        const double stiffness = 2 * rod.bend_stiffness[m + 1] / (base * base * base) +
-                                 rod.bend_stiffness[m] / rod.voronoi_length(m) * both * both +
-                                 (a > 0 ? rod.bend_stiffness[a] / (rod.voronoi_length(a) * inner * inner) : 0.0);
-        const Vec3 shift = pull / stiffness;
+        const Vec3 shift = born_node_shift(rod, scratch.frames.tangent[m], Vec3(at(0), at(1), at(2)));
         rod.set_pos(m, rod.pos(m) - shift);
-        if (shift.norm() < balanced * base) break;
+        if (shift.norm() < balanced * rod.rest_length[m]) break;
     }
 }
 
@@ -304,6 +297,18 @@ void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, 
 Vec3 forwards(const RodView& rod, int j) { return (rod.pos(j) - rod.pos(j + 1)).normalized(); }
 
 }  // namespace
+
+Vec3 born_node_shift(const RodView& rod, const Vec3& tangent, const Vec3& gradient)
+{
+    const int m = rod.n - 2, a = m - 1;
+    Vec3 pull = gradient;
+    pull -= pull.dot(tangent) * tangent;
+    const double inner = rod.rest_length[a], base = rod.rest_length[m], both = 1 / inner + 1 / base;
+    const double stiffness = 2 * rod.bend_stiffness[m + 1] / (base * base * base) +
+                             rod.bend_stiffness[m] / rod.voronoi_length(m) * both * both +
+                             (a > 0 ? rod.bend_stiffness[a] / (rod.voronoi_length(a) * inner * inner) : 0.0);
+    return pull / stiffness;
+}
 
 SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec, std::span<const RodClamp> clamps,
                             SplitScratch& scratch)

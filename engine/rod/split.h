@@ -59,4 +59,8 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
 /// Takes out the node next to the hub; the nodes that stay keep their velocities.
 SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps);
 
+/// By how much the node next to the hub is to move across `tangent`, of the base edge, where `gradient` is what elastic forces
+/// ask of it: by the bending stiffness of small turns there.
+[[nodiscard]] Vec3 born_node_shift(const RodView& rod, const Vec3& tangent, const Vec3& gradient);
+
 }  // namespace seldinger
