@@ -6,6 +6,7 @@
 
 #include <spawn.h>
 #include <sys/wait.h>
+#include <csignal>
 #include <filesystem>
 
 extern char** environ;
@@ -29,7 +30,16 @@ int run_program(const std::vector<std::string>& words)
     argv.push_back(nullptr);
     pid_t child = 0;
     int status = 0;
-    if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0) return -1;
+    // signals that wait for a thread of ours are its own business: it hears them as usual
+    posix_spawnattr_t how;
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_init(&how);
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setsigmask(&how, &none);
+    const int problem = posix_spawnp(&child, argv[0], nullptr, &how, argv.data(), environ);
+    posix_spawnattr_destroy(&how);
+    if (problem != 0) return -1;
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR) return -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

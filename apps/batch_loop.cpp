@@ -2,9 +2,12 @@
 #include "batch_loop.h"
 
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "core/parallel.h"
 #include "core/sealed_file.h"
 #include "progress.h"
+#include "scene/scene_difference.h"
+#include "scene/toml_parse.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -22,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC1";
+constexpr std::string_view magic = "SELBATC3";
 constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -33,11 +36,6 @@ struct Totals {
     double wall = 0;
     StageTimes stages;
 };
-
-std::string resolved_scene(const BatchSource& source, const fs::path& dir)
-{
-    return write_scene(read_scene_text(source.scene_text, source.scene_file, source.overrides), dir);
-}
 
 bool holds_a_batch(const fs::path& dir)
 {
@@ -73,16 +71,20 @@ void check_batch_folder(const fs::path& dir, FolderUse use, const BatchSource& s
 
 class Batch {
 public:
-    Batch(const BatchSource& source, std::string sweep_text, const RunOptions& options)
-        : source_(source), options_(options), worlds_(plan_worlds(source))
+    Batch(const BatchSource& source, std::string sweep_text, std::size_t begin, std::size_t end, const RunOptions& options)
+        : source_(source), options_(options), begin_(begin), end_(end), runs_(end - begin), ramp_(options.time_limit > 0)
     {
+        worlds_ = plan_worlds(source, begin, end, ramp_);
+        planning_.reset();
         const fs::path file = options.dir / "checkpoint.bin";
         std::error_code ignored;
         if (options.use == FolderUse::Resume && fs::exists(file, ignored)) {
+            given_ = resolved_scene(source, options.dir) + sweep_text;
             restore(file);
             return;
         }
         const std::string scene = resolved_scene(source, options.dir);
+        given_ = scene + sweep_text;
         make_folder(options.dir);
         remove_old_run(options.dir);
         for (const char* name : batch_files) fs::remove(options.dir / name, ignored);
@@ -94,7 +96,7 @@ public:
     {
         start_ = last_save_ = Clock::now();
         earlier_wall_ = totals_.wall;
-        BatchProgress progress(source_.sweep.run_count(), options_.quiet);
+        BatchProgress progress(runs_, options_.quiet);
         for (bool first = true; at_ < worlds_.size();) {
             if (!world_) open_world();
             for (; !world_->finished(); first = false) {
@@ -113,11 +115,15 @@ public:
         return stop(RunStatus::Done);
     }
 
+    [[nodiscard]] const std::vector<BatchRow>& rows() const { return rows_; }
+    [[nodiscard]] double step_seconds() const { return step_seconds_; }
+
 private:
     double wall() const { return earlier_wall_ + seconds_since(start_); }
 
     void open_world()
     {
+        const NoPolling loading;
         // worlds in a row often share the vessel: it is loaded once
         Scene scene = source_.scene(0);
         scene.vessel = source_.scene(worlds_[at_].front()).vessel;
@@ -133,7 +139,9 @@ private:
         const StageTimes before = world_->stages();
         totals_.wire_steps += static_cast<std::int64_t>(world_->running());
         totals_.world_steps++;
+        const auto begun = Clock::now();
         for (BatchRow& row : world_->step()) rows_.push_back(row);
+        step_seconds_ += seconds_since(begun);
         totals_.stages += world_->stages();
         totals_.stages -= before;
     }
@@ -151,7 +159,10 @@ private:
         };
         put_list(std::string(version()));
         put_list(device_);
+        put_list(given_);
         put_bytes(bytes, &status, 1);
+        const std::uint8_t ramp = ramp_;
+        put_bytes(bytes, &ramp, 1);
         put_bytes(bytes, &totals_, 1);
         put_list(rows_);
         const std::uint64_t at = at_;
@@ -188,7 +199,20 @@ private:
                                     "--overwrite",
                                     file.string(), writer, version()));
         take_list(device_);
+        std::string given;
+        take_list(given);
+        if (given != given_)
+            throw Error(ExitCode::BadFile, fmt::format("{}: is of another scene or sweep, {}; run again with --overwrite",
+                                                       file.string(), first_difference(given, given_)));
         take_bytes(at, end, &saved_status_, 1);
+        // the worlds are those that it was begun with, whether or not there is a limit now
+        std::uint8_t ramp = 0;
+        take_bytes(at, end, &ramp, 1);
+        if (ramp > 1) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
+        if (ramp_ != (ramp == 1)) {
+            ramp_ = ramp == 1;
+            worlds_ = plan_worlds(source_, begin_, end_, ramp_);
+        }
         take_bytes(at, end, &totals_, 1);
         take_list(rows_);
         std::uint64_t index = 0;
@@ -196,8 +220,33 @@ private:
         take_bytes(at, end, &index, 1);
         take_bytes(at, end, &open, 1);
         at_ = index;
+        check_restored(file, open);
         if (open) restore_world(file, at, end);
+        if (at != end) throw Error(ExitCode::BadFile, file.string() + ": goes on after its end; run again with --overwrite");
         if (saved_status_ != RunStatus::Done) totals_.resumes++;
+    }
+
+    /// What the file says, before it is gone on from. @throws Error BadFile
+    void check_restored(const fs::path& file, std::uint8_t open) const
+    {
+        const auto is_time = [](double seconds) { return seconds >= 0 && seconds < 1e12; };
+        const auto is_count = [](std::int64_t count) { return count >= 0 && count <= std::int64_t{1} << 53; };
+        static_assert(sizeof(StageTimes) % sizeof(double) == 0);
+        const auto* stages = reinterpret_cast<const double*>(&totals_.stages);
+        bool sound = at_ <= worlds_.size() && open <= (at_ < worlds_.size()) && saved_status_ >= RunStatus::Running &&
+                     saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
+                     is_count(totals_.resumes) && is_time(totals_.wall) &&
+                     std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time);
+        std::vector<bool> seen(source_.sweep.run_count());
+        for (const BatchRow& row : rows_) {
+            const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+            sound = sound && row.run >= 0 && static_cast<std::size_t>(row.run) < seen.size() && !seen[static_cast<std::size_t>(row.run)] &&
+                    (row.status == RunStatus::Done || row.status == RunStatus::Stopped) &&
+                    std::all_of(row.state_hash.begin(), row.state_hash.end(), is_hex);
+            if (!sound) break;
+            seen[static_cast<std::size_t>(row.run)] = true;
+        }
+        if (!sound) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
     }
 
     void restore_world(const fs::path& file, const std::uint8_t*& at, const std::uint8_t* end)
@@ -213,7 +262,11 @@ private:
         if (before != device_ && !options_.quiet)
             fmt::print(stderr, "seldinger: resumed on \"{}\" after \"{}\": the bits may differ from a batch in one piece\n",
                        device_, before);
-        world_->restore(at, end);
+        try {
+            world_->restore(at, end);
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("{}: {}; run again with --overwrite", file.string(), error.what()));
+        }
     }
 
     void write_tables()
@@ -231,7 +284,7 @@ private:
         Json out;
         out["name"] = source_.scene(0).name;
         out["status"] = status_word(status);
-        out["runs"] = source_.sweep.run_count();
+        out["runs"] = runs_;
         out["done"] = rows_.size() - static_cast<std::size_t>(stopped);
         out["stopped"] = stopped;
         out["worlds"] = worlds_.size();
@@ -256,7 +309,7 @@ private:
         write_file(options_.dir / "summary.json", outcome.summary);
         const std::string dir = options_.dir.string();
         const std::string saved = fmt::format("with {} of {} runs done, state saved in {}; run again with --resume", rows_.size(),
-                                              source_.sweep.run_count(), dir);
+                                              runs_, dir);
         if (status == RunStatus::TimeLimit) outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved};
         if (status == RunStatus::Interrupted) outcome = {ExitCode::Interrupted, outcome.summary, "interrupted " + saved};
         if (status != RunStatus::Done) return outcome;
@@ -275,14 +328,19 @@ private:
 
     const BatchSource& source_;
     const RunOptions& options_;
+    std::size_t begin_, end_, runs_;
+    bool ramp_;                                     // worlds that grow (plan_worlds): a limit may stop this
+    std::optional<NoPolling> planning_{std::in_place};  // until worlds_ are known
     std::vector<std::vector<std::size_t>> worlds_;  // runs of each
     std::size_t at_ = 0;                            // world being run
     std::optional<BatchWorld> world_;
     LoadedVessel vessel_;
     std::string vessel_key_, device_;
+    std::string given_;  // scene and sweep, as the checkpoint carries them
     std::vector<BatchRow> rows_;
     Totals totals_;
-    double save_cost_ = 0;  // [s] of the last one
+    double save_cost_ = 0;     // [s] of the last one
+    double step_seconds_ = 0;  // since this call began
     RunStatus saved_status_ = RunStatus::Running;
     double earlier_wall_ = 0;
     Clock::time_point start_, last_save_;
@@ -290,15 +348,36 @@ private:
 
 }  // namespace
 
+std::string resolved_scene(const BatchSource& source, const fs::path& dir)
+{
+    return write_scene(read_scene_text(source.scene_text, source.scene_file, source.overrides), dir);
+}
+
 RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOptions& options)
 {
     const auto called = Clock::now();
     const StopSignal listening;
-    BatchSource source{read_file(scene), scene, options.overrides, {}};
-    const std::string sweep_text = read_file(sweep);
+    BatchSource source{read_scene_file(scene), scene, options.overrides, {}};
+    const std::string sweep_text = read_scene_file(sweep);
     source.sweep = read_sweep_text(sweep_text, sweep, read_scene_text(source.scene_text, scene, options.overrides).seed);
+    const FileLock lock = FileLock::of_folder(options.dir);
     check_batch_folder(options.dir, options.use, source, sweep_text);
-    return Batch(source, sweep_text, options).go(called);
+    return Batch(source, sweep_text, 0, source.sweep.run_count(), options).go(called);
+}
+
+BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin, std::size_t end,
+                         const RunOptions& options)
+{
+    const auto called = Clock::now();
+    const StopSignal listening;
+    const FileLock lock = FileLock::of_folder(options.dir);
+    check_batch_folder(options.dir, options.use, source, sweep_text);
+    Batch batch(source, sweep_text, begin, end, options);
+    BatchPart part;
+    part.outcome = batch.go(called);
+    part.rows = batch.rows();
+    part.step_s = batch.step_seconds();
+    return part;
 }
 
 }  // namespace seldinger::apps

@@ -10,4 +10,18 @@ namespace seldinger::apps {
 [[nodiscard]] RunOutcome run_batch(const std::filesystem::path& scene, const std::filesystem::path& sweep,
                                    const RunOptions& options);
 
+/// What one task of many came to.
+struct BatchPart {
+    RunOutcome outcome;
+    std::vector<BatchRow> rows;  // of the runs that have ended, in any order
+    double step_s = 0;           // spent in steps by this call
+};
+
+/// Runs `begin` to `end` of a sweep alone; options.use as of a batch in options.dir. @throws Error
+[[nodiscard]] BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin,
+                                       std::size_t end, const RunOptions& options);
+
+/// The scene with every default filled in, as a batch in `dir` writes it.
+[[nodiscard]] std::string resolved_scene(const BatchSource& source, const std::filesystem::path& dir);
+
 }  // namespace seldinger::apps

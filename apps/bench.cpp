@@ -5,6 +5,7 @@
 #include "bench_report.h"
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "device/enumerate.h"
 #include "stop_signal.h"
 
@@ -101,6 +102,7 @@ void measure_scenes(const Options& options, BenchResults& results)
 ExitCode bench(const Options& options)
 {
     const StopSignal listening;
+    const FileLock lock = options.dir.empty() ? FileLock() : FileLock::of_folder(options.dir);
     check_folder(options);
     BenchResults results;
     const std::vector<DeviceInfo> list = list_devices();

@@ -4,6 +4,7 @@
 #include "assets.h"
 #include "baselines/baselines.h"
 #include "commands.h"
+#include "core/file_lock.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -43,6 +44,7 @@ ExitCode chart(Options& options)
     what.baselines = baselines::all();
     what.stop = [] { return stop_asked_for() != 0; };
     if (!options.quiet) what.progress = show;
+    const FileLock lock = FileLock::of_folder(what.dir);
     if (options.overwrite) forget(what.dir);
     const ChartResult result = make_chart(what);
     if (!options.quiet) show("");

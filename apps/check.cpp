@@ -1,4 +1,4 @@
-// seldinger check SCENE.toml: reads the scene, loads the vessel, runs nothing.
+// seldinger check SCENE.toml [--set ...] [--wire NAME]: reads the scene, loads the vessel, runs nothing.
 
 #include "commands.h"
 #include "scene/scene.h"
@@ -7,11 +7,14 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace seldinger::apps {
 namespace {
 
-std::string describe(const Scene& scene, const RepairReport& vessel)
+std::string describe(const Scene& scene, const RepairReport& vessel, const WorldSetup& setup)
 {
     std::string text = fmt::format("{}: ok\n  ", scene.source.string());
     if (scene.integrator.scheme == Scheme::Static) text += "one static equilibrium";
@@ -20,6 +23,9 @@ std::string describe(const Scene& scene, const RepairReport& vessel)
     if (vessel.triangles > 0) text += fmt::format("; vessel of {} triangles, {} openings", vessel.triangles, vessel.loops.size());
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
+    for (const WireSetup& wire : setup.wires)
+        if (!wire.inlet.empty())
+            text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);
     for (const auto& [name, value] : scene.notes) text += fmt::format("  {}: {}\n", name, value);
     return text;
 }
@@ -28,15 +34,25 @@ std::string describe(const Scene& scene, const RepairReport& vessel)
 
 void add_check(CLI::App& app, Command& chosen)
 {
-    auto file = std::make_shared<std::filesystem::path>();
+    struct Options {
+        std::filesystem::path file;
+        std::vector<std::string> overrides;
+        std::optional<std::string> wire;
+    };
+    auto options = std::make_shared<Options>();
     CLI::App* check = app.add_subcommand("check", "say whether a scene can be run");
-    check->add_option("SCENE", *file, "scene file (TOML)")->required();
-    check->callback([file, &chosen] {
-        chosen = [file] {
-            const Scene scene = read_scene(*file);
+    check->add_option("SCENE", options->file, "scene file (TOML)")->required();
+    check->add_option("--set", options->overrides, "change a key of the scene; repeats")
+        ->type_name("table.key=value")
+        ->allow_extra_args(false);
+    check->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
+    check->callback([options, &chosen] {
+        chosen = [options] {
+            if (options->wire) options->overrides.push_back("wire.preset=" + *options->wire);
+            const Scene scene = read_scene(options->file, options->overrides);
             RepairReport vessel;
-            (void)make_setup(scene, -1, &vessel);
-            print(describe(scene, vessel));
+            const WorldSetup setup = make_setup(scene, -1, &vessel);
+            print(describe(scene, vessel, setup));
             return ExitCode::Done;
         };
     });

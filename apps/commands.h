@@ -20,6 +20,7 @@ using Command = std::function<ExitCode()>;
 void add_run(CLI::App& app, Command& chosen);
 void add_batch(CLI::App& app, Command& chosen);
 void add_check(CLI::App& app, Command& chosen);
+void add_init(CLI::App& app, Command& chosen);
 void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
 void add_instruments(CLI::App& app, Command& chosen);
@@ -30,6 +31,7 @@ void add_plan(CLI::App& app, Command& chosen);
 void add_bench(CLI::App& app, Command& chosen);
 void add_live(CLI::App& app, Command& chosen);
 void add_report(CLI::App& app, Command& chosen);
+void add_farm(CLI::App& app, Command& chosen);
 
 /// --time-limit and --device, as `run` has them.
 void add_limits(CLI::App& command, double& time_limit, int& device);

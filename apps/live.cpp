@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "live_model.h"
 #include "session/session.h"
 #include "session/web_server.h"
@@ -71,7 +72,10 @@ ExitCode live(Options& options)
     scene.dt = 1 / what.rate;
     if (!options.tolerance.empty()) scene = model_for(scene, options.tolerance, what.rate, options.device, options.quiet);
     if (what.record.empty()) what.record = options.scene.stem().string() + "-live.record";
+    const FileLock lock = FileLock::of_file(what.record);
+    std::optional<NoPolling> loading(std::in_place);
     WorldSetup setup = make_setup(scene, options.device);
+    loading.reset();
     HandChannel hand(options.udp_address, options.udp, static_cast<int>(live_instruments(setup).size()));
     Session session(scene, std::move(setup), what, &hand);
     WebServer web(options.web, scene, session);
@@ -117,14 +121,14 @@ void add_what(CLI::App& command, Options& options)
 void add_live(CLI::App& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("live", "a training session: a hand that pushes and feels, a page that shows");
+    CLI::App* command = app.add_subcommand("live", "a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
     const CLI::Range port(0, 65535);
     command->add_option("--port", options->web.port, "of the page; 0: any that is free (default: 8080)")->check(port)->type_name("N");
     command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
-    command->add_option("--token", options->web.token, "what a page must know; needed where others reach the address")->type_name("T");
+    command->add_option("--token", options->web.token, "secret that the page's address must carry; required unless --bind is loopback")->type_name("T");
     command->add_option("--udp", options->udp, "of the hand; 0: any that is free (default: 9090)")->check(port)->type_name("N");
-    command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); it knows no token")->type_name("ADDRESS");
+    command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
     command->add_option("--coupling-stiffness", options->session.advance.stiffness, "between hand and instrument (default: 500)")
         ->check(CLI::PositiveNumber)
         ->type_name("N/m");

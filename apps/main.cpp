@@ -1,22 +1,29 @@
 // seldinger: the command. Reads the command line, runs one subcommand, turns every error into one line and an exit code.
 
 #include "commands.h"
+#include "core/printable.h"
 #include "engine.h"
+#include "stop_signal.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <new>
+#include <string>
 
 namespace seldinger::apps {
 namespace {
 
-/// One line, whatever an exception's text holds.
+constexpr std::size_t longest_line = 4000;
+
+/// One line, whatever an exception's text holds: names and texts in it are others'.
 int complain(std::string message, ExitCode code)
 {
+    message = printable(message, longest_line);  // an argument or another library's exception may quote a file, too
     std::replace(message.begin(), message.end(), '\n', ' ');
     while (!message.empty() && message.back() == ' ') message.pop_back();
     fmt::print(stderr, "seldinger: {}\n", message);
@@ -32,6 +39,7 @@ int run_command_line(int argc, char** argv)
     add_run(app, chosen);
     add_batch(app, chosen);
     add_check(app, chosen);
+    add_init(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
     add_instruments(app, chosen);
@@ -42,6 +50,7 @@ int run_command_line(int argc, char** argv)
     add_bench(app, chosen);
     add_live(app, chosen);
     add_report(app, chosen);
+    add_farm(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
     const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
     if (!first.empty() && first[0] != '-' && known.empty())
@@ -57,10 +66,20 @@ int run_command_line(int argc, char** argv)
 
 }  // namespace
 
-void print(std::string_view text)
+void print(std::string_view given)
 {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    std::string text;  // what scenes and files are called is others' text: no terminal escapes, but lines stay lines
+    for (std::size_t at = 0; at < given.size();) {
+        const std::size_t end = std::min(given.find_first_of("\n\t", at), given.size());
+        text += printable(given.substr(at, end - at));
+        if (end < given.size()) text += given[end];
+        at = end + 1;
+    }
+    errno = 0;
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+        if (errno == EPIPE) return;  // who reads has read enough (`| head`)
         throw Error(ExitCode::BadFile, "stdout: cannot be written; is the disk full?");
+    }
 }
 
 }  // namespace seldinger::apps
@@ -72,6 +91,7 @@ int main(int argc, char** argv)
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     try {
+        apps::watch_signals();
         return apps::run_command_line(argc, argv);
     } catch (const Error& error) {
         return apps::complain(error.what(), error.code());

@@ -2,6 +2,7 @@
 // [--json] [--quiet]
 
 #include "commands.h"
+#include "core/file_lock.h"
 #include "plan_report.h"
 #include "quantity.h"
 #include "stop_signal.h"
@@ -51,10 +52,14 @@ ExitCode plan_scene(Options& options)
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
         throw Error(ExitCode::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
     what.trials = options.plan.parent_path() / (options.plan.stem().string() + ".pilots");
+    const FileLock lock = FileLock::of_file(options.plan);
     what.stop = [] { return stop_asked_for() != 0; };
     const bool shows = !options.quiet && isatty(STDERR_FILENO) != 0;
     if (shows) what.progress = [](const std::string& doing) { fmt::print(stderr, "\r\033[K{}", doing); };
-    const StudyScene scene = load_study_scene(read_scene(options.scene), what.device);
+    const StudyScene scene = [&] {
+        const NoPolling loading;
+        return load_study_scene(read_scene(options.scene), what.device);
+    }();
     const Plan plan = make_plan(scene, what);
     if (shows) fmt::print(stderr, "\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
@@ -81,7 +86,7 @@ void add_plan(CLI::App& app, Command& chosen)
     command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")
         ->type_name("SHARE|FORCE");
     command
-        ->add_option("--rate", options->what.goals.rate, "keep up with real time in steps of at most one in so many of a second")
+        ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
         ->check(CLI::PositiveNumber)
         ->type_name("N");
     command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")

@@ -52,6 +52,18 @@ double parse_pressure(const std::string& option, const std::string& text)
     return parse(option, text, units, "80kPa").first;
 }
 
+double parse_force(const std::string& option, const std::string& text)
+{
+    static constexpr Unit units[] = {{"N", 1.0}, {"mN", 1e-3}, {"uN", 1e-6}};
+    return parse(option, text, units, "50mN").first;
+}
+
+double parse_load(const std::string& option, const std::string& text)
+{
+    static constexpr Unit units[] = {{"mN/mm", 1.0}, {"N/m", 1.0}, {"mN/m", 1e-3}};
+    return parse(option, text, units, "20mN/mm").first;
+}
+
 ForceTolerance parse_force_tolerance(const std::string& option, const std::string& text)
 {
     static constexpr Unit units[] = {{"%", 1e-2}, {"N", 1.0}, {"mN", 1e-3}, {"uN", 1e-6}};

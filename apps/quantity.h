@@ -12,6 +12,12 @@ namespace seldinger::apps {
 /// @return pascals, above 0. @throws Error BadScene: no number, no unit or another than kPa, Pa, MPa
 [[nodiscard]] double parse_pressure(const std::string& option, const std::string& text);
 
+/// @return newtons, above 0. @throws Error BadScene: no number, no unit or another than N, mN, uN
+[[nodiscard]] double parse_force(const std::string& option, const std::string& text);
+
+/// @return newtons per metre, above 0. @throws Error BadScene: no number, no unit or another than N/m, mN/mm
+[[nodiscard]] double parse_load(const std::string& option, const std::string& text);
+
 struct ForceTolerance {
     double value = 0;
     bool relative = true;  // else [N]

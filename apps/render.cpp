@@ -1,4 +1,7 @@
-// seldinger render DIR [--view fluoro] [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]]
+// seldinger render DIR [--view front|...|endoscopic|fluoro] [--camera MOVE] [--background white|transparent] [--no-legend] [-o
+// FILE]
+//                  [--video FILE] [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]] [--force-max
+//                  50mN]
 
 #include "commands.h"
 #include "quantity.h"
@@ -7,33 +10,24 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #ifdef SEL_WITH_VIEW
+    #include "scene/scene.h"
+    #include "view/model_export.h"
     #include "view/render.h"
 #endif
 
 namespace seldinger::apps {
 namespace {
 
-/// "AxB" or "A:B". @throws Error BadScene
-std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form)
-{
-    int a = 0, b = 0;
-    const char* end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, a);
-    if (first.ec == std::errc() && first.ptr != end && *first.ptr == between) {
-        const auto second = std::from_chars(first.ptr + 1, end, b);
-        if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
-    }
-    throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" given, {} expected", option, text, form));
-}
-
 struct Options {
     std::filesystem::path dir;
-    std::string size, frames, wall, wall_max, view = "shaded";
+    std::string size, wall, wall_max, force_max, camera, background, gltf, usd, view = "shaded";
+    bool no_legend = false;
+    FrameArguments frames;
     FluoroArguments fluoro;
 };
 
@@ -48,6 +42,49 @@ void set_wall(const Options& options, RenderOptions& what)
     if (!options.wall_max.empty())
         what.wall_max = stress ? parse_pressure("--wall-max", options.wall_max) : parse_length("--wall-max", options.wall_max);
 }
+
+void set_look(const Options& options, RenderOptions& what)
+{
+    static const std::map<std::string, ViewFrom> views = {
+        {"shaded", ViewFrom::Auto}, {"front", ViewFrom::Front},   {"back", ViewFrom::Back},
+        {"left", ViewFrom::Left},   {"side", ViewFrom::Left},     {"right", ViewFrom::Right},
+        {"top", ViewFrom::Top},     {"bottom", ViewFrom::Bottom}, {"endoscopic", ViewFrom::Endoscopic}};
+    what.from = views.at(options.view);
+    if (!options.camera.empty() && what.from == ViewFrom::Endoscopic)
+        throw Error(ExitCode::BadScene, "--camera: the endoscopic view moves with the tip already; leave one of the two out");
+    if (!options.camera.empty()) what.motion = parse_motion(options.camera);
+    if (options.background == "white") what.ground = Ground::White;
+    if (options.background == "transparent") what.ground = Ground::Transparent;
+    what.legend = !options.no_legend;
+    const auto per_length = options.force_max.find('/') != std::string::npos;
+    if (per_length) what.load_max = parse_load("--force-max", options.force_max);
+    else if (!options.force_max.empty()) what.force_max = parse_force("--force-max", options.force_max);
+    const std::filesystem::path scene = options.dir / "scene.toml";
+    if (!std::filesystem::exists(scene)) return;
+    try {
+        const SceneCArm arm = read_scene(scene).carm;
+        what.patient = {arm.head.normalized(), arm.back.normalized()};
+    } catch (const Error&) {  // of another version, or without its mesh: a picture needs only the run's own files
+    }
+}
+
+/// All frames unless some are asked for.
+ExitCode export_model(const Options& options, RenderOptions& what)
+{
+    const RunFolder run = read_run_folder(options.dir);
+    if (what.first < 0) what.first = 0, what.last = static_cast<int>(run.frames.size()) - 1;
+    const AnimatedModel model = animated_model(run, frames_asked(what, run.frames.size()), what.patient);
+    std::vector<std::filesystem::path> written;
+    for (const auto& [file, write] : {std::pair{options.gltf, &write_gltf}, std::pair{options.usd, &write_usd}}) {
+        if (file.empty()) continue;
+        if (std::filesystem::is_directory(file))
+            throw Error(ExitCode::BadFile, file + ": is a folder, expected the name of a file");
+        write(file, model);
+        written.emplace_back(file);
+    }
+    if (!options.frames.quiet) print_paths(written);
+    return ExitCode::Done;
+}
 #endif
 
 ExitCode render(const Options& options)
@@ -57,21 +94,23 @@ ExitCode render(const Options& options)
     if (!fluoro && !alien.empty()) throw Error(ExitCode::BadScene, alien + ": is an option of --view fluoro; give that too");
     if (fluoro && !options.wall.empty())
         throw Error(ExitCode::BadScene, "--wall: an X-ray has no colours; leave out --view fluoro");
+    if (fluoro && (!options.camera.empty() || !options.background.empty() || !options.force_max.empty() || options.no_legend))
+        throw Error(ExitCode::BadScene,
+                    "--camera, --background, --force-max, --no-legend: not of an X-ray; leave out --view fluoro");
     const auto [width, height] = two_numbers(options.size.empty() ? fluoro ? "1024x1024" : "1280x720" : options.size, 'x',
                                              "--size", "WIDTHxHEIGHT in pixels, e.g. 1280x720,");
-    std::pair<int, int> range{-1, -1};
-    if (!options.frames.empty()) range = two_numbers(options.frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
-    if (fluoro) return render_fluoro_view(options.dir, options.fluoro, width, height, range.first, range.second);
+    if (fluoro) return render_fluoro_view(options.dir, options.fluoro, width, height, options.frames);
 #ifdef SEL_WITH_VIEW
     RenderOptions what;
     what.width = width;
     what.height = height;
-    what.first = range.first;
-    what.last = range.second;
+    static_cast<FrameChoice&>(what) = options.frames.choice();
     set_wall(options, what);
-    std::string text;
-    for (const auto& path : render_run(options.dir, what)) text += path.string() + "\n";
-    print(text);
+    set_look(options, what);
+    if (!options.gltf.empty() || !options.usd.empty()) return export_model(options, what);
+    FrameWatch watch;
+    const auto paths = render_run(options.dir, what, watch.progress());
+    if (!options.frames.quiet) print_paths(paths);
     return ExitCode::Done;
 #else
     (void)width, (void)height;
@@ -87,15 +126,33 @@ void add_render(CLI::App& app, Command& chosen)
     CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
     command->add_option("--size", options->size, "picture in pixels (default 1280x720; fluoro 1024x1024)")->type_name("WxH");
-    command->add_option("--frames", options->frames, "from A to B, from 0; default: the last one, as picture.png")
-        ->type_name("A:B");
+    command
+        ->add_option("--camera", options->camera,
+                     "a camera that moves: orbit [DEG], follow [60mm], or keys \"0s 0 0; 2s 90 20 1.5\" (time, "
+                     "azimuth, elevation in degrees, zoom)")
+        ->type_name("MOVE");
+    command->add_option("--background", options->background, "white or transparent (default: a light shade)")
+        ->check(CLI::IsMember({"white", "transparent"}))
+        ->type_name("GROUND");
+    command->add_flag("--no-legend", options->no_legend, "the picture alone");
+    command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
+        ->type_name("FILE.glb");
+    command->add_option("--usd", options->usd, "likewise: USD")->type_name("FILE.usda");
+    options->frames.declare(*command);
     command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
         ->check(CLI::IsMember({"displacement", "stress"}))
         ->type_name("WHAT");
     command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
         ->type_name("1.5mm|80kPa");
-    command->add_option("--view", options->view, "shaded (default) or fluoro: what an X-ray shows")
-        ->check(CLI::IsMember({"shaded", "fluoro"}))
+    command
+        ->add_option("--force-max", options->force_max,
+                     "top of the scale of contact force per length, or per contact; default: round, above the run's largest")
+        ->type_name("20mN/mm|50mN");
+    command
+        ->add_option("--view", options->view,
+                     "of the patient: front, back, left (side), right, top, bottom; endoscopic: from the tip; fluoro: an X-ray; "
+                     "default: where the vessel is widest")
+        ->check(CLI::IsMember({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
         ->type_name("VIEW");
     options->fluoro.declare(*command);
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });

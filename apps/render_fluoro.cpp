@@ -5,15 +5,12 @@
 #include "commands.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 
 #include <cmath>
-#include <numbers>
 
 #ifdef SEL_WITH_VIEW
-    #include "scene/scene.h"
-    #include "view/xray/fluoro_run.h"
+    #include "fluoro_scene.h"
 #endif
 
 namespace seldinger::apps {
@@ -26,23 +23,19 @@ void FluoroArguments::declare(CLI::App& command)
     command.add_option("--field", field, "fluoro: width of the detector [m] (default 0.3)")->type_name("M");
     command.add_option("--kvp", kvp, "fluoro: tube voltage [kV], 40 to 150 (default 75)")->type_name("KV");
     command.add_option("--kev", kev, "fluoro: one energy [keV] in place of a spectrum, 5 to 200")->type_name("KEV");
-    command.add_option("--photons", photons, "fluoro: per pixel in the open beam (default 1e5)")->type_name("N");
+    command.add_option("--photons", photons, "fluoro: photons per pixel of the unattenuated beam (default 1e5)")->type_name("N");
     command.add_option("--blur", blur, "fluoro: standard deviation on the detector [m] (default 2e-4)")->type_name("M");
     command.add_option("--body", body, "fluoro: ellipsoid or none around the vessel")
         ->check(CLI::IsMember({"ellipsoid", "none"}))
         ->type_name("SHAPE");
-    command.add_option("--seed", seed, "fluoro: of the noise (default: the scene's)")->type_name("N");
+    command.add_option("--seed", seed, "fluoro: seed of the noise (default: the scene's)")->type_name("N");
     command.add_option("--mask", mask, "fluoro: subtract this run, which may be the same, without contrast")->type_name("DIR");
-    command.add_option("-o", output, "fluoro: picture (default DIR/fluoro.png)")->type_name("FILE.png");
     command.add_option("--raw", raw, "fluoro: -ln(I/I0) as float32 [rows, columns], without noise and blur")
         ->type_name("FILE.npy");
-    command.add_option("--video", video, "fluoro: film, by ffmpeg")->type_name("FILE.mp4");
     command.add_option("--dicom", dicom, "fluoro: X-ray angiographic image")->type_name("FILE.dcm");
-    command.add_option("--fps", fps, "fluoro: frames per second of the film (default: as fast as it happened)")->type_name("N");
     command.add_flag("--no-noise", no_noise, "fluoro: without quantum noise");
     command.add_flag("--no-contrast", no_contrast, "fluoro: without the scene's [contrast]");
     command.add_flag("--log", logarithmic, "fluoro: grey levels by the logarithm of the signal");
-    command.add_flag("--resume", resume, "fluoro: pictures that are there already stay");
 }
 
 std::string FluoroArguments::first_given() const
@@ -58,15 +51,11 @@ std::string FluoroArguments::first_given() const
                                                 {"--body", body.has_value()},
                                                 {"--seed", seed.has_value()},
                                                 {"--mask", mask.has_value()},
-                                                {"-o", !output.empty()},
                                                 {"--raw", !raw.empty()},
-                                                {"--video", !video.empty()},
                                                 {"--dicom", !dicom.empty()},
-                                                {"--fps", fps.has_value()},
                                                 {"--no-noise", no_noise},
                                                 {"--no-contrast", no_contrast},
-                                                {"--log", logarithmic},
-                                                {"--resume", resume}};
+                                                {"--log", logarithmic}};
     for (const auto& [name, given] : all)
         if (given) return name;
     return {};
@@ -76,8 +65,6 @@ std::string FluoroArguments::first_given() const
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// The run's scene; where its mesh has gone, what the run wrote of the wall stands for it.
 Scene scene_of(const fs::path& dir)
@@ -91,41 +78,6 @@ Scene scene_of(const fs::path& dir)
     }
     const std::string overrides[] = {"vessel.mesh=\"vessel.vtp\"", "vessel.units=\"m\""};
     return read_scene(file, overrides);
-}
-
-InstrumentMatter matter_of(const SceneInstrument& instrument)
-{
-    const WireSpec& wire = instrument.wire;
-    const bool hollow = wire.lumen_radius > 0;
-    InstrumentMatter matter{instrument.label, wire.lumen_radius, instrument_material(wire.shaft.density, hollow), {}};
-    for (const WireSectionRange& range : wire.sections)
-        matter.stretches.push_back({range.begin, range.end, instrument_material(range.section.density, hollow)});
-    return matter;
-}
-
-FluoroOptions options_of(const Scene& scene, const fs::path& dir)
-{
-    FluoroOptions o;
-    const SceneCArm& c = scene.carm;
-    o.arm.sid = c.sid, o.arm.sod = c.sod, o.arm.field = c.field;
-    o.arm.head = c.head.normalized(), o.arm.back = c.back.normalized();
-    o.auto_isocentre = c.isocentre_auto;
-    o.arm.isocentre = c.isocentre;
-    for (const CArmKey& key : c.keys) o.turning.push_back({key.t, key.lao_deg * degree, key.cra_deg * degree});
-    if (fs::exists(dir / "scene.toml"))
-        for (int k = 0; k < scene.instrument_count(); ++k) o.instruments.push_back(matter_of(scene.instrument(k)));
-    if (c.body == BodyShape::Ellipsoid) o.body = c.body_axes;
-    o.bone = c.bone, o.bone_units = c.bone_units;
-    o.kvp = c.kvp, o.photons = c.photons, o.blur = c.blur;
-    o.seed = static_cast<std::uint64_t>(scene.seed);
-    if (scene.contrast.on) {
-        FluoroOptions::Injection i{{scene.contrast.at, scene.contrast.inflow, scene.contrast.speed, scene.contrast.spread, {}},
-                                   scene.contrast.at_auto,
-                                   scene.contrast.inflow_auto};
-        for (const ContrastKey& key : scene.contrast.keys) i.bolus.keys.push_back({key.t, key.iodine});
-        o.contrast = i;
-    }
-    return o;
 }
 
 double in_range(const char* option, double value, double low, double high, const char* what)
@@ -149,37 +101,29 @@ void apply(const FluoroArguments& a, FluoroOptions& o)
     if (a.body) o.body = *a.body == "none" ? Vec3(Vec3::Zero()) : o.body.isZero() ? SceneCArm().body_axes : o.body;
     if (a.seed) o.seed = static_cast<std::uint64_t>(*a.seed);
     if (a.mask) o.mask = *a.mask;
-    if (a.fps) o.rate = in_range("--fps", *a.fps, 0.1, 240, "frames per second");
-    o.output = a.output, o.raw = a.raw, o.film = a.video, o.dicom = a.dicom;
-    o.noise = !a.no_noise, o.logarithmic = a.logarithmic, o.resume = a.resume;
+    o.raw = a.raw, o.dicom = a.dicom;
+    o.noise = !a.no_noise, o.logarithmic = a.logarithmic;
     if (a.no_contrast) o.contrast.reset();
 }
 
 }  // namespace
 #endif
 
-ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height, int first,
-                            int last)
+ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
+                            const FrameArguments& frames)
 {
 #ifdef SEL_WITH_VIEW
     const Scene scene = scene_of(dir);
-    FluoroOptions options = options_of(scene, dir);
+    FluoroOptions options = fluoro_options(scene, fs::exists(dir / "scene.toml"));
     apply(arguments, options);
     options.arm.columns = width, options.arm.rows = height;
-    options.first = first, options.last = last;
-    const bool shows = isatty(STDERR_FILENO);
-    const auto progress = [&](std::size_t done, std::size_t all, double seconds) {
-        const auto n = static_cast<double>(done);
-        fmt::print(stderr, "\r\033[Kframe {} of {}, {:.1f} frames/s, {:.0f} s left{}", done, all, n / seconds,
-                   seconds * static_cast<double>(all - done) / n, done == all ? "\r\033[K" : "");
-    };
-    std::string text;
-    using Progress = std::function<void(std::size_t, std::size_t, double)>;
-    for (const auto& path : render_fluoro(dir, options, shows ? Progress(progress) : Progress())) text += path.string() + "\n";
-    print(text);
+    static_cast<FrameChoice&>(options) = frames.choice();
+    FrameWatch watch;
+    const auto paths = render_fluoro(dir, options, watch.progress());
+    if (!frames.quiet) print_paths(paths);
     return ExitCode::Done;
 #else
-    (void)dir, (void)arguments, (void)width, (void)height, (void)first, (void)last;
+    (void)dir, (void)arguments, (void)width, (void)height, (void)frames;
     throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 #endif
 }

@@ -1,7 +1,7 @@
 #pragma once
 // The options of `seldinger render --view fluoro`, and what they and the run's scene come to.
 
-#include "core/error.h"
+#include "render_frames.h"
 
 #include <filesystem>
 #include <optional>
@@ -16,18 +16,18 @@ namespace seldinger::apps {
 /// Absent: what the scene's [carm] says, or its defaults.
 struct FluoroArguments {
     std::optional<std::string> c_arm, body, mask;
-    std::optional<double> sid, sod, field, kvp, kev, photons, blur, fps;
+    std::optional<double> sid, sod, field, kvp, kev, photons, blur;
     std::optional<std::int64_t> seed;
-    std::string output, raw, video, dicom;
-    bool no_noise = false, no_contrast = false, logarithmic = false, resume = false;
+    std::string raw, dicom;
+    bool no_noise = false, no_contrast = false, logarithmic = false;
 
     void declare(CLI::App& command);
     /// The first option given that only --view fluoro takes, or empty.
     [[nodiscard]] std::string first_given() const;
 };
 
-/// @param width,height  pixels. @param first,last  frames, -1: the last one
-ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height, int first,
-                            int last);
+/// @param width,height  pixels. @param frames  which, and where to
+ExitCode render_fluoro_view(const std::filesystem::path& dir, const FluoroArguments& arguments, int width, int height,
+                            const FrameArguments& frames);
 
 }  // namespace seldinger::apps

@@ -66,7 +66,7 @@ nlohmann::json plotted(const nlohmann::json& trace)
 {
     constexpr std::size_t most_rows = 4000;
     nlohmann::json out = nlohmann::json::object();
-    for (const char* name : {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "nodes", "step_ms", "overlap_m"}) {
+    for (const char* name : {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "force_per_length_max_n_per_m", "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"}) {
         if (!trace.contains(name)) continue;
         const nlohmann::json& all = trace[name];
         const std::size_t every = all.size() / most_rows + 1;
@@ -136,10 +136,20 @@ void add_directions(const fs::path& scene_file, nlohmann::json& data)
         data["target"] = {{"point", {scene.task.point.x(), scene.task.point.y(), scene.task.point.z()}}, {"radius", scene.task.radius}};
 }
 
+/// @throws Error BadFile
+nlohmann::json summary_in(const fs::path& dir)
+{
+    const fs::path file = dir / "summary.json";
+    nlohmann::json summary = nlohmann::json::parse(read_file(file), nullptr, false);
+    if (!summary.is_object())
+        throw Error(ExitCode::BadFile, file.string() + ": is damaged, no JSON object; run again with --overwrite");
+    return summary;
+}
+
 nlohmann::json run_data(const fs::path& dir)
 {
     nlohmann::json data{{"kind", "run"}, {"name", dir.filename().string()}};
-    data["summary"] = nlohmann::json::parse(read_file(dir / "summary.json"));
+    data["summary"] = summary_in(dir);
     data["settings"] = read_file(dir / "scene.toml");
     data["trace"] = plotted(table_of(read_file(dir / "trace.csv")));
     data["playback"] = playback_of(dir);
@@ -151,7 +161,7 @@ nlohmann::json batch_data(const fs::path& dir)
 {
     nlohmann::json data{{"kind", "batch"}, {"name", fs::absolute(dir).lexically_normal().filename().string()}};
     data["table"] = table_of(read_file(dir / "results.csv"));
-    data["summary"] = fs::exists(dir / "summary.json") ? nlohmann::json::parse(read_file(dir / "summary.json")) : nlohmann::json::object();
+    data["summary"] = fs::exists(dir / "summary.json") ? summary_in(dir) : nlohmann::json::object();
     data["settings"] = fs::exists(dir / "scene.toml") ? read_file(dir / "scene.toml") : "";
     return data;
 }

@@ -29,6 +29,7 @@ void add_run(CLI::App& app, Command& chosen)
         std::filesystem::path scene;
         RunOptions run;
         std::optional<std::string> wire;
+        std::string estimate = "auto";
         bool resume = false, overwrite = false, json = false;
     };
     auto options = std::make_shared<Options>();
@@ -44,6 +45,10 @@ void add_run(CLI::App& app, Command& chosen)
         ->excludes(resume)
         ->type_name("FILE");
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
+    run->add_option("--error-estimate", options->estimate,
+                    "what the step's length leaves in forces and tip, from windows taken again at half of it: auto (a tenth of the "
+                    "run's time; not for walls that yield), on, off")
+        ->check(CLI::IsMember({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
     run->add_flag("--json", options->json, "print the summary as one JSON object");
@@ -51,6 +56,8 @@ void add_run(CLI::App& app, Command& chosen)
         chosen = [options] {
             RunOptions& what = options->run;
             if (options->wire) what.overrides.push_back("wire.preset=" + *options->wire);
+            what.estimate = options->estimate != "off";
+            what.asked_estimate = options->estimate == "on";
             if (options->resume) what.use = FolderUse::Resume;
             if (options->overwrite) what.use = FolderUse::Overwrite;
             if (what.dir.empty()) what.dir = options->scene.stem().string() + "-run";

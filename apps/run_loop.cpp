@@ -2,6 +2,7 @@
 #include "run_loop.h"
 
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "progress.h"
 #include "replay.h"
 #include "scene/key_frames.h"
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 
 namespace seldinger::apps {
@@ -20,6 +22,12 @@ using Clock = std::chrono::steady_clock;
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+bool is_finite(const WireReadings& r)
+{
+    const double all = r.hand_force + r.hand_torque + r.normal + r.friction + r.kinetic + r.elastic + r.gravitational;
+    return std::isfinite(all) && r.base_force.allFinite();
+}
 
 /// What to change where energy came from nowhere.
 std::string energy_advice(const IntegratorSpec& integrator)
@@ -74,6 +82,7 @@ public:
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
         if (replay_) replay_->begin(world_);
+        if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
         for (bool first = true; recorder_.tally().steps < steps; first = false) {
@@ -92,15 +101,19 @@ public:
 
 private:
     bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
+    /// A recorded hand cannot be halved, and a wall that yields would be made a second time: that only if asked.
+    bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
 
     bool settle_first()
     {
+        const NoPolling settling;
         const StepReport report = settle(world_);
         if (report.failed()) failure_ = fmt::format("settling: {}", advice(report, true, scene_.integrator, 0));
         else {
             world_.read(output_);
             recorder_.settled(output_, report);
+            if (!is_finite(recorder_.readings())) return fail_non_finite();
         }
         return !report.failed();
     }
@@ -108,7 +121,8 @@ private:
     bool take_step()
     {
         const auto start = Clock::now();
-        const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), scene_.dt);
+        const double dt = scene_.step_length(static_cast<long>(recorder_.tally().steps));
+        const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), dt);
         if (report.failed()) {
             failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
                                    advice(report, false, scene_.integrator, world_.readings(0).energy_made));
@@ -116,8 +130,20 @@ private:
             const double seconds = seconds_since(start);
             world_.read(output_, recorder_.wants());
             recorder_.stepped(output_, report, seconds);
+            if (!is_finite(recorder_.readings())) return fail_non_finite();
+            if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
         }
         return !report.failed();
+    }
+
+    /// A run whose readings are empty is not one that is done.
+    bool fail_non_finite()
+    {
+        StepReport report;
+        report.flags = StepNonFinite;
+        failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps, world_.time(),
+                               advice(report, false, scene_.integrator, 0));
+        return false;
     }
 
     void save_now_and_then()
@@ -130,6 +156,7 @@ private:
     RunOutcome stop(RunStatus status)
     {
         RunOutcome outcome;
+        if (twin_) recorder_.estimated(twin_->finish());
         outcome.summary = recorder_.finish(world_, status, wall());
         const std::string dir = options_.dir.string();
         const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume",
@@ -157,6 +184,7 @@ private:
     World world_;
     KeyFrames key_frames_;
     Recorder recorder_;
+    std::optional<StepTwin> twin_;
     Output output_;  // of the last step, as far as the recorder wants it
     double earlier_wall_;
     bool fresh_;
@@ -173,15 +201,20 @@ RunOutcome run_scene(const Scene& given, const RunOptions& options)
     if (!options.replay.empty()) replay.emplace(options.replay);
     const Scene scene = replay ? replay->scene(given) : given;
     const StopSignal listening;
+    std::optional<NoPolling> loading(std::in_place);
+    const FileLock lock = FileLock::of_folder(options.dir);
     check_run_folder(options.dir, options.use, scene);
     std::optional<Checkpoint> saved;
     const auto file = options.dir / "checkpoint.bin";
     if (options.use == FolderUse::Resume && std::filesystem::exists(file)) saved = read_checkpoint(file);
+    if (saved) check_checkpoint(file, *saved, scene, write_scene(scene, options.dir));
     if (saved && saved->status == RunStatus::Done) return {ExitCode::Done, read_file(options.dir / "summary.json"), {}};
     RepairReport vessel;
     WorldSetup setup = make_setup(scene, options.device, &vessel);
     if (replay) replay->check(scene, setup);
-    return Run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr).go(called);
+    Run run(scene, options, std::move(setup), std::move(vessel), saved, replay ? &*replay : nullptr);
+    loading.reset();
+    return run.go(called);
 }
 
 }  // namespace seldinger::apps

@@ -4,6 +4,7 @@
 #include "assets.h"
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "stability_study.h"
 #include "stop_signal.h"
 
@@ -51,6 +52,7 @@ void add_stability(CLI::App& app, Command& chosen)
     command->callback([options, &chosen] {
         chosen = [options] {
             const StabilityWork work = select_work(*options);
+            const FileLock lock = FileLock::of_folder(options->dir);
             const StabilityProgress done = run_stability(work, *options);
             const ResultTable table = open_stability_table(options->dir);
             const std::string json = stability_json(work, table, options->dir);

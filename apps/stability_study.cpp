@@ -327,7 +327,7 @@ ResultTable open_stability_table(const std::filesystem::path& dir)
 
 StabilityProgress run_stability(const StabilityWork& work, const StabilityOptions& options)
 {
-    const StopSignal listening;
+    const StopSignal listening("the same command goes on");
     return Workers(work, options).run();
 }
 

@@ -1,14 +1,27 @@
-// Handlers and masks of SIGINT and SIGTERM, obeyed also while an OpenCL driver has handlers of its own.
+// The thread that waits for SIGINT and SIGTERM, and what it does about them.
 #include "stop_signal.h"
 
-#include <ctime>
+#include "core/error.h"
+#include "device/shared_context.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <atomic>
+#include <chrono>
+#include <string_view>
+#include <thread>
 
 namespace seldinger::apps {
 namespace {
 
-volatile std::sig_atomic_t received = 0;
+using Clock = std::chrono::steady_clock;
 
-extern "C" void remember_signal(int signal) { received = signal; }
+constexpr std::chrono::seconds patience(8);  // under the ten that schedulers wait between SIGTERM and SIGKILL
+
+std::atomic<int> received = 0, listeners = 0, deaf = 0;
+std::atomic<const char*> how_to_go_on = "";
+int own_stderr = STDERR_FILENO;  // one that nobody turns away while a compiler talks
+std::atomic<bool> heard = false;  // a loop knows of it, and saves
 
 sigset_t both_signals()
 {
@@ -19,45 +32,66 @@ sigset_t both_signals()
     return both;
 }
 
+/// As kill -9 would, but said: whole files appear by a rename, tables grow row by row, and what a file that was being written
+/// leaves goes with the next run in its folder.
+[[noreturn]] void end_at_once(int signal)
+{
+    const auto say = [](std::string_view text) { (void)!::write(own_stderr, text.data(), text.size()); };
+    say(signal == SIGINT ? "seldinger: interrupted" : "seldinger: stopped by a signal");
+    if (listeners > 0) {
+        say(" before it could save; what was saved last is there, ");
+        say(how_to_go_on.load());
+    }
+    say("\n");
+    const ExitCode code = signal == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
+    ::_exit(listeners == 0 ? 128 + signal : static_cast<int>(code));
+}
+
+bool nobody_asks(Clock::time_point since)
+{
+    return listeners == 0 || deaf > 0 || device::building() > 0 || (!heard && Clock::now() - since > patience);
+}
+
+[[noreturn]] void wait_for_signals()
+{
+    const sigset_t both = both_signals();
+    Clock::time_point since;
+    for (;;) {
+        const timespec while_asked{0, 20'000'000};
+        const int taken = received == 0 ? sigwaitinfo(&both, nullptr) : sigtimedwait(&both, nullptr, &while_asked);
+        if (taken > 0 && received != 0) end_at_once(taken);
+        if (taken > 0) since = Clock::now(), received = taken;
+        if (received != 0 && nobody_asks(since)) end_at_once(received);
+    }
+}
+
 }  // namespace
 
-// A compiler inside an OpenCL driver sets handlers of its own while it builds a kernel, and ends the process in them. So the
-// signals are kept off this thread and those that it starts, and looked up where they wait; the handler is for threads that were
-// there before.
-StopSignal::StopSignal()
+void watch_signals()
 {
-    struct sigaction action {};
-    action.sa_handler = remember_signal;
-    // reset after the first: whoever asks twice means now. Restart: a write that is cut off would be a damaged file
-    action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-    sigaction(SIGINT, &action, &old_int_);
-    sigaction(SIGTERM, &action, &old_term_);
     const sigset_t both = both_signals();
-    pthread_sigmask(SIG_BLOCK, &both, &old_mask_);
+    if (const int copy = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3); copy >= 0) own_stderr = copy;
+    std::signal(SIGINT, SIG_DFL);  // also where a shell has them ignored for what runs in the background
+    std::signal(SIGTERM, SIG_DFL);
+    pthread_sigmask(SIG_BLOCK, &both, nullptr);
+    std::thread(wait_for_signals).detach();
 }
 
-StopSignal::~StopSignal()
+StopSignal::StopSignal(const char* advice)
 {
-    (void)stop_asked_for();  // one that waits is taken as it was meant, not by the old handlers
-    sigaction(SIGINT, &old_int_, nullptr);
-    sigaction(SIGTERM, &old_term_, nullptr);
-    pthread_sigmask(SIG_SETMASK, &old_mask_, nullptr);
+    how_to_go_on = advice;
+    ++listeners;
 }
+
+StopSignal::~StopSignal() { --listeners; }
+NoPolling::NoPolling() { ++deaf; }
+NoPolling::~NoPolling() { --deaf; }
 
 int stop_asked_for()
 {
-    if (received != 0) return received;
-    sigset_t waiting;
-    const sigset_t both = both_signals();
-    if (sigpending(&waiting) != 0 || (sigismember(&waiting, SIGINT) != 1 && sigismember(&waiting, SIGTERM) != 1)) return 0;
-    const timespec now{};
-    const int taken = sigtimedwait(&both, nullptr, &now);
-    if (taken <= 0) return received;  // another thread was faster
-    received = taken;
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
-    pthread_sigmask(SIG_UNBLOCK, &both, nullptr);
-    return received;
+    const int signal = received;
+    if (signal != 0) heard = true;
+    return signal;
 }
 
 }  // namespace seldinger::apps

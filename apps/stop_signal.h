@@ -1,22 +1,36 @@
 #pragma once
-// SIGINT and SIGTERM as a flag that the loop looks at between steps. A second one ends the process at once.
+// SIGINT and SIGTERM: a flag that a loop looks at between steps, and the end of the process where nobody looks.
+//
+// Both are kept off every thread and taken by one of their own, which waits for them: handlers that a compiler inside an OpenCL
+// driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a request. The
+// process ends at once at a second one; while a kernel is being built or a NoPolling lives (a vessel is repaired, a batch is
+// planned: seconds in which nobody looks, and in which nothing is being written); where no loop has looked for eight seconds (a
+// driver compiles as a kernel first runs); and where no StopSignal lives.
 
 #include <csignal>
 
 namespace seldinger::apps {
 
-/// Listens while it lives; the old handlers return afterwards.
+/// Keeps both signals off the calling thread and those that it starts, and starts the one that waits for them. First of all.
+void watch_signals();
+
+/// A loop that asks stop_asked_for() goes on while this lives.
 class StopSignal {
 public:
-    StopSignal();
+    /// @param advice  how to go on where the process has to end at once; a literal
+    explicit StopSignal(const char* advice = "run again with --resume");
     ~StopSignal();
     StopSignal(const StopSignal&) = delete;
     StopSignal& operator=(const StopSignal&) = delete;
+};
 
-private:
-    struct sigaction old_int_ {
-    }, old_term_{};
-    sigset_t old_mask_{};
+/// A part of it that cannot ask.
+class NoPolling {
+public:
+    NoPolling();
+    ~NoPolling();
+    NoPolling(const NoPolling&) = delete;
+    NoPolling& operator=(const NoPolling&) = delete;
 };
 
 /// SIGINT, SIGTERM, or 0 when none has come.

@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "core/file_io.h"
+#include "core/printable.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
@@ -94,7 +95,8 @@ Json report_of(const LoadedVessel& vessel)
                           {"direction", list(inlet.direction)},
                           {"radius", inlet.radius},
                           {"opening", inlet.opening >= 0 ? Json(inlet.opening) : Json()}});
-    return {{"triangles_read", r.triangles_read},
+    return {{"length_unit", "m"},
+            {"triangles_read", r.triangles_read},
             {"triangles", r.triangles},
             {"vertices", r.vertices},
             {"repairs", repairs_of(r)},
@@ -103,10 +105,10 @@ Json report_of(const LoadedVessel& vessel)
             {"inlets", inlets}};
 }
 
-std::string place_mm(const Json& p)
+/// As a scene takes it, and as --json has it.
+std::string place(const Json& p)
 {
-    return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm", 1e3 * p[0].get<double>(), 1e3 * p[1].get<double>(),
-                       1e3 * p[2].get<double>());
+    return fmt::format("[{:.5f}, {:.5f}, {:.5f}] m", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
 }
 
 std::string for_people(const Json& report, const std::string& name)
@@ -118,13 +120,14 @@ std::string for_people(const Json& report, const std::string& name)
     const Json& line = report["centreline"];
     if (line["points"].get<long>() > 0)
         text += fmt::format(
-            "  centreline {:.1f} mm long in all, lumen radius {:.2f} mm (5 %), {:.2f} mm (half), {:.2f} mm (widest)\n",
-            1e3 * line["length_m"].get<double>(), 1e3 * line["radius"]["p5"].get<double>(),
-            1e3 * line["radius"]["p50"].get<double>(), 1e3 * line["radius"]["max"].get<double>());
+            "  centreline {:.4f} m long in all, lumen radius {:.5f} m (5 %), {:.5f} m (half), {:.5f} m (widest)\n",
+            line["length_m"].get<double>(), line["radius"]["p5"].get<double>(), line["radius"]["p50"].get<double>(),
+            line["radius"]["max"].get<double>());
+    int number = 0;
     for (const Json& inlet : report["inlets"])
-        text += fmt::format("  way in: {} along [{:.3f}, {:.3f}, {:.3f}], radius {:.2f} mm{}\n", place_mm(inlet["point"]),
+        text += fmt::format("  way in {}: {} along [{:.3f}, {:.3f}, {:.3f}], radius {:.5f} m{}\n", ++number, place(inlet["point"]),
                             inlet["direction"][0].get<double>(), inlet["direction"][1].get<double>(),
-                            inlet["direction"][2].get<double>(), 1e3 * inlet["radius"].get<double>(),
+                            inlet["direction"][2].get<double>(), inlet["radius"].get<double>(),
                             inlet["opening"].is_null() ? " (a closed end)" : "");
     return text;
 }
@@ -148,10 +151,13 @@ ExitCode inspect(const Options& options)
         vessel.report = describe(vessel.mesh);
         vessel.report.triangles_read = read;
     }
-    const Json report = report_of(vessel);
-    if (!options.dir.empty()) write_files(vessel, spec.units, options.dir);
+    Json report = report_of(vessel);
+    if (!options.dir.empty()) {
+        write_files(vessel, spec.units, options.dir);
+        report["files_unit"] = spec.units;
+    }
     std::string text = options.json ? report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-                                    : for_people(report, options.input.string());
+                                    : for_people(report, printable(options.input.string()));
     if (!options.json && !options.dir.empty())
         text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(),
                             vessel.centreline.empty() ? "" : ", centreline.vtp", spec.units);

@@ -15,18 +15,20 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")  # no display needed
-matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text: small files that can be searched
-matplotlib.rcParams["svg.hashsalt"] = "seldinger"
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
+
+from plot_style import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, SKY, better, place_labels, use_style
+
+use_style()
 
 # family -> (marker, size); what is varied
 MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120), "published best": ("*", 150),
            "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "wall": (">", 40), "precision": ("H", 34), "explicit": ("X", 34)}
-BLUE, ORANGE, RED, GREEN, PURPLE, BROWN = "#1f5f99", "#e08a1e", "#c22f2f", "#3f8f4f", "#7a5ba6", "#7a5230"
-BEST = "#f08080"  # the published method at its best
+BROWN = "#7a5230"
+BEST = PURPLE  # the published method at its best
 CLOCKS = {"wall": "wall time", "cpu": "processor time"}
-BASELINES = {"mass-spring": ("v", PURPLE), "soft mass-spring": ("v", "#c4aee0"), "beam": ("<", GREEN), "beam · lin": ("<", "#a5d3ac")}
+BASELINES = {"mass-spring": ("v", SKY), "soft mass-spring": ("v", "#bfe1f6"), "beam": ("<", GREEN), "beam · lin": ("<", "#8fd6c0")}
 
 
 def read_table(path):
@@ -49,7 +51,7 @@ def colour_of(row):
     if row["published"] == "1":
         return RED
     if row["family"] == "planned":
-        return "#111111"
+        return BLACK
     if row["family"] == "explicit":
         return BROWN
     return ORANGE if "scheme=linearised" in row["settings"] else BLUE
@@ -85,13 +87,10 @@ class Panel:
         low = min(min(errors), floor)
         return (min(costs) / 6, max(costs) * 1.6), (low / 3, max(errors) * 2)
 
-    def draw(self, axes, labels=True):
+    def draw(self, axes):
         axes.set_xscale("log")
         axes.set_yscale("log")
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
-        axes.set_ylabel(f"{self.reference['says']} [{self.shown_unit}]", fontsize=8)
-        axes.tick_params(labelsize=7)
+        axes.set_ylabel(f"error: {self.reference['says']} [{self.shown_unit}]")
         if not self.charted or not self.points:
             axes.set_xticks([])
             axes.set_yticks([])
@@ -102,16 +101,16 @@ class Panel:
         (left, right), (bottom, top) = self.limits()
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
-        axes.grid(True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
+        axes.grid(True, which="major")
         if left < 1 < right:
             axes.axvline(1, color="0.6", linewidth=0.8, linestyle=":")
         if self.uncertainty > 0:
             axes.axhspan(bottom, self.uncertainty, color="0.8", linewidth=0, zorder=0)
             axes.axhline(10 * self.uncertainty, color="0.75", linewidth=0.7, linestyle="--", zorder=0)
-        self.draw_front(axes, labels)
+        self.draw_front(axes)
         for cost, error, row in self.points:
             self.draw_point(axes, cost, error, row)
+        better(axes)
 
     def draw_point(self, axes, cost, error, row):
         colour, (marker, size) = colour_of(row), marker_of(row)
@@ -123,8 +122,20 @@ class Panel:
         if not held:
             axes.scatter([cost], [error], s=14, marker="x", color="0.15", linewidths=0.8, zorder=6)
 
-    def draw_front(self, axes, labels):
-        front = sorted((p for p in self.points if p[2][f"{self.word}_front"] == "1"), key=lambda p: p[0])
+    def front(self):
+        return sorted((p for p in self.points if p[2][f"{self.word}_front"] == "1"), key=lambda p: p[0])
+
+    def draw_labels(self, axes):
+        """The front's models, once the figure has its layout."""
+        if self.charted and self.points:
+            front = self.front()
+            steps = [(b[0], a[1]) for a, b in zip(front, front[1:])]  # corners of the line, and places along it
+            along = [(math.exp(math.log(a[0]) + t * math.log(b[0] / a[0])), a[1]) for a, b in zip(front, front[1:]) for t in (0.25, 0.5, 0.75)]
+            down = [(b[0], math.exp(math.log(a[1]) + t * math.log(b[1] / a[1]))) for a, b in zip(front, front[1:]) for t in (0.25, 0.5, 0.75)]
+            place_labels(axes, [(cost, error, row["model"]) for cost, error, row in front], [p[:2] for p in self.points] + steps + along + down)
+
+    def draw_front(self, axes):
+        front = self.front()
         if not front:
             return
         xs, ys = [], []
@@ -135,19 +146,6 @@ class Panel:
             xs.append(cost)
             ys.append(max(error, self.uncertainty) if self.uncertainty > 0 else error)
         axes.plot(xs, ys, color="0.25", linewidth=1.1, zorder=1)
-        if not labels:
-            return
-        (left, right), (bottom, top) = self.limits()
-        last = None
-        for cost, error, row in front:
-            place = (math.log(cost / left) / math.log(right / left), math.log(error / bottom) / math.log(top / bottom))
-            if last and last[1] - place[1] < 0.05 and place[0] - last[0] < 0.3:
-                continue  # labels would lie on each other
-            last = place
-            # below and left of its point, where the front has nothing; near the axis above and right of it
-            side, dx, dy = ("right", -4, -3) if place[0] > 0.05 + 0.0155 * len(row["model"]) else ("left", 3, 4)
-            axes.annotate(row["model"], (cost, error), xytext=(dx, dy), textcoords="offset points", ha=side, va="top" if dy < 0 else "bottom",
-                          fontsize=5.5, color="0.2", zorder=7)
 
 
 def legend_entries(rows):
@@ -166,10 +164,11 @@ def legend_entries(rows):
                     Line2D([], [], color=BEST, marker="*", linestyle="", markersize=11, label="published method, at its best"),
                     dot(ORANGE, "*", "its laws, capsule detection")]
     if "planned" in families:
-        entries.append(dot("#111111", "d", "what `plan` chose", markerfacecolor="#111111"))
+        entries.append(dot(BLACK, "d", "what `plan` chose", markerfacecolor=BLACK))
     entries += [dot("0.15", "x", "did not hold"), dot(BLUE, "o", "below 10 × the reference's uncertainty", markerfacecolor="white"),
                 Line2D([], [], color="0.25", linewidth=1.1, label="Pareto front"),
                 Line2D([], [], color="0.8", linewidth=6, label="reference's uncertainty"),
+                Line2D([], [], color="0.75", linewidth=0.7, linestyle="--", label="10 × that"),
                 Line2D([], [], color="0.6", linewidth=0.8, linestyle=":", label="real time")]
     return entries
 
@@ -185,41 +184,54 @@ def save(figure, folder, stem):
 
 def draw_legend(cell, rows):
     entries = legend_entries(rows)
-    legend = cell.legend(handles=entries, loc="center", frameon=False, fontsize=7 if len(entries) < 17 else 6.2, labelspacing=0.45 if len(entries) < 17 else 0.28)
+    wide = cell.get_subplotspec().colspan.stop - cell.get_subplotspec().colspan.start
+    legend = cell.legend(handles=entries, loc="center", ncol=wide, fontsize=7 if len(entries) < 17 else 6.5, labelspacing=0.45 if len(entries) < 17 else 0.22)
     legend.set_in_layout(False)  # a long one would pull the rows apart
 
 
 def grid_figure(count, columns):
-    rows = math.ceil((count + 1) / columns)  # one cell for the legend
-    figure, axes = plt.subplots(rows, columns, figsize=(3.3 * columns, 2.9 * rows), squeeze=False)
+    rows = math.ceil((count + 1) / columns)  # one cell for the legend, or a row of them
+    figure, axes = plt.subplots(rows, columns, figsize=(COLUMN * columns, 3.0 * rows), squeeze=False)
     cells = list(axes.flat)
     for cell in cells[count:]:
         cell.axis("off")
+    if count % columns == 0:
+        for cell in cells[count:]:
+            cell.remove()
+        cells[count:] = [figure.add_subplot(axes[0, 0].get_gridspec()[rows - 1, :])]
+        cells[count].axis("off")
     return figure, cells
 
 
 def draw_scene(folder, name, rows, references):
-    figure, cells = grid_figure(len(references), 3)
-    for cell, reference in zip(cells, references):
-        Panel(rows, reference).draw(cell)
-        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
+    figure, cells = grid_figure(len(references), 2)
+    panels = [(Panel(rows, reference), cell) for cell, reference in zip(cells, references)]
+    for panel, cell in panels:
+        panel.draw(cell)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]")
     draw_legend(cells[len(references)], rows)
     figure.suptitle(rows[0]["title"], fontsize=10)
     figure.tight_layout()
+    for panel, cell in panels:
+        panel.draw_labels(cell)
     save(figure, folder, f"chart-{name}")
 
 
 def draw_overview(folder, scenes, references):
-    figure, cells = grid_figure(len(scenes), 3)
+    figure, cells = grid_figure(len(scenes), 2)
+    panels = []
     every = [row for rows in scenes.values() for row in rows]
     for cell, (name, rows) in zip(cells, scenes.items()):
         tip = [r for r in references[name] if r["observable"] == "tip"]
         if tip:
-            Panel(rows, tip[0]).draw(cell)
-        cell.set_title(name, fontsize=9)
-        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]", fontsize=8)
+            panels.append((Panel(rows, tip[0]), cell))
+            panels[-1][0].draw(cell)
+        cell.set_title(name)
+        cell.set_xlabel(f"{CLOCKS[rows[0]['clock']]} per simulated second [s]")
     draw_legend(cells[len(scenes)], every)
     figure.tight_layout()
+    for panel, cell in panels:
+        panel.draw_labels(cell)
     save(figure, folder, "chart")
 
 

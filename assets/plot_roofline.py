@@ -14,11 +14,12 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")  # no display needed
-matplotlib.rcParams["svg.fonttype"] = "none"
-matplotlib.rcParams["svg.hashsalt"] = "seldinger"
 import matplotlib.pyplot as plt
 
-COLOURS = {"light": "#e08a1e", "heavy": "#1f5f99"}
+from plot_style import BLUE, ORANGE, use_style
+
+use_style()
+COLOURS = {"light": ORANGE, "heavy": BLUE}
 NAMES = {"light": "caller's thread", "heavy": "whole device"}
 
 

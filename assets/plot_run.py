@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Friction, rolling moment and number of contacts of one or several runs against inserted length.
+"""Friction, rolling moment and force per length (number of contact samples in traces of earlier versions) of one or several runs
+against inserted length.
 
     plot_run.py DIR [DIR2 ...] -o friction.png
 
@@ -49,6 +50,8 @@ def axis_of(traces):
 
 def plot(folders, labels, output):
     traces = [read_trace(folder) for folder in folders]
+    load = "force_per_length_max_n_per_m"
+    lowest = load if all(load in trace for trace in traces) else "contacts"
     x_label, x_of = axis_of(traces)
     figure, (friction, rolling, contacts) = plt.subplots(3, 1, sharex=True, figsize=(7.5, 8.5),
                                                          gridspec_kw={"height_ratios": [2, 1, 1]})
@@ -60,10 +63,10 @@ def plot(folders, labels, output):
         friction.plot(x, trace["friction_n"], label=f"{prefix}total", **style)
         friction.plot(x, trace["sliding_n"], color=tint(colour), linewidth=0.9, label=f"{prefix}sliding", zorder=2.5)
         rolling.plot(x, [1e6 * v for v in trace["rolling_nm"]], label=label, **style)
-        contacts.plot(x, trace["contacts"], label=label, **style)
+        contacts.plot(x, trace[lowest], label=label, **style)
     friction.set_ylabel("friction [N]")
     rolling.set_ylabel("rolling moment [µN m]")
-    contacts.set_ylabel("contacts [-]")
+    contacts.set_ylabel("largest force\nper length [N/m]" if lowest == load else "contact samples [-]")
     contacts.set_xlabel(x_label)
     for axes in (friction, rolling, contacts):
         axes.grid(True, color="0.88", linewidth=0.6)

@@ -5,7 +5,7 @@ set(public_headers
   engine.h control.h model.h output.h
   core/error.h core/stage_times.h device/device_info.h math/vec3.h
   rod/rod_view.h rod/wire_spec.h solve/solve_spec.h solve/momentum_balance.h
-  contact/contact_row.h contact/contact_spec.h vessel/centreline.h vessel/vessel_spec.h vessel/wall_mesh.h
+  contact/contact_row.h contact/contact_spec.h contact/force_per_length.h vessel/centreline.h vessel/vessel_spec.h vessel/wall_mesh.h
   wall/wall_readings.h)
 install(TARGETS seldinger EXPORT SeldingerTargets ARCHIVE LIBRARY RUNTIME)
 if(TARGET seldinger_app)

@@ -1,6 +1,6 @@
 #pragma once
-// What is asked of the instruments in one step: how far the hub of each is pushed in, and how far it is turned. Key frames
-// (scene/key_frames.h), a hand or a policy give it; the engine does not know which.
+// Input of one step: the prescribed insertion and rotation of each instrument's hub at its end. It may come from key frames
+// (scene/key_frames.h), a user's hand or a policy.
 
 #include "solve/solve_spec.h"
 
@@ -11,7 +11,7 @@ namespace seldinger {
 
 class Control {
 public:
-    /// Nothing is asked: every hub stays where it is.
+    /// Nothing is prescribed: every hub stays where it is.
     Control() = default;
 
     /// At the end of the step the hub of `instrument` (an index of WorldSetup::wires, one that is fed) has `advance` metres of wire
@@ -19,12 +19,12 @@ public:
     /// @throws Error BadScene: a negative index
     Control& move_to(int instrument, double advance, double turn);
 
-    /// The hub follows a way that is known beforehand: keys of increasing times of the world [s], between which it goes steadily;
-    /// before the first and after the last it stays. What lies beyond the step tells the engine what comes next.
+    /// The hub follows a path that is known beforehand: keys of increasing times of the world [s], between which it goes steadily;
+    /// before the first and after the last it stays. Keys beyond the step let the engine look ahead.
     /// @param keys  must outlive the step. @throws Error BadScene: a negative index, no keys
     Control& follow(int instrument, std::span<const FeedKey> keys);
 
-    /// Takes back what was asked.
+    /// Removes everything prescribed.
     void clear() { hubs_.clear(); }
 
     /// Of one hub.
@@ -33,7 +33,7 @@ public:
         double advance = 0, turn = 0;   // MoveTo
         std::span<const FeedKey> keys;  // Follow
     };
-    /// From instrument 0 on, up to the last that something was asked of.
+    /// From instrument 0 up to the last for which something is prescribed.
     [[nodiscard]] std::span<const Hub> hubs() const { return hubs_; }
 
 private:

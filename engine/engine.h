@@ -24,7 +24,7 @@
 
 namespace seldinger {
 
-/// What was asked of the OpenCL device since the world was made.
+/// Operations of the OpenCL device since the world was made.
 struct DeviceCounts {
     std::uint64_t launches = 0, reads = 0, writes = 0, buffers_created = 0, programs_built = 0;
 };
@@ -58,7 +58,7 @@ public:
     /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
-    /// Of the last step() or settle().
+    /// How the last step() or settle() went.
     [[nodiscard]] const WireReport& report(int wire) const;
     /// Contact force on each node of a wire [n] [N].
     [[nodiscard]] std::vector<Vec3> nodal_contact_force(int wire) const;
@@ -69,24 +69,24 @@ public:
     void read(Output& into, unsigned parts = Output::Everything) const;
     [[nodiscard]] Output output(unsigned parts = Output::Everything) const;
 
-    /// The system stays as it is from now on: later steps leave it out. Not part of the saved state.
+    /// Freezes a system: later steps leave it out. Not part of the saved state.
     void retire(int system);
     [[nodiscard]] bool retired(int system) const;
 
     /// 64-bit FNV-1a over every byte of the final state, friction anchors included, as 16 hex digits.
     [[nodiscard]] std::string state_hash() const;
-    /// Of one system, whoever else is in the world: what state_hash() is in a world of its own.
+    /// Hash of one system, equal to state_hash() of a world that has this system only.
     [[nodiscard]] std::string state_hash(int system) const;
     /// Every changing byte, for checkpoints; restore() needs a world made from the same setup.
     [[nodiscard]] std::vector<std::uint8_t> save_state() const;
     /// @throws Error BadFile: not the state of such a world. The world is then unchanged
     void restore_state(const std::vector<std::uint8_t>& bytes);
-    /// The same of one system, whoever else is in the world: what comes then has the bits that it had after save_state(system),
-    /// the system's own time included. @throws Error BadFile: not the state of such a system. The world is then unchanged
+    /// The same of one system, whatever else is in the world: it continues bit for bit as it did after save_state(system), from
+    /// its own time then. @throws Error BadFile: not the state of such a system. The world is then unchanged
     [[nodiscard]] std::vector<std::uint8_t> save_state(int system) const;
     void restore_state(int system, const std::vector<std::uint8_t>& bytes);
 
-    /// What was on and why, one "name: value (reason)" per entry, for summary.json.
+    /// Choices of the model and why they were made, one "name: value (reason)" per entry, for summary.json.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> model() const;
     [[nodiscard]] std::string device_name() const;
     /// All zero for a world without a vessel.
@@ -100,11 +100,11 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Advances every system by dt [s]. Numerical trouble is told by the report and never thrown.
+/// Advances every system by dt [s]. Numerical failure is reported in the StepReport, never thrown.
 /// @throws Error: dt is not a positive number, the control asks for something that cannot be (no such instrument, one that is not
 /// fed, a value that is not finite or not on the wire). The world is then unchanged
 [[nodiscard]] StepReport step(World& world, const Control& control, double dt);
-/// The same with nothing asked: every hub stays where it is.
+/// The same without a control: every hub stays where it is.
 [[nodiscard]] StepReport step(World& world, double dt);
 
 /// Static equilibrium of every system (scheme = "static", and start = "settled").

@@ -17,6 +17,9 @@
 // Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of the wall on
 // instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
 // F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k), L being the length of the line at fixed offsets.
+// a_k is along the edges that the material lies on (EdgeSums::along), and slip counts no turn at their corners: the rod's surface on
+// the outside of a bend slides by 1 + kappa r, by some per cent in a vessel, which is left out on both sides, so that hands put in
+// what friction takes out.
 // Between the instruments there is no friction: CoaxialSpec's mu and stiffness are the separate model's.
 // Axial inertia of what slides along the line is not in it: all material of a place moves with the line's.
 

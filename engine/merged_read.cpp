@@ -11,21 +11,7 @@ namespace seldinger {
 namespace {
 
 /// The wall's force on an instrument along the line, + towards the tip [N].
-double axial_contact(World::Impl& state, int wire)
-{
-    if (!state.contact) return 0;
-    const RodView rod = state.rods.view(wire);
-    std::vector<Vec3> force(static_cast<std::size_t>(rod.n), Vec3::Zero());
-    state.contact->add_nodal_forces(wire, force);
-    double sum = 0;
-    for (int i = 0; i < rod.n; ++i) {
-        Vec3 tangent = Vec3::Zero();
-        if (i > 0) tangent += rod.tangent(i - 1);
-        if (i < rod.n - 1) tangent += rod.tangent(i);
-        sum -= force[i].dot(tangent.normalized());
-    }
-    return sum;
-}
+double axial_contact(const World::Impl& state, int wire) { return state.contact ? state.contact->along(wire) : 0; }
 
 double mass_rate(const WireSection* section)
 {

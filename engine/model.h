@@ -22,6 +22,7 @@ struct WireSetup {
     std::vector<LoadSpec> loads;
     std::vector<LinkSpec> links;
     std::string start;  // what was done to have it start inside the lumen, for World::model(); empty: nothing
+    std::string inlet;  // which way in was taken, likewise
     std::string name;   // in messages and files; empty: the only one, or told apart by its number
 };
 
@@ -49,6 +50,8 @@ struct WorldSetup {
     VesselSpec vessel;  // what the wall is made of; shape None: no wall
     WallMesh mesh;      // repaired, normals into the lumen; empty without a vessel
     Centreline centreline;
+    double force_window = 0;    // of readings per length [m]; 0: each wire's diameter
+    double force_patch = 5e-3;  // length of the patch that a force is read on [m]
     int device_index = -1;  // of list_devices(); -1: the default device
     std::vector<CoaxialSpec> coaxial;
     bool instruments_touch = false;  // contact from outside between the instruments of a system, and of each with itself

@@ -2,6 +2,7 @@
 // What can be read of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
 
 #include "contact/contact_row.h"
+#include "contact/force_per_length.h"
 #include "core/stage_times.h"
 #include "solve/momentum_balance.h"
 #include "wall/wall_readings.h"
@@ -19,7 +20,7 @@ enum StepFlag : unsigned {
         1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
     StepNonFinite = 1u << 4,        // a value is not finite; the state before the step was kept
-    StepBestEffort = 1u << 5,  // the smallest sub-step missed the tolerance and its best trial was taken: scene.dt_s, friction
+    StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
 };
@@ -41,22 +42,22 @@ struct StepReport {
     [[nodiscard]] bool failed() const { return flags & (StepNotConverged | StepNonFinite | StepEnergy); }
 };
 
-/// Where the energy of one instrument has come from and gone, since it was placed or has left the introducer [J]. With backward
-/// Euler and scheme "newton" each is read off apart, and open() is what they miss; else `scheme` is what the others leave.
+/// Energy balance of one instrument since it was placed or has left the introducer [J]. With backward Euler and scheme "newton"
+/// each term is computed independently, and open() is the residual; else `scheme` is the residual and open() is 0.
 struct EnergyLedger {
     // in
     double hand = 0;      // feeding and turning
     double outside = 0;   // holds, loads, links
     double material = 0;  // that was fed brings its height and speed along
-    double remesh = 0;    // made by changes of nodes
+    double remesh = 0;    // gained by changes of the nodes
     // there
     double wire = 0;  // more kinetic, elastic and gravitational energy than at first
     // out
     double friction = 0;  // sliding, and what stuck contacts hold; with rolling
     double contact = 0;   // normal forces: what overlaps hold, and their damping
-    double wall = 0;      // done on a wall that yields: what it stores and damps
+    double wall = 0;      // done on a yielding wall: what it stores and dissipates
     double damping = 0;   // integrator.damping_*
-    double scheme = 0;    // backward Euler's own
+    double scheme = 0;    // numerical dissipation of backward Euler
 
     [[nodiscard]] double in() const { return hand + outside + material + remesh; }
     [[nodiscard]] double out() const { return friction + contact + wall + damping + scheme; }
@@ -71,14 +72,16 @@ struct WireReadings {
     double contact_length = 0;                                   // metres of wire in contact
     double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
     double rolling = 0;                                          // sum of |moment| [N m]
-    double hand_force = 0, hand_torque = 0;  // its work per length pushed in [N], per angle turned as `turned` is [N m]
+    double hand_force = 0, hand_torque = 0;  // along the wire, + pushes [N]; about it, + as `turned` [N m]
     double hand_stiffness = 0;  // how hand_force grows per length pushed in within the step, where watched [N/m] >= 0
     Vec3 base_force = Vec3::Zero();
     double overlap = 0;                                  // deepest overlap [m] >= 0
+    double overlap_share = 0;                            // of the wire's radius there, of overlaps with the wall [-]
+    Vec3 overlap_at = Vec3::Zero();                      // where that is, on the wire [m]
     double outside = 0;                                  // farthest axis point beyond the wall [m] >= 0
     double kinetic = 0, elastic = 0, gravitational = 0;  // [J]
     double remesh_energy = 0;                            // accumulated [J]
-    double energy_made = 0;                              // most that came from nowhere so far (energy_balance.h) [J]
+    double energy_made = 0;                              // most that no work accounts for (energy_balance.h) [J]
     double force_residual = 0;                           // largest left on a free node [N]
     EnergyLedger energy;
     MomentumBalance momentum;  // of the last sub-step
@@ -88,12 +91,13 @@ struct WireReadings {
 struct WireOutput {
     WireReadings readings;
     WireReport report;
-    double time = 0;  // where it stands; of one that failed or was retired, where it stopped [s]
+    double time = 0;  // its simulated time; of one that failed or was retired, when it stopped [s]
     bool at_rest = false, retired = false;
     Vec3 tip = Vec3::Zero();  // [m]
     // Output::Contacts; contact/contact_patch.h
     double contact_area = 0;          // sum over its contacts [m^2]
     double contact_pressure_max = 0;  // of one of them [Pa]
+    ContactAlong on_wall, on_instruments;  // contact/force_per_length.h
     // Output::Shape
     std::vector<double> material_s;   // arc length from the tip along the unstressed wire [m]
     std::vector<double> radius;       // of the edge that begins there [m]

@@ -30,6 +30,8 @@ struct MergedGroup;  // merged.h
 /// What was read off a wire when its step was accepted.
 struct WireResult {
     ContactTotals contact;
+    double overlap_share = 0;            // WireReadings::overlap_share
+    Vec3 overlap_at = Vec3::Zero();      // [m]
     std::vector<Vec3> nodal_contact;  // [capacity] [N]
     double hand_force = 0, hand_torque = 0, hand_stiffness = 0;
     Vec3 base_force = Vec3::Zero();
@@ -104,6 +106,7 @@ struct World::Impl {
     std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
     std::vector<WireResult> results;                            // per wire
     std::vector<ContactRow> rows;                               // what contacts() last returned
+    std::vector<ContactAlong> on_wall, on_instruments;          // per wire: what those come to
     bool hand_stiffness_watched = false;
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 

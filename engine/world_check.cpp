@@ -1,9 +1,10 @@
 // What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
 
 #include "core/error.h"
-#include "vessel/mesh_edges.h"
-#include "wall/wall_model.h"
 #include "merged.h"
+#include "vessel/mesh_edges.h"
+#include "vessel/mesh_limits.h"
+#include "wall/wall_model.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -199,8 +200,11 @@ void check_wall(const WorldSetup& setup)
         for (const std::int32_t v : setup.mesh.triangles[t])
             if (v < 0 || v >= vertices)
                 refuse(fmt::format("mesh.triangles[{}]", t), fmt::format("names vertex {}, expected 0 to {}", v, vertices - 1));
-    for (std::size_t v = 0; v < setup.mesh.vertices.size(); ++v)
-        if (!setup.mesh.vertices[v].allFinite()) need_finite(setup.mesh.vertices[v], fmt::format("mesh.vertices[{}]", v));
+    if (const std::int64_t v = first_unusable_vertex(setup.mesh); v >= 0) {
+        const std::string name = fmt::format("mesh.vertices[{}]", v);
+        need_finite(setup.mesh.vertices[static_cast<std::size_t>(v)], name);
+        refuse(name, fmt::format("lies beyond {:.0f} m, which float32 cannot hold finely enough", kMostCoordinate));
+    }
     need_positive(setup.vessel.youngs, "vessel.youngs");
     need_positive(setup.vessel.thickness, "vessel.thickness");
     if (setup.vessel.elastic) check_elastic_wall(setup);
@@ -231,6 +235,8 @@ void check_setup(const WorldSetup& setup)
 {
     if (setup.wires.empty()) refuse("wires", "a world needs at least one wire");
     need_finite(setup.gravity, "gravity");
+    need_not_negative(setup.force_window, "force_window");
+    need_positive(setup.force_patch, "force_patch");
     need_positive(setup.integrator.tolerance, "integrator.tolerance");
     need_not_negative(setup.integrator.damping_mass, "integrator.damping_mass");
     need_not_negative(setup.integrator.damping_stiffness, "integrator.damping_stiffness");

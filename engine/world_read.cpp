@@ -30,6 +30,20 @@ Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
 
 }  // namespace
 
+namespace {
+
+/// Where the deepest overlap with the wall is, and how much of the wire that is.
+void read_overlap(WireResult& result, const RodView& rod)
+{
+    const int edge = result.contact.deepest;
+    result.overlap_share = 0;
+    if (edge < 0 || edge > rod.n - 2 || !(result.contact.depth > 0)) return;
+    result.overlap_share = result.contact.depth / rod.radius[edge];
+    result.overlap_at = (rod.pos(edge) + rod.pos(edge + 1)) / 2;
+}
+
+}  // namespace
+
 void World::Impl::read_results(int wire, double h)
 {
     if (merged_of[wire] >= 0) return read_merged(wire, h);
@@ -37,6 +51,7 @@ void World::Impl::read_results(int wire, double h)
     const RodView rod = rods.view(wire);
     std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
     result.contact = {};
+    result.overlap_share = 0;
     if (feeds[wire].on && !feeds[wire].inside) {
         result.hand_force = result.hand_torque = result.hand_stiffness = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
         result.base_force = Vec3::Zero();
@@ -45,6 +60,7 @@ void World::Impl::read_results(int wire, double h)
     }
     if (contact) {
         result.contact = contact->totals(wire);
+        read_overlap(result, rods.view(wire));
         const std::span<Vec3> forces = std::span(result.nodal_contact).first(rod.n);
         if (yielding) yielding->add_nodal_forces(wire, forces);
         else contact->add_nodal_forces(wire, forces);
@@ -109,6 +125,7 @@ void World::Impl::read_merged(int wire, double h)
         result.residual = reports[w].residual;
         if (!contact) continue;
         result.contact = contact->totals(w);
+        read_overlap(result, line);
         contact->add_nodal_forces(w, std::span(result.nodal_contact).first(line.n));
         for (int i = 0; i < line.n; ++i) contact_force[i] += result.nodal_contact[i];
     }
@@ -169,6 +186,8 @@ WireReadings World::readings(int wire) const
     r.hand_stiffness = result.hand_stiffness;
     r.base_force = result.base_force;
     r.overlap = result.contact.depth;
+    r.overlap_share = result.overlap_share;
+    r.overlap_at = result.overlap_at;
     r.outside = result.contact.outside;
     r.kinetic = result.kinetic;
     r.elastic = result.elastic;
@@ -181,19 +200,40 @@ WireReadings World::readings(int wire) const
     return r;
 }
 
+namespace {
+
+/// Force per length and the like, of all wires and on each row.
+void read_rows_along(World::Impl& s)
+{
+    const auto wires = static_cast<std::size_t>(s.wire_count());
+    std::vector<AlongSpec> specs(wires);
+    for (std::size_t w = 0; w < wires; ++w) {
+        const double asked = s.setup.force_window, radius = s.setup.wires[w].wire.shaft.radius;
+        const double spacing = s.contact ? s.contact->spacing(static_cast<int>(w)) : 0;
+        specs[w] = {asked > 0 ? asked : 2 * radius, s.setup.force_patch, spacing};
+    }
+    s.on_wall.resize(wires);
+    s.on_instruments.resize(wires);
+    read_along(s.rows, specs, s.on_wall, s.on_instruments);
+}
+
+}  // namespace
+
 const std::vector<ContactRow>& World::contacts() const
 {
     impl_->rows.clear();
     if (impl_->yielding) impl_->rows = impl_->yielding->rows(impl_->rods);
     else if (impl_->contact) impl_->rows = impl_->contact->rows(impl_->rods);
-    if (!impl_->instruments) return impl_->rows;
-    for (ContactRow& row : impl_->instruments->rows(impl_->rods)) impl_->rows.push_back(row);
-    std::sort(impl_->rows.begin(), impl_->rows.end(), [](const ContactRow& p, const ContactRow& q) {
-        const auto key = [](const ContactRow& row) {
-            return std::tuple(row.a.body, row.a.element, row.b.kind, row.b.body, row.b.element, row.point.x(), row.point.y());
-        };
-        return key(p) < key(q);
-    });
+    if (impl_->instruments) {
+        for (ContactRow& row : impl_->instruments->rows(impl_->rods)) impl_->rows.push_back(row);
+        std::sort(impl_->rows.begin(), impl_->rows.end(), [](const ContactRow& p, const ContactRow& q) {
+            const auto key = [](const ContactRow& row) {
+                return std::tuple(row.a.body, row.a.element, row.b.kind, row.b.body, row.b.element, row.point.x(), row.point.y());
+            };
+            return key(p) < key(q);
+        });
+    }
+    read_rows_along(*impl_);
     return impl_->rows;
 }
 
@@ -288,7 +328,12 @@ namespace {
 void read_contacts(const World& world, Output& into)
 {
     into.contacts = world.contacts();
-    for (WireOutput& wire : into.wires) wire.contact_area = wire.contact_pressure_max = 0;
+    for (std::size_t w = 0; w < into.wires.size(); ++w) {
+        WireOutput& wire = into.wires[w];
+        wire.contact_area = wire.contact_pressure_max = 0;
+        wire.on_wall = world.impl().on_wall[w];
+        wire.on_instruments = world.impl().on_instruments[w];
+    }
     for (const ContactRow& row : into.contacts) {
         WireOutput& wire = into.wires[static_cast<std::size_t>(row.a.body)];
         wire.contact_area += row.area;
@@ -378,6 +423,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
                                                                  1e3 * s.merged[s.merged_of[0]]->feed.edge)
                                                    : describe_nodes(wire));
     if (!wire.start.empty()) list.emplace_back("start", wire.start);
+    if (!wire.inlet.empty()) list.emplace_back("inlet", wire.inlet);
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};
     const IntegratorSpec& integrator = s.setup.integrator;
     list.emplace_back("scheme",

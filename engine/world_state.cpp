@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/fnv1a.h"
 #include "merged.h"
+#include "state_check.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -97,20 +98,29 @@ void World::Impl::take_wire(const std::uint8_t*& at, const std::uint8_t* end, in
 
 namespace {
 
-void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes)
+enum class Origin { File, Own };  // Own: saved a moment ago, and restored whatever it holds
+
+void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes, Origin origin)
 {
     const std::uint8_t* at = bytes.data();
     const std::uint8_t* end = at + bytes.size();
     take_bytes(at, end, &s.time, 1);
     std::int64_t steps = 0;
     take_bytes(at, end, &steps, 1);
+    if (origin == Origin::File) check_saved_time(s.time, steps);
     s.steps = static_cast<long>(steps);
-    for (int w = 0; w < s.wire_count(); ++w) s.take_wire(at, end, w);
+    for (int w = 0; w < s.wire_count(); ++w) {
+        s.take_wire(at, end, w);
+        if (origin == Origin::File) check_saved_wire(s, w);
+    }
     for (const auto& group : s.merged) refresh_group(s, *group);
     set_exposures(s);
     show_groups(s);
     s.terms.restore(at, end);
-    for (EnergyAudit& audit : s.audits) take_audit(at, end, audit);
+    for (EnergyAudit& audit : s.audits) {
+        take_audit(at, end, audit);
+        if (origin == Origin::File) check_saved_audit(audit);
+    }
     if (at != end)
         throw Error(ExitCode::BadFile, "the saved state is longer than this scene's; it was written by another scene or version");
 }
@@ -121,9 +131,9 @@ void World::restore_state(const std::vector<std::uint8_t>& bytes)
 {
     const std::vector<std::uint8_t> before = save_state();
     try {
-        take_state(*impl_, bytes);
+        take_state(*impl_, bytes, Origin::File);
     } catch (...) {
-        take_state(*impl_, before);
+        take_state(*impl_, before, Origin::Own);
         throw;
     }
 }
@@ -140,13 +150,19 @@ std::vector<std::uint8_t> World::save_state(int system) const
 
 namespace {
 
-void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& bytes)
+void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& bytes, Origin origin)
 {
     const std::uint8_t* at = bytes.data();
     const std::uint8_t* end = at + bytes.size();
-    for (const int w : s.wires_of(system)) s.take_wire(at, end, w);
+    for (const int w : s.wires_of(system)) {
+        s.take_wire(at, end, w);
+        if (origin == Origin::File) check_saved_wire(s, w);
+    }
     for (const int w : s.wires_of(system)) s.terms.restore_wire(at, end, w);
-    for (const int w : s.wires_of(system)) take_audit(at, end, s.audits[w]);
+    for (const int w : s.wires_of(system)) {
+        take_audit(at, end, s.audits[w]);
+        if (origin == Origin::File) check_saved_audit(s.audits[w]);
+    }
     if (at != end) throw Error(ExitCode::BadFile, "the saved state is longer than this system's; it was written by another one");
 }
 
@@ -156,9 +172,9 @@ void World::restore_state(int system, const std::vector<std::uint8_t>& bytes)
 {
     const std::vector<std::uint8_t> before = save_state(system);
     try {
-        take_system(*impl_, system, bytes);
+        take_system(*impl_, system, bytes, Origin::File);
     } catch (...) {
-        take_system(*impl_, system, before);
+        take_system(*impl_, system, before, Origin::Own);
         throw;
     }
 }

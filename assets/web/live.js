@@ -96,6 +96,8 @@ function showSheet(n) {
   row(table, 'Time', most(s.time.toFixed(1), limits.time, 's'), limits.time && s.time > limits.time);
   if (s.distance >= 0) row(table, 'To the target', s.reached ? 'reached' : `${(1e3 * s.distance).toFixed(0)} mm`);
   row(table, 'Wall force', most(s.wall.toFixed(2), limits.wall_force, 'N'), limits.wall_force && s.wall > limits.wall_force);
+  row(table, 'On one patch', most(s.patch.toFixed(2), limits.patch_force, 'N'), limits.patch_force && s.patch > limits.patch_force);
+  row(table, 'Patch, peak', `${s.patch_max.toFixed(2)} N`, limits.patch_force && s.patch_max > limits.patch_force);
   row(table, 'Peak, mean', `${s.wall_max.toFixed(2)}, ${s.wall_mean.toFixed(2)} N`, limits.wall_force && s.wall_max > limits.wall_force);
   row(table, 'Time above the limit', `${s.above.toFixed(2)} s`, s.above > 0);
   row(table, 'Way of the tip', `${(100 * s.path).toFixed(1)} cm`);

@@ -46,7 +46,12 @@ function addCharts() {
   addChart('Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wall', colour: '--force' }, { label: 'friction', colour: '--good' }], ['hand_force_n', 'normal_n', 'friction_n'], 1, 1e-3);
   addChart('Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], ['hand_torque_nm'], 1e3, 1e-4);
   addChart('Inserted', 'mm', [{ label: 'wire', colour: '--accent' }], ['inserted_m'], 1e3, 1);
-  addChart('Contacts', '1', [{ label: 'contacts', colour: '--force' }], ['contacts'], 1, 1);
+  if (data.trace.force_per_length_max_n_per_m) {
+    addChart('Force per length, largest', 'N/m', [{ label: 'wall', colour: '--force' }], ['force_per_length_max_n_per_m'], 1, 0.1);
+    addChart('Force on one patch, largest', 'N', [{ label: 'wall', colour: '--force' }], ['patch_force_max_n'], 1, 1e-3);
+    addChart('Length in contact', 'mm', [{ label: 'wire', colour: '--force' }], ['contact_extent_m'], 1e3, 1);
+    addChart('Places in contact', '1', [{ label: 'places', colour: '--force' }], ['contact_regions'], 1, 1);
+  } else addChart('Contact samples', '1', [{ label: 'samples', colour: '--force' }], ['contacts'], 1, 1);
 }
 
 function addPlayer() {

@@ -4,9 +4,12 @@
 
 #include "contact/programs.h"
 #include "core/bytes.h"
+#include "core/error.h"
 #include "shared/barrier_path.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace seldinger {
 
@@ -101,14 +104,26 @@ void BarrierPath::save(std::vector<std::uint8_t>& bytes, const WireQuadrature& w
     put_bytes(bytes, radius_reduction_t0_.data() + wire.begin, wire.capacity);
 }
 
+namespace {
+
+void need_finite(std::span<const real> values)
+{
+    if (!std::all_of(values.begin(), values.end(), [](real value) { return std::abs(value) <= 1; }))
+        throw Error(ExitCode::BadFile, "the saved state is damaged: a radius is out of bounds");
+}
+
+}  // namespace
+
 void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     take_bytes(bytes, end, radius_reduction_t0_.data(), radius_reduction_t0_.size());
+    need_finite(radius_reduction_t0_);
 }
 
 void BarrierPath::restore(const std::uint8_t*& bytes, const std::uint8_t* end, const WireQuadrature& wire)
 {
     take_bytes(bytes, end, radius_reduction_t0_.data() + wire.begin, wire.capacity);
+    need_finite(std::span(radius_reduction_t0_).subspan(wire.begin, wire.capacity));
 }
 
 }  // namespace seldinger

@@ -252,7 +252,7 @@ void CapsuleContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
 // reach).
 void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
-    states_.restore(bytes, end);
+    states_.restore(bytes, end, wall_.original.size());
     if (barrier_) barrier_->restore(bytes, end);
     active_.forget();
     near_.forget();
@@ -261,7 +261,7 @@ void CapsuleContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end
 void CapsuleContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
 {
     const WireQuadrature& points = quadrature_.wires[wire];
-    states_.restore_wire(bytes, end, wire);
+    states_.restore_wire(bytes, end, wire, wall_.original.size());
     if (barrier_) barrier_->restore(bytes, end, points);
     active_.forget(points);
     near_.forget(points);

@@ -13,6 +13,8 @@ namespace seldinger {
 ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactState& state) const
 {
     ContactRow row;
+    const WireQuadrature& quadrature = quadrature_.wires[static_cast<std::size_t>(wire)];
+    row.along_a = quadrature.s[static_cast<std::size_t>(point - quadrature.begin)];
     row.a = {BodyKind::Rod, wire, edge};
     row.b = {BodyKind::Wall, 0, static_cast<int>(wall_.original[state.triangle])};
     row.point = wall_.centre + Vec3(state.point[0], state.point[1], state.point[2]);

@@ -16,6 +16,16 @@ double overlap_width(double depth, double radius)
     return 2 * std::sqrt(delta * (2 * radius - delta));
 }
 
+double overlap_width(double depth, double radius_a, double radius_b, bool inside)
+{
+    const double delta = std::clamp(depth, 0.0, std::min(radius_a, radius_b));
+    const double apart = inside ? radius_b - radius_a + delta : radius_a + radius_b - delta;
+    if (!(delta > 0) || !(apart > 0)) return 0;
+    // the chord is this far from a's centre
+    const double from_a = (radius_b * radius_b - radius_a * radius_a - apart * apart) / (2 * apart);
+    return 2 * std::sqrt(std::max(0.0, radius_a * radius_a - from_a * from_a));
+}
+
 ContactPatch contact_patch(const QuadratureModel& model, uint normal_law, double gap, double force)
 {
     if (!(force > 0)) return {};

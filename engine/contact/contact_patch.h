@@ -18,7 +18,8 @@
 // Where it ends. The wall is flat across the wire: in a lumen of radius R the bed's chord is longer by 1/sqrt(1 - r/R), 2 % for a
 // 0.035 inch wire in an aorta, 10 % for r/R = 1/6, and a wire as thick as its lumen has none. The wall's surface beside the wire
 // stays where it was (a bed, not a half space), which is what the law itself has; a wall that yields as a shell does so in
-// series, with delta its local overlap. delta under half a micrometre is below what a surface's roughness leaves of this picture.
+// series, with delta its local overlap. Two instruments: the chord that their circles have in common, times the length that
+// touches (of two that cross, a lens: up to 4/pi too much area, and as much too little mean pressure). delta under half a micrometre is below what a surface's roughness leaves of this picture.
 
 #include "math/vec3.h"
 #include "shared/contact_types.h"
@@ -32,6 +33,10 @@ struct ContactPatch {
 
 /// Width of the chord [m]; 0 for a gap. @param depth  overlap [m]  @param radius  of the wire [m]
 [[nodiscard]] double overlap_width(double depth, double radius);
+
+/// The same of two round bodies that overlap side by side: the common chord of their circles.
+/// @param radius_a, radius_b  [m]  @param inside  a lies in b's lumen, of radius_b
+[[nodiscard]] double overlap_width(double depth, double radius_a, double radius_b, bool inside);
 
 /// Of one contact point. @param model  of its quadrature point; `length` 0: the tip's point law
 /// @param normal_law  SEL_NORMAL_*  @param gap  [m]  @param force  normal [N]; 0: nothing

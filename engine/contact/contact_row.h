@@ -24,9 +24,14 @@ struct ContactRow {
     Vec3 friction = Vec3::Zero();      // on a [N]
     double rolling_moment = 0;         // about the wire's tangent [N m]
     bool stuck = false;
+    double along_a = 0;        // where on a: arc length from its tip along the unstressed wire [m]
+    double along_b = 0;        // likewise on b; 0 on the wall [m]
     double length = 0;    // metres of wire this contact stands for (0 for a pair of `layer`)
-    double area = 0;      // that the wire lies on the wall with [m^2], contact/contact_patch.h (0 for a pair of `layer`)
+    double area = 0;      // that the wire lies on the other body with [m^2], contact/contact_patch.h (0 for a pair of `layer`)
     double pressure = 0;  // normal force over area: mean across the wire [Pa]
+    // contact/force_per_length.h
+    double per_length = 0;  // load on the wire here, over a window [N/m]
+    int region = 0;         // which of the places that a lies on, from 1
 };
 
 }  // namespace seldinger

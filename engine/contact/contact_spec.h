@@ -5,7 +5,7 @@ namespace seldinger {
 
 enum class Detection { Swept, Capsule, Layer, Nodes };
 enum class NormalLaw { HuntCrossley, LankaraniNikravesh, Augmented, Constraint, Impulse, Barrier };
-/// Laws of kernels/shared/multiplier_law.h: they live on material quadrature points and on Newton's method.
+/// Laws of kernels/shared/multiplier_law.h: they need material quadrature points and Newton's method.
 [[nodiscard]] constexpr bool is_nonpenetrating(NormalLaw law) { return law >= NormalLaw::Augmented; }
 
 /// Numbers of the laws in kernels/shared/multiplier_law.h where the user gives none, as fractions of the wire's radius.

@@ -49,7 +49,12 @@ public:
     {
         return context_.float32() ? sums_.rounding(wire, rods_.node_begin(wire), rods_.view(wire)) : 0;
     }
-    [[nodiscard]] ContactTotals totals(int wire) const { return sums_.totals(wire, rods_.view(wire).radius[0]); }
+    [[nodiscard]] ContactTotals totals(int wire) const
+    {
+        ContactTotals sum = sums_.totals(wire, rods_.view(wire).radius[0]);
+        if (sum.deepest >= 0) sum.deepest -= rods_.node_begin(wire);
+        return sum;
+    }
     [[nodiscard]] double stored_energy(int wire) const override
     {
         const ContactTotals t = totals(wire);
@@ -61,10 +66,14 @@ public:
     {
         sums_.add_nodal_forces(wire, rods_.node_begin(wire), forces);
     }
+    /// The wall's force on what slides along a wire's line, + towards the tip [N].
+    [[nodiscard]] double along(int wire) const { return sums_.along(wire, rods_.node_begin(wire), rods_.view(wire)); }
 
     /// Of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
     virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
+    /// Of a wire's samples [m]; 0: its contacts stand for no length.
+    [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }
     /// Choices of this method, "name", "value (reason)", for summary.json.
     [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> describe() const = 0;
     void save(std::vector<std::uint8_t>& bytes) override = 0;

@@ -10,6 +10,7 @@ namespace seldinger {
 ContactTotals& ContactTotals::operator+=(const ContactTotals& other)
 {
     contacts += other.contacts;
+    if (other.depth > depth) deepest = other.deepest;
     depth = std::max(depth, other.depth);
     outside = std::max(outside, other.outside);
     normal += other.normal;
@@ -96,6 +97,7 @@ ContactTotals EdgeSums::totals(int wire, double radius) const
     for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
         const EdgeForce& f = edges[e];
         sum.contacts += static_cast<int>(f.contacts);
+        if (f.depth > sum.depth) sum.deepest = static_cast<int>(edge_node[e]);
         sum.depth = std::max(sum.depth, static_cast<double>(f.depth));
         if (f.flags & SEL_FORCE_OUTSIDE) sum.outside = std::max(sum.outside, f.depth - radius);
         sum.normal += f.normal_sum;
@@ -119,6 +121,18 @@ void EdgeSums::add_nodal_forces(int wire, int begin, std::span<Vec3> forces) con
             forces[node + 1][k] += edges[e].force_b[k];
         }
     }
+}
+
+double EdgeSums::along(int wire, int begin, const RodView& rod) const
+{
+    double sum = 0;
+    for (int e = wire_edges[wire]; e < wire_edges[wire + 1]; ++e) {
+        const EdgeForce& f = edges[e];
+        const int a = static_cast<int>(edge_node[e]) - begin;
+        const Vec3 towards_tip = (rod.pos(a) - rod.pos(a + 1)).normalized();
+        for (int k = 0; k < 3; ++k) sum += (f.force_a[k] + f.force_b[k]) * towards_tip[k];
+    }
+    return sum;
 }
 
 }  // namespace seldinger

@@ -17,6 +17,7 @@ namespace seldinger {
 struct ContactTotals {
     int contacts = 0;
     double depth = 0;    // deepest overlap [m], >= 0
+    int deepest = -1;    // tip-side node of the edge where it is; -1: none, or not on the wall
     double outside = 0;  // farthest axis point beyond the wall [m], >= 0
     double normal = 0, friction = 0, sliding = 0, rolling = 0, length = 0;
     ContactWork work;
@@ -37,6 +38,8 @@ struct EdgeSums {
     /// @param begin  first node of the wire in the concatenated arrays; see ForceTerm::add
     void add(int wire, int begin, std::span<double> gradient, BandRows* jacobian, bool symmetric) const;
     void add_nodal_forces(int wire, int begin, std::span<Vec3> forces) const;
+    /// The forces' work on material that slides by a unit along the edges that it lies on, towards the tip [N].
+    [[nodiscard]] double along(int wire, int begin, const RodView& rod) const;
     /// @param radius  of the wire [m]
     [[nodiscard]] ContactTotals totals(int wire, double radius) const;
 };

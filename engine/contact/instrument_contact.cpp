@@ -259,13 +259,24 @@ void InstrumentContact::launch(device::Queue queue)
     context_.enter(queue);
     nodes_.upload(context_, queue);
     context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
-    if (forces_buffer_.bytes() < picked_.size() * sizeof(InstrumentForce))
-        forces_buffer_ = device::Buffer(context_, 2 * picked_.size() * sizeof(InstrumentForce));
+    provide_records(picked_.size());
     params_.item_count = static_cast<uint>(picked_.size());
     evaluate_.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
-                     nodes_t0_, states_t0_, states_, forces_buffer_);
-    forces_.resize(std::max(forces_.size(), picked_.size()));
+                     nodes_t0_, states_t0_, states_, forces_buffer_, points_buffer_);
     context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
+    context_.read(queue, points_buffer_, points_.data(), picked_.size() * SEL_INSTRUMENT_POINTS * sizeof(InstrumentPoint));
+}
+
+/// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.
+void InstrumentContact::provide_records(std::size_t slots)
+{
+    if (forces_.size() >= slots) return;
+    forces_buffer_ = {};
+    points_buffer_ = {};
+    forces_.resize(2 * slots);
+    points_.resize(2 * slots * SEL_INSTRUMENT_POINTS);
+    forces_buffer_ = device::Buffer(context_, forces_.data(), forces_.size() * sizeof(InstrumentForce));
+    points_buffer_ = device::Buffer(context_, points_.data(), points_.size() * sizeof(InstrumentPoint));
 }
 
 void InstrumentContact::take_records()
@@ -274,7 +285,7 @@ void InstrumentContact::take_records()
     for_each_item(static_cast<int>(sums_.size()), 1, [&](int s) {
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) {
             const InstrumentPair& pair = cells_.pairs[forces_[k].pair];
-            sums_[s].take(forces_[k], static_cast<int>(pair.a), static_cast<int>(pair.b), moves);
+            sums_[s].take(forces_[k], points_.data() + k * SEL_INSTRUMENT_POINTS, static_cast<int>(pair.a), static_cast<int>(pair.b), moves);
         }
     });
 }

@@ -85,6 +85,7 @@ private:
     void list_found();
     void pick(std::span<const std::uint8_t> active);
     void launch(device::Queue queue);
+    void provide_records(std::size_t slots);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
 
@@ -96,14 +97,15 @@ private:
     device::Kernel find_, evaluate_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
-    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_;
+    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_;
     InstrumentParams params_{};
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
     std::vector<std::uint32_t> found_, picked_;      // slots that something is near in; of the systems evaluated
     std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
-    std::vector<InstrumentForce> forces_;            // [picked]
+    std::vector<InstrumentForce> forces_;            // [picked], at least
+    std::vector<InstrumentPoint> points_;            // [picked][SEL_INSTRUMENT_POINTS], at least
     StageTimes times_;
 };
 

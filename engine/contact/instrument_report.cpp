@@ -1,7 +1,9 @@
 // What contact between instruments keeps from step to step: saved, restored, shown.
 
+#include "contact/contact_patch.h"
 #include "contact/instrument_contact.h"
 
+#include "contact/point_states.h"
 #include "core/bytes.h"
 
 #include <algorithm>
@@ -58,6 +60,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
     std::uint32_t count = 0;
     take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
     take_bytes(bytes, end, &count, 1);
+    if (count > size) throw Error(ExitCode::BadFile, "the saved state has more contacts than this scene can have");
     for (std::uint32_t k = 0; k < count; ++k) {
         std::uint32_t place = 0;
         take_bytes(bytes, end, &place, 1);
@@ -65,6 +68,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
         take_bytes(bytes, end, &states[place], 1);
         if (states[place].pair >= cells_.rods[wire].pairs)
             throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
+        check_contact_states({&states[place].contact, 1}, ~std::size_t{0});  // an edge of the other one, only to be told
         states[place].pair += cells_.rods[wire].pair;
     }
     context_.enter(device::Queue::Inline);
@@ -72,6 +76,16 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
                    first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);
 }
+
+namespace {
+
+const InstrumentSurface& surface_at(const InstrumentCells& cells, int wire, double along)
+{
+    const int first = cells.of_wire[wire], last = cells.of_wire[wire + 1] - 1;
+    return cells.surfaces[std::clamp(first + static_cast<int>(along / cells.rods[wire].spacing), first, last)];
+}
+
+}  // namespace
 
 std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
 {
@@ -92,6 +106,12 @@ std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
             row.friction = {contact.friction[0], contact.friction[1], contact.friction[2]};
             row.stuck = contact.flags & SEL_CONTACT_STUCK;
             row.length = state.length;
+            row.along_a = state.along_a;
+            row.along_b = state.along_b;
+            const bool inside = state.touch == SEL_TOUCH_INSIDE;
+            const InstrumentSurface &a = surface_at(cells_, w, row.along_a), &b = surface_at(cells_, row.b.body, row.along_b);
+            row.area = overlap_width(-row.gap, a.radius, inside ? b.lumen : b.radius, inside) * row.length;
+            row.pressure = row.area > 0 ? row.normal_force / row.area : 0;
             list.push_back(row);
         }
     }

@@ -86,13 +86,14 @@ InstrumentSums::Block& InstrumentSums::block(int wire_a, int wire_b, int node_a,
     return b;
 }
 
-void InstrumentSums::take(const InstrumentForce& force, int wire_a, int wire_b, const InstrumentMoves& moves)
+void InstrumentSums::take(const InstrumentForce& force, const InstrumentPoint* points, int wire_a, int wire_b,
+                          const InstrumentMoves& moves)
 {
     if (force.flags & SEL_FORCE_BLOCKED) blocked_ = true;
     if (force.count == 0) return;
     std::array<double, 2> pushing{}, rubbing{};
     for (std::uint32_t k = 0; k < force.count; ++k) {
-        const InstrumentPoint& point = force.points[k];
+        const InstrumentPoint& point = points[k];
         Block& at = block(wire_a, wire_b, static_cast<int>(point.node_a), static_cast<int>(point.node_b));
         Vector pushed{};
         take_point(point, at, pushed);

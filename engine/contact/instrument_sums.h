@@ -33,7 +33,8 @@ public:
     InstrumentSums(const RodArrays& rods, int first_wire, int wires);
 
     void clear();
-    void take(const InstrumentForce& force, int wire_a, int wire_b, const InstrumentMoves& moves);
+    /// @param points  of the slot, [force.count]
+    void take(const InstrumentForce& force, const InstrumentPoint* points, int wire_a, int wire_b, const InstrumentMoves& moves);
 
     [[nodiscard]] bool blocked() const { return blocked_; }
     [[nodiscard]] bool sliding() const { return sliding_; }

@@ -2,6 +2,7 @@
 
 #include "contact/layer.h"
 
+#include "contact/point_states.h"
 #include "contact/programs.h"
 #include "contact/wall_law.h"
 #include "core/bytes.h"
@@ -242,6 +243,19 @@ void LayerContact::merge_records(std::span<const std::uint8_t> active)
     context_.finish(light);
 }
 
+namespace {
+
+/// Where on the wire a point of the wall is nearest to an edge [m].
+double along_edge(const RodView& rod, int edge, const Vec3& point)
+{
+    if (edge > rod.n - 2) return rod.material_s[rod.n - 1];  // nodes may have changed since
+    const Vec3 from = rod.pos(edge), to = rod.pos(edge + 1);
+    const double share = std::clamp((point - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
+    return (1 - share) * rod.material_s[edge] + share * rod.material_s[edge + 1];
+}
+
+}  // namespace
+
 std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
 {
     std::vector<ContactState> states(last_keys_.size());
@@ -262,6 +276,7 @@ std::vector<ContactRow> LayerContact::rows(RodArrays& rods)
         row.friction = {state.friction[0], state.friction[1], state.friction[2]};
         row.rolling_moment = state.moment;
         row.stuck = state.flags & SEL_CONTACT_STUCK;
+        row.along_a = along_edge(rods.view(wire), row.a.element, row.point);
         rows.push_back(row);
     }
     std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& x, const ContactRow& y) {
@@ -310,18 +325,42 @@ void LayerContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     put_bytes(bytes, &epochs_[wire], 1);
 }
 
+namespace {
+
+void need_room(std::uint64_t count, const std::uint8_t* bytes, const std::uint8_t* end)
+{
+    if (count > static_cast<std::size_t>(end - bytes) / sizeof(ContactState))
+        throw Error(ExitCode::BadFile,
+                    "the saved state is shorter than this scene's; it was written by another scene or version");
+}
+
+}  // namespace
+
+void LayerContact::check_keys(std::span<const Key> keys, int first_wire, int end_wire) const
+{
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        const Key& key = keys[k];
+        const bool known = key.wire >= static_cast<std::uint32_t>(first_wire) && key.wire < static_cast<std::uint32_t>(end_wire);
+        const auto wire = known ? static_cast<int>(key.wire) : 0;
+        const auto begin = static_cast<std::uint32_t>(rods_.node_begin(wire));
+        if (!known || (k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
+            key.edge - begin >= static_cast<std::uint32_t>(rods_.capacity(wire)) || key.triangle >= wall_.original.size())
+            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene has not");
+    }
+}
+
 void LayerContact::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
 {
     std::uint64_t count = 0;
     take_bytes(bytes, end, &count, 1);
-    if (count * sizeof(ContactState) > static_cast<std::size_t>(end - bytes))
-        throw Error(ExitCode::BadFile,
-                    "the saved state is shorter than this scene's; it was written by another scene or version");
+    need_room(count, bytes, end);
     last_keys_.resize(count);
     std::vector<ContactState> states(count);
     take_bytes(bytes, end, last_keys_.data(), count);
     take_bytes(bytes, end, states.data(), count);
     take_bytes(bytes, end, epochs_.data(), epochs_.size());
+    check_keys(last_keys_, 0, rods_.wire_count());
+    check_contact_states(states, wall_.original.size());
     states_t0_ = device::Buffer(context_, std::max<std::size_t>(count, 1) * sizeof(ContactState));
     context_.write(light, states_t0_, states.data(), count * sizeof(ContactState));
     context_.finish(light);
@@ -331,9 +370,7 @@ void LayerContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* 
 {
     std::uint64_t count = 0;
     take_bytes(bytes, end, &count, 1);
-    if (count * sizeof(ContactState) > static_cast<std::size_t>(end - bytes))
-        throw Error(ExitCode::BadFile,
-                    "the saved state is shorter than this scene's; it was written by another scene or version");
+    need_room(count, bytes, end);
     std::vector<Key> keys(count);
     std::vector<ContactState> own(count), states(last_keys_.size());
     take_bytes(bytes, end, keys.data(), count);
@@ -341,6 +378,8 @@ void LayerContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* 
     take_bytes(bytes, end, &epochs_[wire], 1);
     for (Key& key : keys)
         key = {static_cast<std::uint32_t>(wire), key.edge + static_cast<std::uint32_t>(rods_.node_begin(wire)), key.triangle};
+    check_keys(keys, wire, wire + 1);
+    check_contact_states(own, wall_.original.size());
     context_.enter(light);
     context_.read(light, states_t0_, states.data(), states.size() * sizeof(ContactState));
     const auto first = std::lower_bound(last_keys_.begin(), last_keys_.end(), Key{static_cast<std::uint32_t>(wire), 0, 0});

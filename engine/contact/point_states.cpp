@@ -4,9 +4,13 @@
 
 #include "contact/device_records.h"
 #include "core/bytes.h"
+#include "core/error.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 namespace seldinger {
 
@@ -85,21 +89,35 @@ void PointStates::save_wire(std::vector<std::uint8_t>& bytes, int wire)
     put_bytes(bytes, &quadrature_.wires[wire].epoch, 1);
 }
 
-void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+void check_contact_states(std::span<const ContactState> states, std::size_t triangles)
+{
+    constexpr double most = 1e18;  // in any unit
+    static_assert(offsetof(ContactState, triangle) == 18 * sizeof(real) && std::is_same_v<real, double>);
+    for (const ContactState& state : states) {
+        const double* numbers = state.slip;  // the first of them
+        const bool sound = std::all_of(numbers, numbers + 18, [](double x) { return std::abs(x) <= most; });
+        if (!sound || state.triangle >= triangles)
+            throw Error(ExitCode::BadFile, "the saved state is damaged: a contact is out of bounds");
+    }
+}
+
+void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end, std::size_t triangles)
 {
     std::vector<ContactState> states(2 * quadrature_.models.size());
     take_bytes(bytes, end, states.data(), states.size());
+    check_contact_states(states, triangles);
     for (WireQuadrature& wire : quadrature_.wires) take_bytes(bytes, end, &wire.epoch, 1);
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_);
     context_.finish(device::Queue::Inline);
 }
 
-void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles)
 {
     WireQuadrature& own = quadrature_.wires[wire];
     std::vector<ContactState> states(2 * static_cast<std::size_t>(own.capacity));
     take_bytes(bytes, end, states.data(), states.size());
+    check_contact_states(states, triangles);
     take_bytes(bytes, end, &own.epoch, 1);
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));

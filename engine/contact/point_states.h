@@ -10,6 +10,9 @@
 
 namespace seldinger {
 
+/// Of a saved state: finite numbers, triangles that there are. @throws Error BadFile
+void check_contact_states(std::span<const ContactState> states, std::size_t triangles);
+
 class PointStates {
 public:
     /// The quadrature must outlive this.
@@ -25,8 +28,9 @@ public:
     [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
-    void restore(const std::uint8_t*& bytes, const std::uint8_t* end);
-    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire);
+    /// @param triangles  of the wall. @throws Error BadFile: the bytes hold what is none of its contacts
+    void restore(const std::uint8_t*& bytes, const std::uint8_t* end, std::size_t triangles);
+    void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire, std::size_t triangles);
 
     [[nodiscard]] const device::Buffer& models() const { return models_; }        // [points]
     [[nodiscard]] const device::Buffer& places() const { return places_; }        // [points]

@@ -301,7 +301,8 @@ void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end
         WallFoot& foot = system.stations.foot(i);
         take_bytes(bytes, end, &foot, 1);
         if (foot.triangle >= wall_.surface().topology().triangle_count() ||
-            !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9))
+            !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9) ||
+            !std::all_of(std::begin(foot.node), std::end(foot.node), [](double x) { return std::isfinite(x); }))
             throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
     }
 }

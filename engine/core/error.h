@@ -22,7 +22,8 @@ enum class ExitCode : int {
 /// loading and for what a caller asks; never for numerical trouble in a step.
 class Error : public std::runtime_error {
 public:
-    Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    /// @param message  may quote files and names: what a terminal would obey becomes '?' (core/printable.h)
+    Error(ExitCode code, const std::string& message);
     [[nodiscard]] ExitCode code() const { return code_; }
 
 private:

@@ -37,14 +37,26 @@ int write_all(int fd, std::string_view bytes)
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path)
+std::string read_file(const std::filesystem::path& path, std::uint64_t most)
 {
     auto fail = [&](int error) {
         throw Error(ExitCode::BadFile,
                     fmt::format("{}: cannot be read: {}; check the path", path.string(), std::strerror(error)));
     };
-    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    // without waiting: opening a pipe that no one writes to would never return
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0) fail(errno);
+    struct stat status {};
+    if (::fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {
+        ::close(fd);
+        if (S_ISDIR(status.st_mode)) fail(EISDIR);
+        throw Error(ExitCode::BadFile, path.string() + ": is a pipe or a device, which may have no end; give a file");
+    }
+    if (static_cast<std::uint64_t>(status.st_size) > most) {
+        ::close(fd);
+        throw Error(ExitCode::BadFile, fmt::format("{}: has {} bytes, at most {} are read here; is it the right file?",
+                                                   path.string(), status.st_size, most));
+    }
     std::string content;
     char block[1 << 16];
     for (;;) {
@@ -65,7 +77,7 @@ std::string read_file(const std::filesystem::path& path)
 void write_file(const std::filesystem::path& path, std::string_view content, Durable durable)
 {
     const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (fd < 0) fail_writing(path, errno);
     int error = write_all(fd, content);
     if (error == 0 && durable == Durable::Yes && ::fsync(fd) != 0) error = errno;
@@ -87,9 +99,14 @@ void make_folder(const std::filesystem::path& path)
 
 AppendFile::AppendFile(const std::filesystem::path& path, std::uint64_t keep) : path_(path), size_(keep)
 {
-    fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-    if (fd_ < 0) fail_writing(path, errno);
+    // not through a link, which may lead out of the folder, nor into a pipe that nobody reads
+    fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (fd_ < 0 && errno != ELOOP && errno != ENXIO) fail_writing(path, errno);
     struct stat status {};
+    if (fd_ < 0 || (::fstat(fd_, &status) == 0 && !S_ISREG(status.st_mode))) {
+        if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+        throw Error(ExitCode::BadFile, path.string() + ": is a link or no plain file; remove it, or choose another folder with -o");
+    }
     const bool known = ::fstat(fd_, &status) == 0;
     const bool too_short = known && static_cast<std::uint64_t>(status.st_size) < keep;
     if (!known || too_short || ::ftruncate(fd_, static_cast<off_t>(keep)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {

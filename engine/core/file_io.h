@@ -12,8 +12,9 @@ namespace seldinger {
 
 enum class Durable { No, Yes };  // Yes: survives a power cut too (fsync), for checkpoints
 
-/// The whole file as bytes. @throws Error BadFile when it is missing, a folder or unreadable
-[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+/// The whole file as bytes. @throws Error BadFile when it is missing, unreadable, no plain file (a folder; a pipe or a device, which
+/// may give nothing or have no end), or has more than `most` bytes
+[[nodiscard]] std::string read_file(const std::filesystem::path& path, std::uint64_t most = ~std::uint64_t{0});
 
 /// Replaces `path` in one go. @throws Error BadFile; the old file, if any, is then untouched
 void write_file(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::No);

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "device/device_info.h"
+#include "device/kernel_cache.h"
 
 #include <fmt/format.h>
 
@@ -24,6 +25,12 @@ std::vector<cl_device_id> all_devices()
     if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;
     std::vector<cl_platform_id> platforms(platform_count);
     clGetPlatformIDs(platform_count, platforms.data(), nullptr);
+    static std::once_flag prepared;
+    for (cl_platform_id platform : platforms) {
+        char name[64] = {};
+        clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, nullptr);
+        if (std::strncmp(name, "Portable Computing Language", 27) == 0) std::call_once(prepared, prepare_kernel_cache);
+    }
     for (cl_platform_id platform : platforms) {
         cl_uint count = 0;
         if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;

@@ -2,10 +2,13 @@
 #include "device/shared_context.h"
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "device/enumerate.h"
+#include "device/kernel_cache.h"
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstring>
 
@@ -40,6 +43,15 @@ private:
     int saved_;
 };
 
+std::atomic<int> builds = 0;
+
+struct Building {
+    Building() { ++builds; }
+    ~Building() { --builds; }
+    Building(const Building&) = delete;
+    Building& operator=(const Building&) = delete;
+};
+
 /// The compiler's first error.
 std::string first_error(cl_program program, cl_device_id device)
 {
@@ -54,6 +66,8 @@ std::string first_error(cl_program program, cl_device_id device)
 }
 
 }  // namespace
+
+int building() { return builds; }
 
 SharedContext& SharedContext::of(const std::vector<cl_device_id>& devices)
 {
@@ -93,13 +107,15 @@ cl_program SharedContext::build(const std::string& file, const std::string& text
     check(status, "clCreateProgramWithSource");
     {
         const QuietStderr quiet;
+        const Building building;
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);
     }
     if (status == CL_SUCCESS) return built;
     const std::string error = first_error(built, devices_.front());
     clReleaseProgram(built);
-    throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({})", file,
-                                                device_text(devices_.front(), CL_DEVICE_NAME), error, error_name(status)));
+    throw Error(ExitCode::NoDevice, fmt::format("kernels/{} does not build on device \"{}\": {} ({}); {}", file,
+                                                device_text(devices_.front(), CL_DEVICE_NAME), printable(error), error_name(status),
+                                                kernel_cache_advice()));
 }
 
 }  // namespace seldinger::device

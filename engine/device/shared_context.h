@@ -13,6 +13,9 @@
 
 namespace seldinger::device {
 
+/// How many threads are inside the compiler just now: seconds in which they hear of nothing else.
+[[nodiscard]] int building();
+
 /// Lives as long as the process: what OpenCL has open when a process ends it closes itself, in an order that nobody knows.
 class SharedContext {
 public:

@@ -1,4 +1,4 @@
-// Starts ffmpeg, feeds it 8-bit grey and renames what it wrote.
+// Starts ffmpeg, feeds it pixels and renames what it wrote.
 #include "io/film_write.h"
 
 #include "core/error.h"
@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,23 +20,95 @@ extern char** environ;
 namespace seldinger {
 namespace {
 
-/// ffmpeg's command line: grey in, pictures of odd size padded by a pixel.
-std::vector<std::string> command_line(const std::filesystem::path& file, int width, int height, double rate,
-                                      const char* container)
+/// The end of ffmpeg's command line: pictures of odd size are padded by a pixel.
+std::vector<std::string> output_words(const std::filesystem::path& file, const char* container)
 {
-    return {"ffmpeg",     "-y",
-            "-loglevel",  "error",
-            "-f",         "rawvideo",
-            "-pix_fmt",   "gray",
-            "-s",         fmt::format("{}x{}", width, height),
-            "-r",         fmt::format("{:.6g}", rate),
-            "-i",         "-",
-            "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+    return {"-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
             "-c:v",       "libx264",
-            "-crf",       "16",
+            "-preset",    "veryfast",
+            "-crf",       "18",
             "-pix_fmt",   "yuv420p",
             "-f",         container,
             file.string()};
+}
+
+/// ffmpeg's command line: pixels in.
+std::vector<std::string> command_line(const std::filesystem::path& file, int width, int height, double rate, FilmPixels pixels,
+                                      const char* container)
+{
+    std::vector<std::string> words = {"ffmpeg",    "-y",
+                                      "-loglevel", "error",
+                                      "-f",        "rawvideo",
+                                      "-pix_fmt",  pixels == FilmPixels::Rgb ? "rgb24" : "gray",
+                                      "-s",        fmt::format("{}x{}", width, height),
+                                      "-r",        fmt::format("{:.6g}", rate),
+                                      "-i",        "-"};
+    for (std::string& word : output_words(file, container)) words.push_back(std::move(word));
+    return words;
+}
+
+/// A file in memory for what ffmpeg says: version 5.1 ends with 0 although it could not write the end of a film, and only says
+/// so.
+int memory_file() { return memfd_create("ffmpeg", MFD_CLOEXEC); }
+
+/// @return the first line, or empty; closes the file
+std::string first_line(int& said)
+{
+    char text[300] = {};
+    if (said >= 0 && pread(said, text, sizeof text - 1, 0) < 0) text[0] = 0;
+    if (said >= 0) close(said);
+    said = -1;
+    const std::string all = text;
+    return all.substr(0, all.find('\n'));
+}
+
+/// @param input  its standard input, or -1: nothing. @param said  its standard error. @throws Error BadFile: there is no ffmpeg
+pid_t start(const std::filesystem::path& film, std::vector<std::string> words, int input, int said)
+{
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    else posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (said >= 0) posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
+    posix_spawnattr_t how;  // signals that this process keeps off its threads it hears as usual
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_init(&how);
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setsigmask(&how, &none);
+    pid_t process = -1;
+    const int problem = posix_spawnp(&process, "ffmpeg", &actions, &how, arguments.data(), environ);
+    posix_spawnattr_destroy(&how);
+    posix_spawn_file_actions_destroy(&actions);
+    if (problem != 0)
+        throw Error(ExitCode::BadFile,
+                    film.string() + ": a film needs ffmpeg, which is not installed (Debian: apt-get install ffmpeg)");
+    return process;
+}
+
+/// @return its exit status
+int wait_for(pid_t process)
+{
+    int status = -1;
+    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+}
+
+void put_in_place(const std::filesystem::path& partial, const std::filesystem::path& film)
+{
+    std::error_code problem;
+    std::filesystem::rename(partial, film, problem);
+    if (problem) throw Error(ExitCode::BadFile, film.string() + ": cannot be written; is the folder read-only?");
+}
+
+std::string unfinished(const std::string& said)
+{
+    return fmt::format("ffmpeg could not finish the film{}; is the disk full, or is it without libx264?",
+                       said.empty() ? "" : " (" + said + ")");
 }
 
 const char* container_of(const std::filesystem::path& path)
@@ -49,7 +122,8 @@ const char* container_of(const std::filesystem::path& path)
 
 }  // namespace
 
-FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height, double rate) : path_(path), partial_(path)
+FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height, double rate, FilmPixels pixels)
+    : path_(path), partial_(path)
 {
     const char* container = container_of(path);
     if (std::filesystem::is_directory(path))
@@ -57,28 +131,21 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height,
     partial_ += ".part";
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": no pipe to ffmpeg could be opened");
-    std::vector<std::string> words = command_line(partial_, width, height, rate, container);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    const int problem = posix_spawnp(&encoder_, "ffmpeg", &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[0]);
     pipe_ = ends[1];
-    if (problem != 0) {
-        encoder_ = -1;
+    try {
+        encoder_ = start(path, command_line(partial_, width, height, rate, pixels, container), ends[0], said_ = memory_file());
+    } catch (...) {
+        close(ends[0]);
         close(pipe_);
-        pipe_ = -1;
-        throw Error(ExitCode::BadFile,
-                    path.string() + ": a film needs ffmpeg, which is not installed (Debian: apt-get install ffmpeg)");
+        if (said_ >= 0) close(said_);
+        throw;
     }
+    close(ends[0]);
 }
 
 FilmWriter::~FilmWriter()
 {
+    (void)first_line(said_);
     if (encoder_ < 0) return;
     wait_for_end();
     std::error_code ignored;
@@ -90,9 +157,7 @@ int FilmWriter::wait_for_end()
     if (pipe_ >= 0) close(pipe_);
     pipe_ = -1;
     int status = -1;
-    if (encoder_ >= 0)
-        while (waitpid(encoder_, &status, 0) < 0 && errno == EINTR) {
-        }
+    if (encoder_ >= 0) status = wait_for(encoder_);
     encoder_ = -1;
     return status;
 }
@@ -109,11 +174,18 @@ void FilmWriter::add(const std::vector<std::uint16_t>& grey)
 {
     std::vector<std::uint8_t> bytes(grey.size());
     for (std::size_t i = 0; i < grey.size(); ++i) bytes[i] = static_cast<std::uint8_t>(grey[i] >> 4);
+    put(bytes.data(), bytes.size());
+}
+
+void FilmWriter::add(const std::vector<std::uint8_t>& rgb) { put(rgb.data(), rgb.size()); }
+
+void FilmWriter::put(const std::uint8_t* bytes, std::size_t size)
+{
     // an encoder that has gone is said here, not by a signal
     const auto before = std::signal(SIGPIPE, SIG_IGN);
     bool gone = false;
-    for (std::size_t done = 0; done < bytes.size() && !gone;) {
-        const ssize_t wrote = write(pipe_, bytes.data() + done, bytes.size() - done);
+    for (std::size_t done = 0; done < size && !gone;) {
+        const ssize_t wrote = write(pipe_, bytes + done, size - done);
         if (wrote > 0) done += static_cast<std::size_t>(wrote);
         else gone = errno != EINTR;
     }
@@ -123,10 +195,42 @@ void FilmWriter::add(const std::vector<std::uint16_t>& grey)
 
 void FilmWriter::finish()
 {
-    if (wait_for_end() != 0) fail("ffmpeg could not finish the film; is the disk full, or is it without libx264?");
-    std::error_code problem;
-    std::filesystem::rename(partial_, path_, problem);
-    if (problem) fail("cannot be written; is the folder read-only?");
+    const int status = wait_for_end();
+    const std::string said = first_line(said_);
+    if (status != 0 || !said.empty()) fail(unfinished(said));
+    put_in_place(partial_, path_);
+}
+
+void write_film_of(const std::filesystem::path& pattern, std::size_t first, std::size_t count, double rate,
+                   const std::filesystem::path& path)
+{
+    const char* container = container_of(path);
+    if (std::filesystem::is_directory(path))
+        throw Error(ExitCode::BadFile, path.string() + ": is a folder, expected the name of a film");
+    std::filesystem::path partial = path;
+    partial += ".part";
+    std::vector<std::string> words = {"ffmpeg",
+                                      "-y",
+                                      "-loglevel",
+                                      "error",
+                                      "-start_number",
+                                      std::to_string(first),
+                                      "-framerate",
+                                      fmt::format("{:.6g}", rate),
+                                      "-i",
+                                      pattern.string(),
+                                      "-frames:v",
+                                      std::to_string(count)};
+    for (std::string& word : output_words(partial, container)) words.push_back(std::move(word));
+    int errors = memory_file();
+    const int status = wait_for(start(path, std::move(words), -1, errors));
+    const std::string said = first_line(errors);
+    if (status != 0 || !said.empty()) {
+        std::error_code ignored;
+        std::filesystem::remove(partial, ignored);
+        throw Error(ExitCode::BadFile, path.string() + ": " + unfinished(said));
+    }
+    put_in_place(partial, path);
 }
 
 }  // namespace seldinger

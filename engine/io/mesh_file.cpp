@@ -7,6 +7,8 @@
 #include "io/ply_read.h"
 #include "io/stl_obj_read.h"
 #include "io/vtk_legacy.h"
+#include "vessel/mesh_limits.h"
+#include "vessel/work_budget.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -28,8 +30,9 @@ std::string lower_extension(const std::filesystem::path& path)
     return text;
 }
 
-/// Cuts a polygon by ears, in order of appearance; fewer than three corners give nothing.
-void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> polygon, WallMesh& mesh)
+/// Cuts a polygon by ears, in order of appearance; fewer than three corners give nothing. Quadratic in the corners of a convex
+/// polygon, cubic in those of one that cuts itself.
+void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> polygon, WallMesh& mesh, WorkBudget& work)
 {
     auto at = [&](std::size_t i) -> const Vec3& { return vertices[static_cast<std::size_t>(polygon[i % polygon.size()])]; };
     Vec3 normal = Vec3::Zero();
@@ -39,14 +42,17 @@ void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> po
         std::size_t ear = 0;  // a polygon without a clean ear (it cuts itself) loses its first corner
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3 &a = at(i + n - 1), &b = at(i), &c = at(i + 1);
+            work.spend(1);
             if ((b - a).cross(c - b).dot(normal) <= 0) continue;
             bool empty = true;
-            for (std::size_t k = 0; k < n && empty; ++k) {
+            std::size_t k = 0;
+            for (; k < n && empty; ++k) {
                 if (k == i || k == (i + 1) % n || k == (i + n - 1) % n) continue;
                 const Vec3& p = at(k);
                 empty = (b - a).cross(p - a).dot(normal) < 0 || (c - b).cross(p - b).dot(normal) < 0 ||
                         (a - c).cross(p - c).dot(normal) < 0;
             }
+            work.spend(static_cast<double>(k));
             if (empty) {
                 ear = i;
                 break;
@@ -58,9 +64,42 @@ void triangulate(const std::vector<Vec3>& vertices, std::vector<std::int32_t> po
     if (polygon.size() == 3) mesh.triangles.push_back({polygon[0], polygon[1], polygon[2]});
 }
 
+/// Triangles that all cells together give.
+std::uint64_t triangles_of(const PolyData& data)
+{
+    std::uint64_t triangles = 0;
+    for (const PolyCells* cells : {&data.polys, &data.strips}) {
+        std::int64_t begin = 0;
+        for (const std::int64_t end : cells->offsets) {
+            triangles += static_cast<std::uint64_t>(std::max<std::int64_t>(end - begin - 2, 0));
+            begin = end;
+        }
+    }
+    return triangles;
+}
+
+/// Before anything is made room for. A file's triangle takes four bytes where nothing packs it, and three in strips packed by
+/// VTK's own writer at its best (a regular tube).
+void check_size(const PolyData& data, std::uint64_t file_bytes, const std::filesystem::path& path)
+{
+    const std::uint64_t triangles = triangles_of(data);
+    if (triangles > file_bytes / 2 + 1000)
+        bad_file(path, fmt::format("{} triangles in {} bytes are more than any writer gets into them: damaged, or made to fill "
+                                   "the memory; write the mesh anew",
+                                   triangles, file_bytes));
+    constexpr std::uint64_t most = 1u << 29;  // half-edges, three a triangle, are counted in 32 bits
+    if (triangles > most || data.points.size() > most)
+        bad_file(path,
+                 fmt::format("{} triangles and {} vertices; at most {} of each are read", triangles, data.points.size(), most));
+}
+
 WallMesh from_polydata(const PolyData& data)
 {
     WallMesh mesh;
+    mesh.vertices.reserve(data.points.size());
+    mesh.triangles.reserve(triangles_of(data));
+    // a convex polygon of 10,000 corners takes half of this; three and four corners take one step each
+    WorkBudget work("cutting its polygons into triangles", 1e8 + 10.0 * static_cast<double>(data.polys.connectivity.size()));
     for (const auto& p : data.points) mesh.vertices.emplace_back(p[0], p[1], p[2]);
     std::vector<std::int32_t> corners;
     std::int64_t begin = 0;
@@ -71,7 +110,7 @@ WallMesh from_polydata(const PolyData& data)
     };
     for (const std::int64_t end : data.polys.offsets) {
         next_cell(data.polys, end);
-        triangulate(mesh.vertices, corners, mesh);
+        triangulate(mesh.vertices, corners, mesh, work);
     }
     begin = 0;
     for (const std::int64_t end : data.strips.offsets) {
@@ -96,6 +135,34 @@ double float32_rounding(const std::vector<Vec3>& vertices)
     return largest > 0 ? 0.5 * std::exp2(std::ilogb(largest) - 23) : 0;
 }
 
+PolyData cells_of(const std::string& bytes, const std::filesystem::path& path)
+{
+    const std::string extension = lower_extension(path), name = path.string();
+    if (extension == ".vtp") return parse_poly_data(bytes, name, PolyParts::Geometry);
+    if (extension == ".vtk") return parse_legacy_vtk(bytes, name);
+    if (extension == ".stl") return parse_stl(bytes, name);
+    if (extension == ".obj") return parse_obj(bytes, name);
+    return parse_ply(bytes, name);
+}
+
+void require_known(const std::filesystem::path& path)
+{
+    const std::string extension = lower_extension(path);
+    for (const char* known : {".stl", ".obj", ".ply", ".vtp", ".vtk"})
+        if (extension == known) return;
+    bad_file(path, fmt::format("unknown mesh format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected", extension));
+}
+
+void require_usable(const WallMesh& mesh, const std::filesystem::path& path, const std::string& units)
+{
+    const std::int64_t v = first_unusable_vertex(mesh);
+    if (v < 0) return;
+    const Vec3 at = mesh.vertices[static_cast<std::size_t>(v)] / metres_per_unit(units);
+    bad_file(path, fmt::format("vertex {} (counted from 1) lies at [{:.6g}, {:.6g}, {:.6g}] {}; numbers within {:.0f} m are "
+                               "expected: mend the file, or check its units",
+                               v + 1, at.x(), at.y(), at.z(), units, kMostCoordinate));
+}
+
 }  // namespace
 
 double metres_per_unit(const std::string& units)
@@ -110,21 +177,29 @@ double metres_per_unit(const std::string& units)
 
 WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read, double* rounding)
 {
+    (void)metres_per_unit(units);
+    require_known(path);
+    return parse_mesh(read_file(path), path, units, triangles_read, rounding);
+}
+
+WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, long* triangles_read,
+                    double* rounding)
+{
     const double scale = metres_per_unit(units);
-    const std::string extension = lower_extension(path);
-    if (std::error_code ignored;
-        std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) == 0)
-        bad_file(path, "the file is empty");
+    require_known(path);
+    if (bytes.empty()) bad_file(path, "the file is empty");
+    const PolyData data = cells_of(bytes, path);
+    check_size(data, bytes.size(), path);
     WallMesh mesh;
-    if (extension == ".vtp") mesh = from_polydata(read_poly_data(path));
-    else if (extension == ".vtk") mesh = from_polydata(read_legacy_vtk(path));
-    else if (extension == ".stl") mesh = from_polydata(parse_stl(read_file(path), path.string()));
-    else if (extension == ".obj") mesh = from_polydata(parse_obj(read_file(path), path.string()));
-    else if (extension == ".ply") mesh = from_polydata(parse_ply(read_file(path), path.string()));
-    else bad_file(path, fmt::format("unknown mesh format \"{}\"; .stl, .obj, .ply, .vtp or .vtk expected", extension));
+    try {
+        mesh = from_polydata(data);
+    } catch (const Error& error) {
+        bad_file(path, error.what());
+    }
     if (mesh.triangles.empty()) bad_file(path, "holds no triangle");
     if (rounding) *rounding = scale * float32_rounding(mesh.vertices);
     for (Vec3& v : mesh.vertices) v *= scale;
+    require_usable(mesh, path, units);
     if (triangles_read) *triangles_read = static_cast<long>(mesh.triangles.size());
     return mesh;
 }

@@ -16,9 +16,14 @@ namespace seldinger {
 /// @param triangles_read  out, may be null: triangles before any repair
 /// @param rounding        out, may be null: half of the last bit of the largest coordinate of a file that holds no more than
 ///                        float32 [m]; 0 for one with doubles
-/// @throws Error BadFile: missing, unreadable, empty, truncated, counts that do not fit, unknown extension
+/// @throws Error BadFile: missing, unreadable, empty, truncated, counts that do not fit, unknown extension, a vertex that is no
+///         number or beyond ten kilometres, polygons too tangled to be cut
 [[nodiscard]] WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read = nullptr,
                                  double* rounding = nullptr);
+
+/// Same, from the bytes of a file. @param path  its name, for messages and the format
+[[nodiscard]] WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units,
+                                  long* triangles_read = nullptr, double* rounding = nullptr);
 
 /// Format by extension: .stl (binary), .obj, .ply (binary), .vtp. Written beside its place, then renamed, so that a reader
 /// never meets half a file. STL holds float32, the others doubles. @throws Error BadFile
@@ -27,6 +32,8 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
 /// Polylines of a .vtp with the point array MaximumInscribedSphereRadius, as VMTK writes them, as one tree: points of several
 /// lines that coincide become one. Roots are first points of lines that join no earlier line. @throws Error BadFile
 [[nodiscard]] Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units);
+/// Same, from the bytes of a file. @param name  of it, for messages
+[[nodiscard]] Centreline parse_centreline_vtp(const std::string& bytes, const std::string& name, const std::string& units);
 
 /// One polyline per branch, from its branching point to the next one or its end; radius as MaximumInscribedSphereRadius.
 void write_centreline_vtp(const std::filesystem::path& path, const Centreline& centreline, const std::string& units);

@@ -1,8 +1,9 @@
 // Writing meshes and centrelines, and reading centrelines.
 #include "core/error.h"
 #include "core/file_io.h"
-#include "io/vtp_read.h"
 #include "io/mesh_file.h"
+#include "io/vtp_read.h"
+#include "vessel/mesh_limits.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>
@@ -26,9 +27,9 @@ void append(std::string& bytes, const T& value)
     bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-std::string stl_bytes(const WallMesh& mesh, double scale)
+std::string stl_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
-    std::string bytes = "Seldinger vessel wall, normals into the lumen";
+    std::string bytes = "Seldinger vessel wall, normals into the lumen, in " + units;
     bytes.resize(80, ' ');
     append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -41,23 +42,23 @@ std::string stl_bytes(const WallMesh& mesh, double scale)
     return bytes;
 }
 
-std::string obj_text(const WallMesh& mesh, double scale)
+std::string obj_text(const WallMesh& mesh, double scale, const std::string& units)
 {
     fmt::memory_buffer out;
     auto it = fmt::appender(out);
-    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen\n");
+    fmt::format_to(it, "# Seldinger vessel wall, normals into the lumen, in {}\n", units);
     for (const Vec3& v : mesh.vertices) fmt::format_to(it, "v {} {} {}\n", v.x() * scale, v.y() * scale, v.z() * scale);
     for (const auto& t : mesh.triangles) fmt::format_to(it, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     return fmt::to_string(out);
 }
 
-std::string ply_bytes(const WallMesh& mesh, double scale)
+std::string ply_bytes(const WallMesh& mesh, double scale, const std::string& units)
 {
     std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen\n"
+        "ply\nformat binary_little_endian 1.0\ncomment Seldinger vessel wall, normals into the lumen, in {}\n"
         "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.vertices.size(), mesh.triangles.size());
+        units, mesh.vertices.size(), mesh.triangles.size());
     for (const Vec3& v : mesh.vertices)
         for (int d = 0; d < 3; ++d) append(bytes, v[d] * scale);
     for (const auto& t : mesh.triangles) {
@@ -114,9 +115,9 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
 {
     const double scale = 1.0 / metres_per_unit(units);
     const std::string extension = path.extension().string();
-    if (extension == ".stl") return write_file(path, stl_bytes(mesh, scale));
-    if (extension == ".obj") return write_file(path, obj_text(mesh, scale));
-    if (extension == ".ply") return write_file(path, ply_bytes(mesh, scale));
+    if (extension == ".stl") return write_file(path, stl_bytes(mesh, scale, units));
+    if (extension == ".obj") return write_file(path, obj_text(mesh, scale, units));
+    if (extension == ".ply") return write_file(path, ply_bytes(mesh, scale, units));
     if (extension != ".vtp")
         throw Error(ExitCode::BadFile,
                     fmt::format("{}: cannot write \"{}\"; .stl, .obj, .ply or .vtp expected", path.string(), extension));
@@ -130,9 +131,14 @@ void write_mesh(const std::filesystem::path& path, const WallMesh& mesh, const s
 
 Centreline read_centreline_vtp(const std::filesystem::path& path, const std::string& units)
 {
-    const double scale = metres_per_unit(units);
-    const auto fail = [&](const std::string& message) { throw Error(ExitCode::BadFile, path.string() + ": " + message); };
-    const PolyData data = read_poly_data(path);
+    return parse_centreline_vtp(read_file(path), path.string(), units);
+}
+
+Centreline parse_centreline_vtp(const std::string& bytes, const std::string& name, const std::string& units)
+{
+    const double scale = metres_per_unit(units), most = kMostCoordinate / scale;
+    const auto fail = [&](const std::string& message) { throw Error(ExitCode::BadFile, name + ": " + message); };
+    const PolyData data = parse_poly_data(bytes, name);
     const auto radius = data.point_data.find("MaximumInscribedSphereRadius");
     if (radius == data.point_data.end() || radius->second.values.size() != data.points.size())
         fail("has no point array MaximumInscribedSphereRadius with a value for each point");
@@ -147,8 +153,8 @@ Centreline read_centreline_vtp(const std::filesystem::path& path, const std::str
             const auto i = static_cast<std::size_t>(data.lines.connectivity[static_cast<std::size_t>(begin)]);
             const auto& at = data.points[i];
             const double r = radius->second.values[i];
-            if (!(r > 0) || !std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); }))
-                fail(fmt::format("point {}: a finite place and a radius above 0 are expected", i));
+            if (!(r > 0 && r <= most) || !std::all_of(at.begin(), at.end(), [&](double x) { return std::abs(x) <= most; }))
+                fail(fmt::format("point {}: a place within {:.0f} m and a radius above 0 are expected", i, kMostCoordinate));
             const auto [it, fresh] = known.try_emplace(at, static_cast<int>(result.points.size()));
             if (fresh) {
                 result.points.push_back(scale * Vec3(at[0], at[1], at[2]));

@@ -38,7 +38,8 @@ bool encode_grey(png_structp png, png_infop info, int width, int height, const p
 {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, &file, append, nullptr);
-    png_set_compression_level(png, 3);  // noise does not compress
+    png_set_compression_level(png, 1);  // noise does not compress: more takes time, not bytes
+    png_set_filter(png, 0, PNG_FILTER_SUB);
     png_set_IHDR(png, info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_color_8 bits{};
@@ -54,12 +55,13 @@ bool encode_grey(png_structp png, png_infop info, int width, int height, const p
 
 void write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& pixels)
 {
-    SEL_ASSERT(pixels.size() == 3 * static_cast<std::size_t>(width) * height);
+    const std::size_t count = static_cast<std::size_t>(width) * height;
+    SEL_ASSERT(pixels.size() == 3 * count || pixels.size() == 4 * count);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(width);
     image.height = static_cast<png_uint_32>(height);
-    image.format = PNG_FORMAT_RGB;
+    image.format = pixels.size() == 3 * count ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
     std::vector<char> bytes(size);
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr)) {

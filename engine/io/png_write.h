@@ -7,7 +7,7 @@
 
 namespace seldinger {
 
-/// 8-bit RGB, rows from the top. The file appears under its name only when it is complete.
+/// 8-bit RGB, or RGBA (straight) where there are 4 bytes a pixel; rows from the top. The file appears under its name only when it is complete.
 /// @throws Error BadFile
 void write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& pixels);
 

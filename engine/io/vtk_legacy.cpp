@@ -2,7 +2,8 @@
 #include "io/vtk_legacy.h"
 
 #include "core/error.h"
-#include "core/file_io.h"
+#include "io/safe_cast.h"
+#include "io/text_words.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 class LegacyReader {
 public:
-    explicit LegacyReader(const std::filesystem::path& path) : path_(path), file_(read_file(path)) {}
+    LegacyReader(const std::string& bytes, const std::string& name) : name_(name), file_(bytes) {}
 
     PolyData read()
     {
@@ -34,7 +35,7 @@ public:
             else if (key == "cell_data" || key == "point_data" || key == "field") break;
             else
                 fail(fmt::format("\"{}\" where a section of polydata is expected; the file may be truncated or damaged",
-                                 key.substr(0, 32)));
+                                 excerpt(key)));
         }
         if (data.points.empty()) fail("no POINTS section");
         for (const PolyCells* cells : {&data.polys, &data.strips, &data.lines, &data.verts})
@@ -45,7 +46,7 @@ public:
 private:
     [[noreturn]] void fail(const std::string& message) const
     {
-        throw Error(ExitCode::BadFile, fmt::format("{}: {}", path_.string(), message));
+        throw Error(ExitCode::BadFile, fmt::format("{}: {}", name_, message));
     }
 
     static std::string lower(std::string text)
@@ -75,9 +76,9 @@ private:
         std::size_t value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (error != std::errc{} || end != text.data() + text.size())
-            fail(fmt::format("{}: \"{}\" where a count is expected", section, text));
-        // even a one-byte value per item would not fit: the count lies, and must not size a buffer
-        if (value > file_.size()) fail(fmt::format("{} announces {} items, more than the file has bytes", section, value));
+            fail(fmt::format("{}: \"{}\" where a count is expected", section, excerpt(text)));
+        // even a digit and a blank per item would not fit: the count lies, and must not size a buffer
+        if (value > file_.size() / 2) fail(fmt::format("{} announces {} items, more than the file has bytes", section, value));
         return value;
     }
     void read_header()
@@ -85,11 +86,12 @@ private:
         if (line().rfind("# vtk DataFile", 0) != 0) fail("does not begin with \"# vtk DataFile\"");
         line();  // title
         const std::string encoding = lower(word());
-        if (encoding != "ascii" && encoding != "binary") fail(fmt::format("\"{}\" where ASCII or BINARY is expected", encoding));
+        if (encoding != "ascii" && encoding != "binary")
+            fail(fmt::format("\"{}\" where ASCII or BINARY is expected", excerpt(encoding)));
         binary_ = encoding == "binary";
         if (lower(word()) != "dataset") fail("no DATASET line");
         const std::string kind = word();
-        if (lower(kind) != "polydata") fail(fmt::format("holds DATASET {}, POLYDATA is expected", kind));
+        if (lower(kind) != "polydata") fail(fmt::format("holds DATASET {}, POLYDATA is expected", excerpt(kind)));
     }
     void skip_metadata()
     {
@@ -111,9 +113,20 @@ private:
             if constexpr (std::endian::native == std::endian::little) std::reverse(bytes, bytes + sizeof(Source));
             Source value;
             std::memcpy(&value, bytes, sizeof(Source));
-            result[i] = static_cast<Target>(value);
+            result[i] = safe_cast<Target>(value);
         }
         return result;
+    }
+    static bool parse(const std::string& text, double& value)
+    {
+        const auto read = number(text);
+        value = read.value_or(0);
+        return read.has_value();
+    }
+    static bool parse(const std::string& text, std::int64_t& value)
+    {
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        return error == std::errc{} && end == text.data() + text.size();
     }
     template <class Target>
     std::vector<Target> values(std::size_t n, const std::string& type, const char* section)
@@ -124,15 +137,13 @@ private:
             if (type == "int" || type == "vtktypeint32") return binary_values<std::int32_t, Target>(n, section);
             if (type == "vtktypeint64" || type == "long" || type == "vtkidtype")
                 return binary_values<std::int64_t, Target>(n, section);
-            fail(fmt::format("{} has type \"{}\"; float, double, int and vtktypeint64 are read", section, type));
+            fail(fmt::format("{} has type \"{}\"; float, double, int and vtktypeint64 are read", section, excerpt(type)));
         }
         std::vector<Target> result(n);
         for (std::size_t i = 0; i < n; ++i) {
             const std::string text = word();
-            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result[i]);
             if (text.empty()) fail(fmt::format("{} is cut off: {} values announced, {} there", section, n, i));
-            if (error == std::errc::invalid_argument || end != text.data() + text.size())
-                fail(fmt::format("{}: \"{}\" where a number is expected", section, text.substr(0, 32)));
+            if (!parse(text, result[i])) fail(fmt::format("{}: \"{}\" where a number is expected", section, excerpt(text)));
         }
         return result;
     }
@@ -175,14 +186,14 @@ private:
         }
     }
 
-    std::filesystem::path path_;
-    std::string file_;
+    const std::string& name_;
+    const std::string& file_;
     std::size_t at_ = 0;
     bool binary_ = false;
 };
 
 }  // namespace
 
-PolyData read_legacy_vtk(const std::filesystem::path& path) { return LegacyReader(path).read(); }
+PolyData parse_legacy_vtk(const std::string& bytes, const std::string& name) { return LegacyReader(bytes, name).read(); }
 
 }  // namespace seldinger

@@ -2,15 +2,18 @@
 #include "io/vtp_read.h"
 
 #include "core/error.h"
+#include "core/file_io.h"
+#include "io/safe_cast.h"
+#include "io/text_words.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <string_view>
 
 static_assert(std::endian::native == std::endian::little, "binary arrays are copied as they lie in the file");
@@ -24,12 +27,23 @@ struct FileFacts {
     std::size_t header_bytes = 4;  // width of the lengths before a block
     bool compressed = false;
     bool appended_base64 = false;
-    std::string_view appended;  // after the '_'
+    std::string_view appended;       // after the '_'
+    mutable std::uint64_t room = 0;  // bytes that may still be taken, in all arrays together
 };
 
 [[noreturn]] void fail(const FileFacts& file, const std::string& what)
 {
     throw Error(ExitCode::BadFile, file.name + ": " + what);
+}
+
+/// Takes `bytes` off what the file may still fill.
+void charge(const FileFacts& file, std::uint64_t bytes)
+{
+    if (bytes > file.room)
+        fail(file, fmt::format("its arrays unpack to more than {} times the file's size: damaged, or made to fill the memory; "
+                               "write the mesh anew",
+                               kMostUnpacked));
+    file.room -= bytes;
 }
 
 /// Decodes base64 from the front of `text` until `wanted` bytes are there or the text ends; spaces are skipped. '=' ends one
@@ -75,6 +89,7 @@ public:
             out += bytes_.substr(0, used);
         }
         if (out.size() < count) fail(file_, "an array is cut short");
+        charge(file_, used);
         bytes_.remove_prefix(std::min(used, bytes_.size()));
         surplus_ += out.substr(count);
         out.resize(count);
@@ -112,6 +127,7 @@ std::string take_compressed(const FileFacts& file, ByteSource& source)
         uLongf size = static_cast<uLongf>(i + 1 == blocks && last ? last : full);
         // zlib unpacks at most 1032-fold: a larger promise is a damaged length, and would ask for absurd memory
         if (size > 1032 * packed.size() + 64) fail(file, "a compressed array has an impossible size");
+        charge(file, size);
         const std::size_t start = out.size();
         out.resize(start + size);
         if (uncompress(reinterpret_cast<Bytef*>(out.data() + start), &size, reinterpret_cast<const Bytef*>(packed.data()),
@@ -133,31 +149,32 @@ std::string take_block(const FileFacts& file, std::string_view bytes, bool base6
 }
 
 template <typename Stored, typename Wanted>
-void convert(const std::string& bytes, std::vector<Wanted>& values)
+void convert(const FileFacts& file, const std::string& bytes, std::vector<Wanted>& values)
 {
     const std::size_t count = bytes.size() / sizeof(Stored);
+    charge(file, sizeof(Wanted) * static_cast<std::uint64_t>(count));
     values.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         Stored v;
         std::memcpy(&v, bytes.data() + i * sizeof(Stored), sizeof(Stored));
-        values[i] = static_cast<Wanted>(v);
+        values[i] = safe_cast<Wanted>(v);
     }
 }
 
 template <typename Wanted>
 void convert_named(const FileFacts& file, const std::string& type, const std::string& bytes, std::vector<Wanted>& values)
 {
-    if (type == "Float64") return convert<double>(bytes, values);
-    if (type == "Float32") return convert<float>(bytes, values);
-    if (type == "Int64") return convert<std::int64_t>(bytes, values);
-    if (type == "UInt64") return convert<std::uint64_t>(bytes, values);
-    if (type == "Int32") return convert<std::int32_t>(bytes, values);
-    if (type == "UInt32") return convert<std::uint32_t>(bytes, values);
-    if (type == "Int16") return convert<std::int16_t>(bytes, values);
-    if (type == "UInt16") return convert<std::uint16_t>(bytes, values);
-    if (type == "Int8") return convert<std::int8_t>(bytes, values);
-    if (type == "UInt8") return convert<std::uint8_t>(bytes, values);
-    fail(file, "array of type \"" + type + "\" cannot be read");
+    if (type == "Float64") return convert<double>(file, bytes, values);
+    if (type == "Float32") return convert<float>(file, bytes, values);
+    if (type == "Int64") return convert<std::int64_t>(file, bytes, values);
+    if (type == "UInt64") return convert<std::uint64_t>(file, bytes, values);
+    if (type == "Int32") return convert<std::int32_t>(file, bytes, values);
+    if (type == "UInt32") return convert<std::uint32_t>(file, bytes, values);
+    if (type == "Int16") return convert<std::int16_t>(file, bytes, values);
+    if (type == "UInt16") return convert<std::uint16_t>(file, bytes, values);
+    if (type == "Int8") return convert<std::int8_t>(file, bytes, values);
+    if (type == "UInt8") return convert<std::uint8_t>(file, bytes, values);
+    fail(file, fmt::format("array of type \"{}\" cannot be read", excerpt(type)));
 }
 
 template <typename Wanted>
@@ -192,7 +209,7 @@ std::vector<Wanted> read_values(const FileFacts& file, const pugi::xml_node& arr
         if (offset >= file.appended.size()) fail(file, "an array lies beyond the end of the file");
         convert_named(file, type, take_block(file, file.appended.substr(offset), file.appended_base64), values);
     } else {
-        fail(file, "array format \"" + format + "\" cannot be read");
+        fail(file, fmt::format("array format \"{}\" cannot be read", excerpt(format)));
     }
     return values;
 }
@@ -207,59 +224,66 @@ void read_named(const FileFacts& file, const pugi::xml_node& parent, std::map<st
     }
 }
 
+/// One of the two arrays of cells, gathered from all nodes of that name.
+std::vector<std::int64_t> read_indices(const FileFacts& file, const pugi::xml_node& cells, const char* name)
+{
+    std::vector<std::int64_t> all;
+    for (const pugi::xml_node& node : cells.children("DataArray")) {
+        if (node.attribute("Name").as_string() != std::string_view(name)) continue;
+        const std::vector<std::int64_t> values = read_values<std::int64_t>(file, node);
+        all.insert(all.end(), values.begin(), values.end());
+    }
+    return all;
+}
+
 void read_cells(const FileFacts& file, const pugi::xml_node& piece, const char* kind, std::int64_t first_point,
                 std::int64_t points, PolyCells& cells)
 {
-    const auto shift = static_cast<std::int64_t>(cells.connectivity.size());
-    const std::size_t cells_before = cells.offsets.size();
-    for (const pugi::xml_node& node : piece.child(kind).children("DataArray")) {
-        const std::string name = node.attribute("Name").as_string();
-        if (name != "connectivity" && name != "offsets") continue;
-        for (std::int64_t v : read_values<std::int64_t>(file, node)) {
-            if (name == "connectivity" && (v < 0 || v >= points))
-                fail(file, std::string(kind) + " name a point that is not there");
-            (name == "connectivity" ? cells.connectivity : cells.offsets)
-                .push_back(v + (name == "connectivity" ? first_point : shift));
-        }
+    const std::vector<std::int64_t> connectivity = read_indices(file, piece.child(kind), "connectivity"),
+                                    offsets = read_indices(file, piece.child(kind), "offsets");
+    const auto shift = static_cast<std::int64_t>(cells.connectivity.size()),
+               count = static_cast<std::int64_t>(connectivity.size());
+    for (const std::int64_t v : connectivity) {
+        if (v < 0 || v >= points) fail(file, std::string(kind) + " name a point that is not there");
+        cells.connectivity.push_back(v + first_point);
     }
     std::int64_t before = 0;
-    for (std::int64_t offset : cells.offsets) {
-        if (offset < before || offset > static_cast<std::int64_t>(cells.connectivity.size()))
-            fail(file, std::string(kind) + " are damaged");
+    for (const std::int64_t offset : offsets) {
+        if (offset < before || offset > count) fail(file, std::string(kind) + " are damaged");
+        cells.offsets.push_back(offset + shift);
         before = offset;
     }
-    if (before != static_cast<std::int64_t>(cells.connectivity.size()))
-        fail(file, std::string(kind) + " are damaged: offsets end at " + std::to_string(before) + ", " +
-                       std::to_string(cells.connectivity.size()) + " indices are there");
+    if (before != count) fail(file, fmt::format("{} are damaged: offsets end at {}, {} indices are there", kind, before, count));
     const pugi::xml_attribute announced = piece.attribute((std::string("NumberOf") + kind).c_str());
-    if (announced && announced.as_ullong() != cells.offsets.size() - cells_before)
-        fail(file, "NumberOf" + std::string(kind) + " is " + announced.value() + ", but " +
-                       std::to_string(cells.offsets.size() - cells_before) + " are there");
+    if (announced && announced.as_ullong() != offsets.size())
+        fail(file, fmt::format("NumberOf{} is {}, but {} are there", kind, excerpt(announced.value()), offsets.size()));
 }
 
-void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyData& data)
+void read_piece(const FileFacts& file, const pugi::xml_node& piece, PolyParts parts, PolyData& data)
 {
     const auto first_point = static_cast<std::int64_t>(data.points.size());
     const std::vector<double> xyz = read_values<double>(file, piece.child("Points").child("DataArray"));
-    const auto count = static_cast<std::size_t>(piece.attribute("NumberOfPoints").as_ullong());
-    if (xyz.size() != 3 * count)
-        fail(file, "holds " + std::to_string(xyz.size()) + " coordinates, expected 3 x " + std::to_string(count));
+    const std::uint64_t count = piece.attribute("NumberOfPoints").as_ullong();
+    if (xyz.size() % 3 != 0 || xyz.size() / 3 != count)  // 3 x count may be beyond 64 bits
+        fail(file, fmt::format("holds {} coordinates, expected 3 x {}", xyz.size(), count));
     for (std::size_t i = 0; i < count; ++i) data.points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
     const auto points = static_cast<std::int64_t>(count);
     read_cells(file, piece, "Verts", first_point, points, data.verts);
     read_cells(file, piece, "Lines", first_point, points, data.lines);
     read_cells(file, piece, "Strips", first_point, points, data.strips);
     read_cells(file, piece, "Polys", first_point, points, data.polys);
+    if (parts == PolyParts::Geometry) return;
     read_named(file, piece.child("PointData"), data.point_data);
     read_named(file, piece.child("CellData"), data.cell_data);
 }
 
 }  // namespace
 
-PolyData parse_poly_data(const std::string& bytes, const std::string& name)
+PolyData parse_poly_data(const std::string& bytes, const std::string& name, PolyParts parts)
 {
     FileFacts file;
     file.name = name;
+    file.room = std::max(kMostUnpacked * static_cast<std::uint64_t>(bytes.size()), kLeastUnpacked);
     // raw appended bytes are not XML: cut them off before parsing, and close the element they were in
     std::string xml = bytes;
     const std::size_t tail = bytes.find("<AppendedData");
@@ -281,22 +305,18 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name)
     const std::string compressor = root.attribute("compressor").as_string();
     file.compressed = !compressor.empty();
     if (file.compressed && compressor != "vtkZLibDataCompressor")
-        fail(file, "compressed by " + compressor + ", only zlib is read");
+        fail(file, fmt::format("compressed by {}, only zlib is read", excerpt(compressor)));
 
     PolyData data;
     const pugi::xml_node poly = root.child("PolyData");
-    read_named(file, poly.child("FieldData"), data.field_data);
-    for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, data);
+    if (parts == PolyParts::All) read_named(file, poly.child("FieldData"), data.field_data);
+    for (const pugi::xml_node& piece : poly.children("Piece")) read_piece(file, piece, parts, data);
     return data;
 }
 
-PolyData read_poly_data(const std::filesystem::path& path)
+PolyData read_poly_data(const std::filesystem::path& path, PolyParts parts)
 {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw Error(ExitCode::BadFile, path.string() + ": cannot be opened");
-    std::ostringstream bytes;
-    bytes << stream.rdbuf();
-    return parse_poly_data(bytes.str(), path.string());
+    return parse_poly_data(read_file(path), path.string(), parts);
 }
 
 }  // namespace seldinger

@@ -149,7 +149,7 @@ void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& tr
 void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
                  const RodFrames& frames, std::span<double> gradient, CoaxialHessian* hessian, HessianMode mode);
 
-/// What hands do, at fixed positions and angles.
+/// Forces and torques of the hands: derivatives of the energy E by what each hand moves, nodes and spin angles held fixed.
 struct CoaxialHands {
     std::array<double, most_coaxial> offset_force{};  // dE/do_k [N]
     double line_force = 0;                            // dE/d(rest length of the base edge) at fixed offsets [N]

@@ -93,9 +93,63 @@ struct TwistRates {
     }
 };
 
+/// Reference twists of the joints at both ends of what changes at the base [rad].
+struct BaseReferences {
+    double first = 0, sleeve = 0;
+};
+
+/// Frames of the last edges from `first` on anew. @return how the reference twists have changed from `last`
+BaseReferences refresh_frames(RodArrays& rods, std::span<const int> wires, const CoaxialBase& base, int first,
+                              const Vec3& tangent, const Vec3& d1, const BaseReferences& last)
+{
+    const RodView line = rods.view(wires[0]);
+    for (int j = first; j < line.n - 1; ++j) set_edge_frame(line, j, tangent, d1);
+    for (int i = first + 1; i < line.n - 1; ++i) line.ref_twist[i] = inner_reference(line, i, 0);
+    if (first > 0) line.ref_twist[first] = inner_reference(line, first, last.first);
+    line.ref_twist[line.n - 1] = 0;
+    for (int i = first; i < line.n; ++i) line.clamp_twist_a[i] = line.clamp_twist_b[i] = 0;
+    line.clamp_twist_a[line.n - 1] = sleeve_reference(line, base, last.sleeve);
+    return {first > 0 ? line.ref_twist[first] - last.first : 0.0, line.clamp_twist_a[line.n - 1] - last.sleeve};
+}
+
+/// What a common centreline's base edge says before it is split.
+struct OldBase {
+    double length, force;  // [m], [N]
+    Vec3 tangent, d1, momentum;
+    BaseReferences ref;
+    std::vector<double> theta;      // of each instrument [rad]
+    std::vector<TwistRates> rates;  // of each instrument
+
+    OldBase(RodArrays& rods, std::span<const int> wires)
+    {
+        const RodView line = rods.view(wires[0]);
+        const int a = line.n - 2;
+        length = line.rest_length[a], force = axial_force(line, a);
+        tangent = line.tangent(a), d1 = line.ref_d1(a), momentum = seldinger::momentum(line, line.n - 1);
+        ref = {a > 0 ? line.ref_twist[a] : 0.0, line.clamp_twist_a[a + 1]};
+        for (const int w : wires) {
+            theta.push_back(rods.view(w).theta[a]);
+            rates.emplace_back(rods.view(w), line);
+        }
+    }
+};
+
+/// Frames and angles of both edges that base edge a became: each instrument's twist per length is what it was on either side.
+void split_frames(RodArrays& rods, std::span<const int> wires, const CoaxialBase& base, const OldBase& old)
+{
+    const RodView line = rods.view(wires[0]);
+    const int a = line.n - 3;
+    const BaseReferences change = refresh_frames(rods, wires, base, a, old.tangent, old.d1, old.ref);
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const RodView own = rods.view(wires[k]);
+        own.theta[a] = old.theta[k] - 0.5 * old.rates[k].inner * line.rest_length[a + 1] - change.first;
+        own.theta[a + 1] = old.theta[k] + 0.5 * old.rates[k].base * line.rest_length[a] + change.sleeve;
+    }
+}
+
 /// Moves the node next to the hub sideways to where the elastic forces on it balance (rod/split.cpp, balance_born_node).
-void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, double force,
-                       double length)
+void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base,
+                       const OldBase& old)
 {
     constexpr int most_rounds = 12;
     constexpr double balanced = 1e-12;  // of the base edge's length
@@ -104,7 +158,8 @@ void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& 
     RodFrames frames(line.n, 1);
     std::vector<double> gradient(static_cast<std::size_t>(rod.dofs().count(line.n)));
     for (int round = 0; round < most_rounds; ++round) {
-        set_lengths(rods, wires, rod, a, force, length);
+        set_lengths(rods, wires, rod, a, old.force, old.length);
+        split_frames(rods, wires, base, old);
         if (!update_coaxial(rod, line, now_of(rods, wires), base, frames)) return;
         std::fill(gradient.begin(), gradient.end(), 0.0);
         add_coaxial(rod, line, now_of(rods, wires), base, frames, gradient, nullptr, HessianMode::None);
@@ -113,26 +168,6 @@ void balance_born_node(RodArrays& rods, std::span<const int> wires, CoaxialRod& 
         line.set_pos(m, line.pos(m) - shift);
         if (shift.norm() < balanced * line.rest_length[m]) break;
     }
-}
-
-/// Frames of the last edges from `first` on anew. @return how the reference twists at node `first` and at the sleeve have changed
-std::array<double, 2> refresh_frames(RodArrays& rods, std::span<const int> wires, const CoaxialBase& base, int first,
-                                     const Vec3& tangent, const Vec3& d1, double at_sleeve)
-{
-    const RodView line = rods.view(wires[0]);
-    for (int j = first; j < line.n - 1; ++j) set_edge_frame(line, j, tangent, d1);
-    for (int i = first + 1; i < line.n - 1; ++i) line.ref_twist[i] = inner_reference(line, i, 0);
-    std::array<double, 2> change{};
-    if (first > 0) {
-        const double before = line.ref_twist[first];
-        line.ref_twist[first] = inner_reference(line, first, before);
-        change[0] = line.ref_twist[first] - before;
-    }
-    line.ref_twist[line.n - 1] = 0;
-    for (int i = first; i < line.n; ++i) line.clamp_twist_a[i] = line.clamp_twist_b[i] = 0;
-    line.clamp_twist_a[line.n - 1] = sleeve_reference(line, base, at_sleeve);
-    change[1] = line.clamp_twist_a[line.n - 1] - at_sleeve;
-    return change;
 }
 
 }  // namespace
@@ -179,10 +214,7 @@ SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
 {
     RodView line = rods.view(wires[0]);
     const int a = line.n - 2;
-    const double length = line.rest_length[a], force = axial_force(line, a), at_sleeve = line.clamp_twist_a[a + 1];
-    const Vec3 tangent = line.tangent(a), d1 = line.ref_d1(a), carried = momentum(line, line.n - 1);
-    std::vector<TwistRates> rates;
-    for (const int w : wires) rates.emplace_back(rods.view(w), line);
+    const OldBase old(rods, wires);
     // a parabola that leaves the sleeve along it and comes to the node before
     const Vec3 from = line.pos(a), to = line.pos(a + 1), chord = from - to;
     const double u = 1 - fraction;
@@ -191,29 +223,22 @@ SplitResult split_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
     for (const int w : wires) rods.insert_node(w, a + 1);
     line = rods.view(wires[0]);
     line.set_pos(a + 1, position);
-    line.material_s[a + 1] = line.material_s[a] + fraction * length;
-    line.material_s[a + 2] = line.material_s[a] + length;
+    line.material_s[a + 1] = line.material_s[a] + fraction * old.length;
+    line.material_s[a + 2] = line.material_s[a] + old.length;
     for (const int w : wires) {
         const RodView own = rods.view(w);
-        own.theta[a + 1] = own.theta[a];
         own.spin_rate[a + 1] = own.spin_rate[a];
         own.spin_acc[a + 1] = own.spin_acc[a];
     }
     follow_line(rods, wires);
-    balance_born_node(rods, wires, rod, base, force, length);
-    const double added = set_lengths(rods, wires, rod, a, force, length);
-    const std::array<double, 2> change = refresh_frames(rods, wires, base, a, tangent, d1, at_sleeve);
-    for (std::size_t k = 0; k < wires.size(); ++k) {
-        const RodView own = rods.view(wires[k]);
-        const double angle = own.theta[a];
-        own.theta[a] = angle - 0.5 * rates[k].inner * line.rest_length[a + 1] - change[0];
-        own.theta[a + 1] = angle + 0.5 * rates[k].base * line.rest_length[a] + change[1];
-    }
+    balance_born_node(rods, wires, rod, base, old);
+    const double added = set_lengths(rods, wires, rod, a, old.force, old.length);
+    split_frames(rods, wires, base, old);
     for (const std::span<double> acc : {line.ax, line.ay, line.az}) acc[a + 1] = fraction * acc[a + 2] + (1 - fraction) * acc[a];
     // the new node leaves the sleeve along the arc that its base edge is a chord of, as fast as the inner edge's length demands
     const Vec3 out = (2 * forwards(line, a + 1) + base.tangent).normalized(), inner = forwards(line, a);
     line.set_vel(a + 1, inner.dot(line.vel(a)) / inner.dot(out) * out);
-    set_momentum(line, a + 1, carried - line.mass[a + 2] * line.vel(a + 2));
+    set_momentum(line, a + 1, old.momentum - line.mass[a + 2] * line.vel(a + 2));
     follow_line(rods, wires);
     return {added, forwards(line, a + 1).dot(line.vel(a + 1))};
 }
@@ -262,11 +287,12 @@ SplitResult merge_coaxial_base(RodArrays& rods, std::span<const int> wires, Coax
     for (const int w : wires) rods.erase_node(w, node);
     line = rods.view(wires[0]);
     const double added = set_lengths(rods, wires, rod, a, force, length);
-    const std::array<double, 2> change = refresh_frames(rods, wires, base, a, tangent, d1, at_sleeve + ref);
+    const double at_first = a > 0 ? line.ref_twist[a] : 0.0;
+    const BaseReferences change = refresh_frames(rods, wires, base, a, tangent, d1, {at_first, at_sleeve + ref});
     const double halves = a > 0 ? 0.5 : 1;
     for (std::size_t k = 0; k < wires.size(); ++k) {
         const RodView own = rods.view(wires[k]);
-        own.theta[a] += share * twists[k] + halves * (change[1] - change[0]);
+        own.theta[a] += share * twists[k] + halves * (change.sleeve - change.first);
         own.spin_rate[a] = spins[k];
     }
     set_momentum(line, line.n - 2, carried - line.mass[line.n - 1] * line.vel(line.n - 1));

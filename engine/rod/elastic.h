@@ -115,10 +115,10 @@ void initialise_frames(const RodView& rod, const Vec3& normal);
 /// differences). If rest_is_placed, rest_kappa and rest_twist come from the present shape (frames must be set).
 void set_rest_shape(const RodView& rod, const WireSpec& spec, bool rest_is_placed);
 
-/// Work of the hand per length fed at fixed positions: d(elastic energy)/d(rest length of the base edge) = axial force +
-/// bending/twist configurational terms, and the weight along the wire of the half edge at the inlet, whose mass the hub carries
-/// [N];
-/// + when the hand pushes (design section 1; [Bosi14]). Clamps at the hub included.
+/// Axial force with which the hand pushes the wire in [N], positive for a push, negative for a pull. It is the derivative of the
+/// elastic energy with respect to the rest length of the base edge, all nodes held where they are: the axial force of that edge
+/// and the configurational force of bending and twist [Bosi14]. The weight, along the wire, of the half edge at the inlet, whose
+/// mass the hub carries, and the clamps at the hub are included.
 [[nodiscard]] double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames,
                                 const Vec3& gravity);
 

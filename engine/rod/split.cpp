@@ -135,7 +135,8 @@ struct OldEdge {
     Vec3 tangent, d1;
     Vec3 momentum;  // of the whole wire
     double theta, spin, spin_acc, spin_momentum;
-    double twist_rate[2];                // at the tip-side and the hub-side joint [rad/m]
+    double ref[2];                       // reference twist at the tip-side and the hub-side joint [rad]; 0 at a free end
+    double twist_rate[2];                // at the same [rad/m]
     double spin_slope[2], acc_slope[2];  // change of spin and its rate along the wire, at the same
     double rest_rate[3][2];              // rest kappa1, kappa2, twist per length of its two nodes [1/m]
 
@@ -153,6 +154,7 @@ struct OldEdge {
     {
         const Joint* joints[2] = {&at_a, &at_b};
         for (int k = 0; k < 2; ++k) {
+            ref[k] = joints[k]->holds(rod) ? joints[k]->ref(rod) : 0;
             twist_rate[k] = joints[k]->twist_rate(rod);
             spin_slope[k] = joints[k]->slope(rod, rod.spin_rate);
             acc_slope[k] = joints[k]->slope(rod, rod.spin_acc);
@@ -192,15 +194,16 @@ double split_rest(const RodView& rod, int a, double fraction, const OldEdge& old
     return added;
 }
 
-/// Directors carried from the old edge's; angles that keep the twist per length at both neighbours.
+/// Directors carried from the old edge's; angles that keep the twist per length at both neighbours. May be called again when the
+/// node between has moved.
 void split_frames(const RodView& rod, int a, const OldEdge& old, const Joint& at_a, const Joint& at_b)
 {
     set_edge_frame(rod, a, old.tangent, old.d1);
     set_edge_frame(rod, a + 1, old.tangent, old.d1);
     rod.ref_twist[a + 1] = Joint{a + 1, 1, nullptr}.ref_now(rod, 0);
     rod.clamp_twist_a[a + 1] = rod.clamp_twist_b[a + 1] = 0;
-    rod.theta[a] = old.theta - 0.5 * old.twist_rate[0] * rod.rest_length[a + 1] - refresh_joint(rod, at_a, at_a.ref(rod));
-    rod.theta[a + 1] = old.theta + 0.5 * old.twist_rate[1] * rod.rest_length[a] + refresh_joint(rod, at_b, at_b.ref(rod));
+    rod.theta[a] = old.theta - 0.5 * old.twist_rate[0] * rod.rest_length[a + 1] - refresh_joint(rod, at_a, old.ref[0]);
+    rod.theta[a + 1] = old.theta + 0.5 * old.twist_rate[1] * rod.rest_length[a] + refresh_joint(rod, at_b, old.ref[1]);
 }
 
 /// Spins and their rates, linear along the wire, with the old spin momentum.
@@ -274,13 +277,15 @@ namespace {
 /// kept. What else acts on it, its share of weight and contact, is carried by a base edge of length l with an error of l times
 /// that force in the clamp's moment. A chord's rotation changes the moments at both of its ends, which are linear in it but for
 /// the cube of the angle: Newton with the stiffness of small angles.
-void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, const WireSpec& spec, SplitScratch& scratch)
+void balance_born_node(const RodView& rod, double fraction, const OldEdge& old, const Joint& at_a, const Joint& at_b,
+                       const WireSpec& spec, SplitScratch& scratch)
 {
     constexpr int most_rounds = 12;
     constexpr double balanced = 1e-12;  // of the base edge's length
     const int m = rod.n - 2, a = m - 1;
     for (int round = 0; round < most_rounds; ++round) {
         (void)split_rest(rod, a, fraction, old, spec, false);
+        split_frames(rod, a, old, at_a, at_b);  // a hub that has turned would twist a base edge that has not
         const RodTrial now{rod.x, rod.y, rod.z, rod.theta};
         if (!update_frames(rod, now, scratch.clamps, scratch.frames)) return;
         const std::span<double> gradient = std::span(scratch.gradient).first(static_cast<std::size_t>(RodDofs::count(rod.n)));
@@ -329,7 +334,7 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     at_b.node = a + 2;
     const RodView rod = rods.view(wire);
     rod.set_pos(a + 1, position);
-    balance_born_node(rod, fraction, old, spec, scratch);
+    balance_born_node(rod, fraction, old, at_a, at_b, spec, scratch);
     const double added = split_rest(rod, a, fraction, old, spec, false);
     split_frames(rod, a, old, at_a, at_b);
     split_spin(rod, a, old);

@@ -1,6 +1,6 @@
 #pragma once
 // checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h)
-// with magic "SELCKPT1".
+// with magic "SELCKPT2".
 
 #include "scene/summary.h"
 
@@ -19,6 +19,7 @@ struct FrameMark {
 
 struct Checkpoint {
     std::string version, device;
+    std::string scene;              // as write_scene() writes it: the state is of no other one
     std::uint64_t vessel_hash = 0;  // of the repaired wall: a changed mesh file cannot be resumed on
     RunStatus status = RunStatus::Running;
     RunTally tally;
@@ -32,6 +33,14 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 /// @throws Error BadFile: missing, damaged, or of another version
 [[nodiscard]] Checkpoint read_checkpoint(const std::filesystem::path& path);
+
+/// Whether every count and sum can be true of a run of at most so many steps.
+[[nodiscard]] bool is_sound(const RunTally& tally, std::int64_t most);
+
+/// That it is of this scene and that every number can be true; the state itself is World::restore_state's affair.
+/// @param scene  what is to be resumed, as write_scene() writes it
+/// @throws Error BadFile naming what differs
+void check_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint, const Scene& of, const std::string& scene);
 
 [[nodiscard]] std::uint64_t hash_of(const WallMesh& mesh);
 

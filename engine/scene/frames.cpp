@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <tuple>
+
 namespace seldinger {
 
 std::string frame_name(const std::string& stem, std::int64_t step) { return fmt::format("{}_{:06}.vtp", stem, step); }
@@ -29,8 +32,10 @@ std::string wire_vtp(const WireOutput& wire)
 
 std::string contacts_vtp(std::span<const ContactRow> rows)
 {
+    using Place = std::tuple<int, BodyKind, int>;
+    std::vector<Place> places;
     std::vector<Vec3> points, normal, friction;
-    std::vector<double> force, gap, stuck;
+    std::vector<double> force, gap, stuck, per_length, along, length, place;
     for (const ContactRow& row : rows) {
         points.push_back(row.point);
         normal.push_back(row.normal);
@@ -38,6 +43,13 @@ std::string contacts_vtp(std::span<const ContactRow> rows)
         force.push_back(row.normal_force);
         gap.push_back(row.gap);
         stuck.push_back(row.stuck ? 1 : 0);
+        per_length.push_back(row.per_length);
+        along.push_back(row.along_a);
+        length.push_back(row.length);
+        // of whatever it is that lies on whatever: two instruments on the wall side by side are two places
+        const auto found = std::find(places.begin(), places.end(), Place{row.a.body, row.b.kind, row.region});
+        place.push_back(static_cast<double>(1 + (found - places.begin())));
+        if (found == places.end()) places.push_back({row.a.body, row.b.kind, row.region});
     }
     VtpWriter out(points);
     out.set_verts();
@@ -46,6 +58,10 @@ std::string contacts_vtp(std::span<const ContactRow> rows)
     out.add_point_data("gap", 1, gap);
     out.add_point_vectors("friction", friction);
     out.add_point_data("stuck", 1, stuck);
+    out.add_point_data("force_per_length", 1, per_length);
+    out.add_point_data("along", 1, along);
+    out.add_point_data("length", 1, length);
+    out.add_point_data("place", 1, place);
     return out.bytes();
 }
 

@@ -34,6 +34,10 @@ void add(WireReadings& to, const WireReadings& r)
         to.*sum += r.*sum;
     for (double WireReadings::*worst : {&WireReadings::overlap, &WireReadings::outside, &WireReadings::force_residual})
         to.*worst = std::max(to.*worst, r.*worst);
+    if (r.overlap_share > to.overlap_share) {
+        to.overlap_share = r.overlap_share;
+        to.overlap_at = r.overlap_at;
+    }
     to.base_force += r.base_force;
     add(to.energy, r.energy);
     add(to.momentum, r.momentum);
@@ -53,6 +57,27 @@ WireReadings joint_readings(std::span<const WireOutput> wires)
 {
     WireReadings joint = wires.front().readings;
     for (const WireOutput& wire : wires.subspan(1)) add(joint, wire.readings);
+    return joint;
+}
+
+ContactAlong joint_along(std::span<const WireOutput> wires, ContactAlong WireOutput::*which)
+{
+    ContactAlong joint = wires.front().*which;
+    for (const WireOutput& wire : wires.subspan(1)) {
+        const ContactAlong& one = wire.*which;
+        if (one.per_length_max > joint.per_length_max) {
+            joint.per_length_max = one.per_length_max;
+            joint.per_length_at = one.per_length_at;
+            joint.window = one.window;
+            joint.widened = one.widened;
+        }
+        if (one.patch_force > joint.patch_force) {
+            joint.patch_force = one.patch_force;
+            joint.patch_at = one.patch_at;
+        }
+        joint.regions += one.regions;
+        joint.extent += one.extent;
+    }
     return joint;
 }
 

@@ -14,6 +14,9 @@ class World;
 [[nodiscard]] WireReadings joint_readings(const World& world, int system);
 [[nodiscard]] WireReadings joint_readings(std::span<const WireOutput> wires);
 
+/// What the instruments do to the wall, or to each other: the worst of loads, the sum of places. @param which  of them
+[[nodiscard]] ContactAlong joint_along(std::span<const WireOutput> wires, ContactAlong WireOutput::*which);
+
 /// The worst of all, all flags together.
 [[nodiscard]] WireReport joint_report(const World& world, int system);
 

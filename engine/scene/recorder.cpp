@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "scene/frames.h"
 #include "scene/joint_readings.h"
+#include "scene/scene_difference.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -103,11 +104,13 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
                     fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
-    if (use == FolderUse::Resume && fs::exists(dir / "checkpoint.bin", ignored) && read_file(resolved) != write_scene(scene, dir))
+    if (use != FolderUse::Resume || !fs::exists(dir / "checkpoint.bin", ignored)) return;
+    const std::string difference = first_difference(read_file(resolved), write_scene(scene, dir));
+    if (!difference.empty())
         throw Error(ExitCode::BadScene,
-                    fmt::format("{}: differs from the scene that is to be resumed; give the same scene and --set, "
+                    fmt::format("{}: differs from the scene that is to be resumed: {}; give the same scene and --set, "
                                 "or --overwrite",
-                                resolved.string()));
+                                resolved.string(), difference));
 }
 
 Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& world, fs::path dir)
@@ -119,10 +122,10 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, const World& 
       yields_(world.setup().vessel.elastic)
 {
     const Stopwatch watch(tally_.record);
-    const std::string resolved = write_scene(scene, dir_);  // first: it may be what is overwritten
+    resolved_ = write_scene(scene, dir_);  // first: it may be what is overwritten
     make_folder(dir_);
     remove_old_run(dir_);
-    write_file(dir_ / "scene.toml", resolved);
+    write_file(dir_ / "scene.toml", resolved_);
     begin_traces({});
     has_wall_ = !mesh_.triangles.empty();
     if (has_wall_) write_file(dir_ / "vessel.vtp", wall_vtp(mesh_));
@@ -151,18 +154,49 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
     if (vessel_hash_ != saved.vessel_hash)
         throw Error(ExitCode::BadFile, fmt::format("{}: has changed since the run began; run again with --overwrite",
                                                    scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
+    for (int k = 0; k < tally_.exits.count; ++k)
+        if (tally_.exits.exit[k].opening >= static_cast<int>(vessel_.loops.size()))
+            throw Error(ExitCode::BadFile, fmt::format("{}: tells of an opening that there is not; run again with --overwrite",
+                                                       (dir_ / "checkpoint.bin").string()));
     if (world.device_name() != saved.device)
         warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(),
                          saved.device));
-    world.restore_state(saved.state);
+    try {
+        world.restore_state(saved.state);
+    } catch (const Error& error) {
+        throw Error(error.code(),
+                    fmt::format("{}: {}; run again with --overwrite", (dir_ / "checkpoint.bin").string(), error.what()));
+    }
+    resolved_ = saved.scene;
     begin_traces(saved.trace_bytes);
+    forget_lost_frames();
     readings_ = joint_readings(world, 0);
     tally_.resumes++;
+}
+
+/// Frames that were deleted since are not listed again.
+void Recorder::forget_lost_frames()
+{
+    const auto is_lost = [&](const std::string& series) {
+        return [this, series](const FrameMark& frame) {
+            std::error_code ignored;
+            return !fs::exists(dir_ / frame_name(series, frame.step), ignored);
+        };
+    };
+    for (int k = 0; k < scene_.instrument_count(); ++k) std::erase_if(wire_frames_, is_lost(series_of(scene_, k)));
+    std::erase_if(contact_frames_, is_lost("contacts"));
+    if (yields_) std::erase_if(contact_frames_, is_lost("wall"));
 }
 
 void Recorder::take_in(const Output& now, const StepReport& report)
 {
     readings_ = joint_readings(now.wires);
+    if (readings_.overlap_share > tally_.overlap_share) {
+        tally_.overlap_share = readings_.overlap_share;
+        tally_.overlap_time = now.time;
+        for (int k = 0; k < 3; ++k) tally_.overlap_at[k] = readings_.overlap_at[k];
+    }
+    watch_exits(tally_.exits, now.wires, vessel_.loops, mesh_, now.time);
     tally_.take_in(readings_, report.flags, report.newton_iterations);
     tally_.stages += report.times;
     tally_.row_newton = std::max<std::int64_t>(tally_.row_newton, report.newton_iterations);
@@ -192,7 +226,7 @@ unsigned Recorder::wants() const
     const unsigned contacts = yields_ ? Output::Contacts | Output::WallShape : Output::Contacts;
     return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
            (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
-           (has_wall_ && due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
+           (due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
            (yields_ && due(next, scene_.record_every) ? Output::Wall : Output::Numbers);
 }
 
@@ -257,7 +291,7 @@ void Recorder::checkpoint(const World& world, RunStatus status, double wall)
         trace.sync();
         sizes.push_back(trace.size());
     }
-    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), vessel_hash_, status, tally_, std::move(sizes),
+    write_checkpoint(dir_ / "checkpoint.bin", {version(), world.device_name(), resolved_, vessel_hash_, status, tally_, std::move(sizes),
                                                wire_frames_, contact_frames_, world.save_state()});
 }
 
@@ -280,7 +314,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         write_contact_table(now);
     }
     tally_.wall = wall + std::chrono::duration<double>(Clock::now() - start).count();
-    const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_});
+    const std::string summary = summary_json(world, tally_, {&scene_, &vessel_, status, readings_, warnings_, estimate_});
     write_file(dir_ / "summary.json", summary);
     if (status == RunStatus::Done) checkpoint(world, status, tally_.wall);
     return summary;

@@ -51,9 +51,11 @@ public:
 
     [[nodiscard]] const RunTally& tally() const { return tally_; }
     [[nodiscard]] const WireReadings& readings() const { return readings_; }
+    void estimated(const ErrorEstimate& estimate) { estimate_ = estimate; }
     void warn(const std::string& sentence) { warnings_.push_back(sentence); }
 
 private:
+    void forget_lost_frames();
     void take_in(const Output& now, const StepReport& report);
     void begin_traces(const std::vector<std::uint64_t>& kept);
     void write_row(const Output& now);
@@ -66,6 +68,7 @@ private:
     [[nodiscard]] std::string wall_fields(const Output& now);
     [[nodiscard]] std::string energy_fields(const EnergyLedger& ledger);
     [[nodiscard]] std::string patch_fields(double area, double pressure);
+    [[nodiscard]] std::string along_fields(const ContactAlong& wall, const ContactAlong& instruments);
     void write_wire_table(const WireOutput& wire, const std::string& name);
     void write_contact_table(const Output& now);
     [[nodiscard]] std::string csv(double value);
@@ -75,6 +78,7 @@ private:
     const WallMesh& mesh_;  // of the world
     std::filesystem::path dir_;
     std::uint64_t vessel_hash_ = 0;
+    std::string resolved_;  // the scene as the checkpoint carries it
     bool has_wall_ = false;
     bool yields_ = false;             // and it yields
     std::vector<AppendFile> traces_;  // trace.csv, and of several instruments each one's
@@ -82,6 +86,7 @@ private:
     WireReadings readings_;  // of all instruments, in the last accepted step
     std::vector<FrameMark> wire_frames_, contact_frames_;
     std::vector<std::string> warnings_;
+    std::optional<ErrorEstimate> estimate_;
 };
 
 }  // namespace seldinger

@@ -1,5 +1,6 @@
 // Rows of the traces, and the tables of a run's last state.
 #include "scene/frames.h"
+#include "scene/joint_readings.h"
 #include "scene/recorder.h"
 
 #include <fmt/format.h>
@@ -15,7 +16,8 @@ constexpr std::string_view trace_columns =
     "nm,"
     "overlap_m,newton,step_ms,contact_length_m,outside_m,base_force_x_n,base_force_y_n,base_force_z_n,kinetic_j,elastic_j,"
     "gravitational_j,flags,momentum_error_n,tip_x_m,tip_y_m,tip_z_m,wall_move_max_m,wall_energy_j,wall_loss_j,wall_stress_max_"
-    "pa,contact_area_m2,contact_pressure_max_pa";
+    "pa,contact_area_m2,contact_pressure_max_pa,force_per_length_max_n_per_m,force_per_length_at_m,patch_force_max_n,contact_"
+    "regions,contact_extent_m,instruments_force_per_length_max_n_per_m";
 
 /// The columns above, and those of the ledger.
 std::string trace_header()
@@ -56,10 +58,15 @@ void Recorder::write_row(const Output& now)
     }
     tally_.contact_area_max = std::max(tally_.contact_area_max, area);
     tally_.contact_pressure_max = std::max(tally_.contact_pressure_max, pressure);
-    traces_[0].append(row_of(readings_, now.wires[0], now, patch_fields(area, pressure)));
+    const ContactAlong wall = joint_along(now.wires, &WireOutput::on_wall);
+    const ContactAlong instruments = joint_along(now.wires, &WireOutput::on_instruments);
+    tally_.on_wall.take_in(wall, now.time);
+    tally_.on_instruments.take_in(instruments, now.time);
+    traces_[0].append(row_of(readings_, now.wires[0], now, patch_fields(area, pressure) + along_fields(wall, instruments)));
     for (std::size_t k = 1; k < traces_.size(); ++k) {
         const WireOutput& wire = now.wires[k - 1];
-        traces_[k].append(row_of(wire.readings, wire, now, patch_fields(wire.contact_area, wire.contact_pressure_max)));
+        const std::string contact = patch_fields(wire.contact_area, wire.contact_pressure_max);
+        traces_[k].append(row_of(wire.readings, wire, now, contact + along_fields(wire.on_wall, wire.on_instruments)));
     }
     tally_.row_newton = tally_.row_flags = tally_.row_steps = 0;
     tally_.row_time = 0;
@@ -100,6 +107,12 @@ std::string Recorder::energy_fields(const EnergyLedger& ledger)
 
 std::string Recorder::patch_fields(double area, double pressure) { return fmt::format(",{},{}", csv(area), csv(pressure)); }
 
+std::string Recorder::along_fields(const ContactAlong& wall, const ContactAlong& instruments)
+{
+    return fmt::format(",{},{},{},{},{},{}", csv(wall.per_length_max), csv(wall.per_length_at), csv(wall.patch_force),
+                       wall.regions, csv(wall.extent), csv(instruments.per_length_max));
+}
+
 void Recorder::write_wire_table(const WireOutput& wire, const std::string& name)
 {
     std::string table = "s_m,x_m,y_m,z_m,vx,vy,vz,spin_rad,fx_n,fy_n,fz_n\n";
@@ -115,7 +128,7 @@ void Recorder::write_contact_table(const Output& now)
 {
     std::string table =
         "edge,triangle,x_m,y_m,z_m,nx,ny,nz,gap_m,normal_n,friction_n,stuck,rolling_nm,length_m,area_m2,pressure_pa,body_a,body_"
-        "b\n";
+        "b,s_a_m,s_b_m,force_per_length_n_per_m,region\n";
     const auto name_of = [&](const ContactSide& side) {
         return side.kind == BodyKind::Wall ? std::string("wall") : series_of(scene_, side.body);
     };
@@ -124,8 +137,10 @@ void Recorder::write_contact_table(const Output& now)
         for (const double v : {c.point.x(), c.point.y(), c.point.z(), c.normal.x(), c.normal.y(), c.normal.z(), c.gap,
                                c.normal_force, c.friction.norm()})
             table += "," + csv(v);
-        table += fmt::format(",{},{},{},{},{},{},{}\n", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length), csv(c.area),
+        table += fmt::format(",{},{},{},{},{},{},{}", c.stuck ? 1 : 0, csv(c.rolling_moment), csv(c.length), csv(c.area),
                              csv(c.pressure), name_of(c.a), name_of(c.b));
+        table += fmt::format(",{},{},{},{}\n", csv(c.along_a), c.b.kind == BodyKind::Wall ? "" : csv(c.along_b),
+                             csv(c.per_length), c.region);
     }
     write_file(dir_ / "contacts.csv", table);
 }

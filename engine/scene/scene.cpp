@@ -18,7 +18,24 @@ FeedSpec SceneFeed::inlet() const
     return {on, point, direction, start.advance, start.turn};
 }
 
-long Scene::steps() const { return std::lround(duration / dt); }
+namespace {
+
+/// Whether steps fill a duration; a dt of so many decimals ("0.016666667") may miss it by 1e-7 of the whole.
+bool is_whole(double steps) { return std::abs(steps - std::round(steps)) <= std::max(1e-6, 1e-7 * steps); }
+
+}  // namespace
+
+long Scene::steps() const
+{
+    const double steps = duration / dt;
+    return static_cast<long>(is_whole(steps) ? std::round(steps) : std::ceil(steps));
+}
+
+double Scene::step_length(long taken) const
+{
+    const long all = steps();
+    return taken != all - 1 || is_whole(duration / dt) ? dt : duration - static_cast<double>(all - 1) * dt;
+}
 
 double prescribed_until(const Scene& scene)
 {

@@ -28,7 +28,8 @@ struct SceneContact : ContactSpec {
 /// [feed] of a scene.
 struct SceneFeed {
     bool on = false;
-    bool inlet_auto = false;  // pick an inlet of the vessel; else point and direction
+    bool inlet_auto = false;  // an inlet of the vessel; else point and direction
+    int inlet_number = 0;     // with inlet_auto: which one, counted from 1 (vessel/inlets.h); 0: "auto", the first
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
     std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
 
@@ -48,7 +49,8 @@ struct TaskSpec {
     double radius = 0.005;
     int branch = 0;        // Branch: of the centreline, counted from 1 in the order in which they leave on the way from the inlet
     double beyond = 0.01;  // the tip is as far into it, along its axis [m]
-    double wall_force = 0, time = 0, fluoroscopy = 0;  // limits [N], [s], [s]; 0: none
+    double wall_force = 0, patch_force = 0;  // limits; 0: none: of all forces on the wall, of those on one patch of it [N]
+    double time = 0, fluoroscopy = 0;        // likewise [s]
 };
 
 /// One instrument of a scene, and what [[hold]], [[load]] and [[link]] say of it.
@@ -82,12 +84,16 @@ struct Scene : SceneInstrument {
     TaskSpec task;
     int wire_every = 1;                                      // steps between frames of the wire; 0: none
     int contacts_every = 1;                                  // steps between frames of the contacts; 0: none
+    double force_window = 0, force_patch = 5e-3;             // WorldSetup's [m]
     SceneCArm carm;                                          // how it is looked at by X-ray
     SceneContrast contrast;
+    std::vector<std::string> warnings;  // found on reading: sentences for every output
     std::vector<std::pair<std::string, std::string>> notes;  // what was changed on reading, and why (summary.json, `model`)
 
-    /// round(duration / dt); sub-steps are not counted.
+    /// That take the run to its end; sub-steps are not counted. Where dt does not go into the duration the last one is shorter.
     [[nodiscard]] long steps() const;
+    /// Of the step that is taken after `taken` [s].
+    [[nodiscard]] double step_length(long taken) const;
     [[nodiscard]] int instrument_count() const { return 1 + static_cast<int>(others.size()); }
     [[nodiscard]] SceneInstrument& instrument(int k) { return k == 0 ? *this : others[static_cast<std::size_t>(k) - 1]; }
     [[nodiscard]] const SceneInstrument& instrument(int k) const { return const_cast<Scene&>(*this).instrument(k); }

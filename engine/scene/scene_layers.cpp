@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "scene/instruments.h"
+#include "scene/toml_parse.h"
 #include "scene/toml_set.h"
 #include "scene/toml_table.h"
 
@@ -189,7 +190,7 @@ Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, L
                 fmt::format("is more than {} files deep ({}); include fewer in each other", deepest_include, names_of(longer)));
     std::string text;
     try {
-        text = read_file(file);
+        text = read_scene_file(file);
     } catch (const Error& error) {
         fail_at(item.source(), "include", fmt::format("{}; paths start at the folder of the file that includes", error.what()));
     }
@@ -243,18 +244,9 @@ void fit_sections(toml::table& wire)
 
 }  // namespace
 
-toml::table parse_toml(const std::string& text, const fs::path& file)
-{
-    try {
-        return toml::parse(text, file.string());
-    } catch (const toml::parse_error& error) {
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
-    }
-}
-
 toml::table read_instrument(const fs::path& file)
 {
-    toml::table root = parse_toml(read_file(file), file);
+    toml::table root = parse_toml(read_scene_file(file), file);
     const TableReader all(root, "", {"title", "kind", "wire"});
     for (const auto key : {"title", "kind", "wire"}) all.need(key, "an instrument has title, kind and [wire]");
     std::string title;

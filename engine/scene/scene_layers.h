@@ -22,9 +22,6 @@ inline constexpr std::string_view instrument_keys[] = {"radius_m",  "lumen_radiu
                                                        "poisson",   "bend_nm2",       "twist_nm2", "stretch_n",
                                                        "mu_static", "mu_sliding",     "section"};
 
-/// TOML of one file. @throws Error BadScene where it is not TOML
-[[nodiscard]] toml::table parse_toml(const std::string& text, const std::filesystem::path& file);
-
 /// A file of the catalogue, its keys checked by name. @throws Error BadFile, BadScene
 [[nodiscard]] toml::table read_instrument(const std::filesystem::path& file);
 

@@ -1,4 +1,5 @@
 // Reads a scene's tables in their order and checks each against those before; instruments and [vessel] have files of their own.
+#include "scene/toml_parse.h"
 #include "scene/scene_read.h"
 
 #include "core/error.h"
@@ -139,6 +140,7 @@ void read_contact(const toml::table& table, Scene& scene)
     t.number("restitution", spec.restitution, {0, 1, true, false, "a number above 0, at most 1"});
     t.number("mu_static", spec.mu_static, friction_range);
     t.number("mu_sliding", spec.mu_sliding, friction_range);
+    check_friction(t, spec.mu_static, spec.mu_sliding);
     t.flag("rolling", spec.rolling);
     t.number("rolling_alpha", spec.rolling_alpha, not_negative);
     t.number("rolling_sigma_b_pa", spec.rolling_sigma_b, not_negative);
@@ -174,9 +176,11 @@ void read_output(const toml::table& table, Scene& scene)
     // a run writes about 100 frames unless told otherwise
     const int spread = static_cast<int>(std::max(1L, (scene.steps() + 99) / 100));
     scene.wire_every = scene.contacts_every = spread;
-    const TableReader t(table, "output", {"wire_every", "contacts_every"});
+    const TableReader t(table, "output", {"wire_every", "contacts_every", "force_window_m", "force_patch_m"});
     t.count("wire_every", scene.wire_every, 0, static_cast<int>(most_steps));
     t.count("contacts_every", scene.contacts_every, 0, static_cast<int>(most_steps));
+    t.number("force_window_m", scene.force_window, positive);
+    t.number("force_patch_m", scene.force_patch, positive);
 }
 
 Scene read_root(const toml::table& root, const std::filesystem::path& file)
@@ -249,7 +253,7 @@ Scene read_scene_text(const std::string& text, const std::filesystem::path& file
 
 Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides)
 {
-    return read_scene_text(read_file(file), file, overrides);
+    return read_scene_text(read_scene_file(file), file, overrides);
 }
 
 }  // namespace seldinger

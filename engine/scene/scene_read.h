@@ -20,6 +20,11 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
 /// Where an instrument enters and its key frames. @param inherits  it enters where another one does: no inlet of its own
 void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene);
 
+/// Refuses a mu_static that stands there and is below mu_sliding.
+void check_friction(const TableReader& t, double mu_static, double mu_sliding);
+/// A mu_static that nobody gave is raised: for the summary, and as a warning. @param where  the table
+void note_raised_friction(Scene& scene, const std::string& where, double mu_static, double mu_sliding);
+
 void read_carm_table(const toml::table& table, Scene& scene);      // [carm]
 void read_contrast_table(const toml::table& table, Scene& scene);  // [contrast]
 

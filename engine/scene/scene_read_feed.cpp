@@ -24,11 +24,14 @@ FeedKey read_feed_key(const toml::node& node, const std::string& path, const Fee
 
 void read_inlet(const TableReader& t, const Scene& scene, SceneFeed& feed)
 {
-    constexpr std::string_view inlets[] = {"auto"};
-    feed.inlet_auto = t.word_index("inlet", inlets) == 0;
+    const toml::node* inlet = t.node("inlet");
+    feed.inlet_auto = inlet != nullptr;
+    if (inlet && inlet->is_number()) t.count("inlet", feed.inlet_number, 1, 1000);
+    else if (inlet && inlet->value<std::string>() != "auto")
+        t.fail("inlet", "expected \"auto\" or the number of a way in, as `seldinger vessel` lists them from 1");
     if (feed.inlet_auto) {
-        t.refuse("point", "contradicts inlet = \"auto\"; give one or the other");
-        t.refuse("direction", "contradicts inlet = \"auto\"; give one or the other");
+        t.refuse("point", "contradicts inlet; give one or the other");
+        t.refuse("direction", "contradicts inlet; give one or the other");
         if (scene.vessel.shape == VesselShape::None) t.fail("inlet", "needs a [vessel]; give point and direction instead");
         return;
     }

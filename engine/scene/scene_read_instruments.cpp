@@ -81,9 +81,9 @@ void read_coaxial(const toml::table& table, Scene& scene)
     t.number("mu_static", spec.mu_static, friction_range);
     t.number("mu_sliding", spec.mu_sliding, friction_range);
     t.number("stiffness", spec.stiffness, positive);
+    check_friction(t, spec.mu_static, spec.mu_sliding);
     if (spec.mu_static < spec.mu_sliding) {
-        scene.notes.emplace_back("coaxial.mu_static",
-                                 fmt::format("{} (raised from {}: not below mu_sliding)", spec.mu_sliding, spec.mu_static));
+        note_raised_friction(scene, "coaxial", spec.mu_static, spec.mu_sliding);
         spec.mu_static = spec.mu_sliding;
     }
     scene.coaxial = std::move(spec);
@@ -165,6 +165,7 @@ void read_instruments(const toml::table& root, Scene& scene)
     for (std::size_t i = 1; i < order.size(); ++i) {
         SceneFeed& feed = scene.instrument(order[i]).feed;
         feed.inlet_auto = outermost.inlet_auto;
+        feed.inlet_number = outermost.inlet_number;
         feed.point = outermost.point;
         feed.direction = outermost.direction;
         const toml::table& table = *tables[static_cast<std::size_t>(order[i])];

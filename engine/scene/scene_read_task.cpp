@@ -26,11 +26,12 @@ void read_target(const toml::table& table, TaskSpec& task)
 
 void read_task_table(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "task", {"text", "target", "wall_force_n", "time_s", "fluoroscopy_s"});
+    const TableReader t(table, "task", {"text", "target", "wall_force_n", "patch_force_n", "time_s", "fluoroscopy_s"});
     TaskSpec& task = scene.task;
     task.on = true;
     t.text("text", task.text);
     t.number("wall_force_n", task.wall_force, positive);
+    t.number("patch_force_n", task.patch_force, positive);
     t.number("time_s", task.time, positive);
     t.number("fluoroscopy_s", task.fluoroscopy, positive);
     const toml::node* target = t.node("target");

@@ -27,14 +27,15 @@ void read_properties(const TableReader& t, WireSection& s)
     t.number("stretch_n", s.stretch_stiffness, positive);
     t.number("mu_static", s.mu_static, friction_range);
     t.number("mu_sliding", s.mu_sliding, friction_range);
+    check_friction(t, s.mu_static, s.mu_sliding);
 }
 
-/// A wire cannot need less force to start sliding than to go on: mu_static is raised to mu_sliding, and the summary says so.
+/// A wire cannot need less force to start sliding than to go on: a mu_static that nobody gave here is raised to mu_sliding, and
+/// whatever is written says so. One that was given is refused (check_friction).
 void order_friction(double& mu_static, double mu_sliding, const std::string& where, Scene& scene)
 {
     if (mu_static >= mu_sliding) return;
-    scene.notes.emplace_back(fmt::format("{}.mu_static", where),
-                             fmt::format("{} (raised from {}: not below mu_sliding)", mu_sliding, mu_static));
+    note_raised_friction(scene, where, mu_static, mu_sliding);
     mu_static = mu_sliding;
 }
 
@@ -172,6 +173,22 @@ void check_lumen(const TableReader& t, WireSpec& wire)
 }
 
 }  // namespace
+
+void check_friction(const TableReader& t, double mu_static, double mu_sliding)
+{
+    if (t.has("mu_static") && mu_static < mu_sliding)
+        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to go on; "
+                                        "make it {} or more, or take it out",
+                                        mu_static, mu_sliding, mu_sliding));
+}
+
+void note_raised_friction(Scene& scene, const std::string& where, double mu_static, double mu_sliding)
+{
+    const std::string key = where + ".mu_static";
+    const std::string what = fmt::format("{} (raised from {}: not below mu_sliding, and not given)", mu_sliding, mu_static);
+    scene.notes.emplace_back(key, what);
+    scene.warnings.push_back(key + " is " + what);
+}
 
 void read_wire_table(const toml::table& table, const std::string& path, std::initializer_list<std::string_view> extra, bool fed,
                      SceneInstrument& into, Scene& scene)

@@ -23,6 +23,9 @@ namespace {
 // A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
 // is worth pushing against and the widest ventricle lie well inside.
 constexpr double narrowest = 0.05, widest = 1000;
+// A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]; nor does a wire go into a mesh
+// whose lumen is thinner than itself almost everywhere. A generated shape may be anything: a case with a closed form.
+constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
 constexpr double far_apart = std::numeric_limits<double>::infinity();
 
 [[noreturn]] void fail(const Scene& scene, const std::string& key, const std::string& message, ExitCode code = ExitCode::BadScene)
@@ -53,6 +56,14 @@ std::string_view fitting_unit(double lumen_radius, const std::string& units, dou
     return *std::min_element(std::begin(unit_words), std::end(unit_words), [&](auto a, auto b) { return misfit(a) < misfit(b); });
 }
 
+/// Longest side of the box around it [m].
+double extent_of(const WallMesh& mesh)
+{
+    Vec3 low = Vec3::Constant(far_apart), high = -low;
+    for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    return mesh.vertices.empty() ? 0 : (high - low).maxCoeff();
+}
+
 /// How messages call a key of an instrument: "wire.place", "instrument.1.place"; `feed` stands alone.
 std::string key_of(const Scene& scene, int k, const char* key)
 {
@@ -63,9 +74,13 @@ std::string key_of(const Scene& scene, int k, const char* key)
 void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& vessel)
 {
     const double lumen = typical_radius(vessel), wire = spec.shaft.radius;
-    if (lumen == 0 || (lumen >= narrowest * wire && lumen <= widest * wire)) return;
-    const std::string sizes = fmt::format("the lumen's radius is {:.3g} mm, the wire's {:.3g} mm", 1e3 * lumen, 1e3 * wire);
-    if (scene.vessel.shape != VesselShape::Mesh)
+    const bool mesh = scene.vessel.shape == VesselShape::Mesh;
+    const double extent = mesh ? extent_of(vessel.mesh) : 0;
+    const bool too_large = mesh && (lumen > widest_lumen || extent > largest_vessel);
+    if (!too_large && (lumen == 0 || (lumen >= (mesh ? 1 : narrowest) * wire && lumen <= widest * wire))) return;
+    std::string sizes = fmt::format("the lumen's radius is {:.3g} mm, the wire's {:.3g} mm", 1e3 * lumen, 1e3 * wire);
+    if (too_large) sizes = fmt::format("the vessel is {:.3g} m across, its lumen's radius {:.3g} mm", extent, 1e3 * lumen);
+    if (!mesh)
         fail(scene, "vessel.radius_m", sizes + "; expected the same order of size, check both (metres)");
     const std::string_view unit = fitting_unit(lumen, scene.vessel.units, wire);
     fail(scene, "vessel.units",
@@ -74,19 +89,28 @@ void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& ve
              unit == scene.vessel.units ? "check wire.radius_m too (metres)" : fmt::format("units = \"{}\" would fit", unit)));
 }
 
-void place_feed(const Scene& scene, int k, const LoadedVessel& vessel, FeedSpec& feed)
+/// @return what was chosen, for every output
+std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, FeedSpec& feed)
 {
-    if (!scene.instrument(k).feed.inlet_auto) return;
+    const SceneFeed& asked = scene.instrument(k).feed;
+    if (!asked.inlet_auto) return {};
     const std::string key = key_of(scene, k, "feed.inlet");
     if (scene.vessel.shape == VesselShape::Plane)
         fail(scene, key, "a plane has no inlet: its border is no opening; give point and direction");
     try {
-        const Inlet inlet = pick_inlet(vessel.report.loops, vessel.centreline);
-        feed.point = inlet.point;
-        feed.direction = inlet.direction;
+        (void)pick_inlet(vessel.report.loops, vessel.centreline);  // refuses a vessel without any
     } catch (const Error& error) {
         fail(scene, key, error.what(), error.code());
     }
+    const std::vector<Inlet> inlets = find_inlets(vessel.report.loops, vessel.centreline);
+    const std::size_t number = static_cast<std::size_t>(std::max(1, asked.inlet_number));
+    if (number > inlets.size())
+        fail(scene, key, fmt::format("{} given, the vessel has {} (`seldinger vessel` lists them)", number,
+                                     inlets.size() == 1 ? "one way in" : fmt::format("{} ways in", inlets.size())));
+    const Inlet& inlet = inlets[number - 1];
+    feed.point = inlet.point;
+    feed.direction = inlet.direction;
+    return fmt::format("{} of {}{}: {}", number, inlets.size(), asked.inlet_number == 0 ? " (\"auto\")" : "", describe(inlet));
 }
 
 /// Looks up whether wires start inside the lumen; what that takes is built once, when first asked.
@@ -180,10 +204,10 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
         const std::size_t begin = setup.wires.size();
         for (int k = 0; k < scene.instrument_count(); ++k) {
             const SceneInstrument& from = scene.instrument(k);
-            WireSetup wire{from.wire, from.feed.inlet(), scene.contact, from.holds, from.loads, from.links, {}, from.label};
+            WireSetup wire{from.wire, from.feed.inlet(), scene.contact, from.holds, from.loads, from.links, {}, {}, from.label};
             if (has_lumen) check_size(scene, from.wire, vessel);
             if (wire.feed.on) {
-                place_feed(scene, k, vessel, wire.feed);
+                wire.inlet = place_feed(scene, k, vessel, wire.feed);
                 if (has_lumen) places.check(scene, k, wire.feed);
             } else if (first.vessel.shape != VesselShape::None) {
                 wire.start = places.check(scene, k, wire.wire);
@@ -198,6 +222,8 @@ WorldSetup make_setup(std::span<const Scene> scenes, LoadedVessel vessel, int de
     }
     setup.instruments_touch = first.instruments_touch;
     setup.gravity = first.gravity;
+    setup.force_window = first.force_window;
+    setup.force_patch = first.force_patch;
     setup.start_settled = first.start_settled;
     setup.integrator = first.integrator;
     setup.vessel = first.vessel;

@@ -203,7 +203,8 @@ void write_feed(std::string& out, const SceneFeed& feed, std::string_view header
 {
     if (!feed.on) return;
     TableText t(out, header);
-    if (inlet && feed.inlet_auto) t.word("inlet", "auto");
+    if (inlet && feed.inlet_auto && feed.inlet_number > 0) t.whole("inlet", feed.inlet_number);
+    else if (inlet && feed.inlet_auto) t.word("inlet", "auto");
     else if (inlet) t.vector("point", feed.point).vector("direction", feed.direction);
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
@@ -249,7 +250,8 @@ void write_task(std::string& out, const TaskSpec& task)
     if (!task.on) return;
     TableText t(out, "[task]");
     if (!task.text.empty()) t.word("text", task.text);
-    t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("time_s", task.time);
+    t.num_unless_zero("wall_force_n", task.wall_force).num_unless_zero("patch_force_n", task.patch_force);
+    t.num_unless_zero("time_s", task.time);
     t.num_unless_zero("fluoroscopy_s", task.fluoroscopy);
     if (task.target == TaskSpec::Target::Point)
         t.raw("target", fmt::format("{{ point = {}, radius_m = {} }}", vec(task.point), real(task.radius)));
@@ -348,6 +350,7 @@ std::string write_scene(const Scene& scene, const std::filesystem::path& folder)
     write_contrast(out, scene.contrast);
     TableText o(out, "[output]");
     o.whole("wire_every", scene.wire_every).whole("contacts_every", scene.contacts_every);
+    o.num_unless_zero("force_window_m", scene.force_window).num("force_patch_m", scene.force_patch);
     return out;
 }
 

@@ -1,6 +1,9 @@
 // Assembles summary.json (model, forces, energies, stages, vessel, warnings) and its few lines for people.
 #include "scene/summary.h"
 
+#include "core/error.h"
+#include "scene/frames.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -11,11 +14,46 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& openings, const Scene& scene)
+{
+    Json list = Json::array();
+    for (int k = 0; k < exits.count; ++k) {
+        const ExitTally::Exit& exit = exits.exit[k];
+        const BoundaryLoop& rim = openings[static_cast<std::size_t>(exit.opening)];
+        list.push_back({{"instrument", series_of(scene, exit.wire)},
+                        {"opening", exit.opening},
+                        {"centre_m", {rim.centre.x(), rim.centre.y(), rim.centre.z()}},
+                        {"radius_m", rim.radius},
+                        {"left_s", exit.left},
+                        {"back_s", exit.back > 0 ? Json(exit.back) : Json()}});
+    }
+    return list;
+}
+
+Json estimate_json(const ErrorEstimate& e)
+{
+    const auto band = [](const ErrorBand& b) -> Json {
+        return {{"value", b.value}, {"half_step", b.twin}, {"band", b.band}, {"resolved", b.resolved}};
+    };
+    return {{"windows", e.windows},
+            {"failed_windows", e.failed},
+            {"window_steps", StepTwin::window_steps},
+            {"peak_mean_s", StepTwin::mean_time},
+            {"steps", e.steps},
+            {"from_step", e.from_step},
+            {"seconds", e.seconds},
+            {"hand_force_n", band(e.hand)},
+            {"hand_force_peak_n", band(e.hand_peak)},
+            {"friction_n", band(e.friction)},
+            {"friction_peak_n", band(e.friction_peak)},
+            {"tip_band_m", e.tip}};
+}
+
 /// Null where the number is not finite; its key is remembered.
 class Numbers {
 public:
     explicit Numbers(Json& out) : out_(out) {}
-    void set(const char* key, double value)
+    void set(const std::string& key, double value)
     {
         if (std::isfinite(value)) out_[key] = value;
         else out_[key] = nullptr, lost_.emplace_back(key);
@@ -59,11 +97,27 @@ Json vessel_of(const RepairReport& report)
             {"notes", report.notes}};
 }
 
+/// What lay on the wall, or instruments on each other.
+void set_loads(Numbers& number, Json& out, const std::string& of, const LoadTally& loads)
+{
+    number.set(of + "force_per_length_max_n_per_m", loads.per_length);
+    number.set(of + "force_per_length_max_at_m", loads.per_length_at);
+    number.set(of + "force_per_length_max_at_s", loads.per_length_time);
+    number.set(of + "force_window_m", loads.window);
+    number.set(of + "patch_force_max_n", loads.patch_force);
+    number.set(of + "patch_force_max_at_m", loads.patch_at);
+    number.set(of + "patch_force_max_at_s", loads.patch_time);
+    number.set(of + "force_patch_m", loads.patch);
+    out[of + "contact_regions_max"] = loads.regions;
+    number.set(of + "contact_extent_max_m", loads.extent);
+}
+
 void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, const WireReadings& r)
 {
     out["contacts_max"] = tally.contacts_max;
     number.set("friction_max_n", tally.friction_max);
     number.set("hand_force_n", r.hand_force);
+    number.set("hand_force_max_n", tally.hand_force_max);
     number.set("hand_torque_nm", r.hand_torque);
     out["base_force_n"] = {r.base_force.x(), r.base_force.y(), r.base_force.z()};  // the JSON writer makes null of NaN
     number.set("remesh_energy_j", r.remesh_energy);
@@ -72,6 +126,8 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("outside_max_m", tally.outside_max);
     number.set("contact_area_max_m2", tally.contact_area_max);
     number.set("contact_pressure_max_pa", tally.contact_pressure_max);
+    set_loads(number, out, "", tally.on_wall);
+    if (tally.on_instruments.regions > 0) set_loads(number, out, "instruments_", tally.on_instruments);
     out["newton_max"] = tally.newton_max;
     for (const EnergyEntry& entry : energy_entries(r.energy)) number.set(entry.name, entry.value);
     number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
@@ -122,14 +178,31 @@ Json instruments_of(const World& world, const Scene& scene, std::vector<std::str
 
 std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes& notes, const std::vector<std::string>& lost)
 {
-    std::vector<std::string> list = notes.warnings;
+    std::vector<std::string> list = notes.scene->warnings;
+    list.insert(list.end(), notes.warnings.begin(), notes.warnings.end());
     const auto share = [&](std::int64_t count) { return fmt::format("{} of {} steps", count, tally.steps); };
+    if (tally.on_wall.widened)
+        list.push_back(fmt::format("contact samples are {:.3g} mm apart: force per length is taken over {:.3g} mm, twice that; "
+                                   "more samples (contact.samples_per_edge) make it finer",
+                                   5e2 * tally.on_wall.window, 1e3 * tally.on_wall.window));
     if (tally.halved_steps > 0)
         list.push_back(share(tally.halved_steps) + " were halved to converge; if frequent, make scene.dt_s smaller");
+    constexpr double deep = 0.45;  // of the radius: at half of it the hardening law has its pole, and what is read follows the step
+    if (tally.overlap_share > deep)
+        list.push_back(fmt::format("the wire overlapped the wall by {:.3g} of its radius at {:.4g} s near [{:.4g}, {:.4g}, {:.4g}] m: "
+                                   "what it weighs on there is not resolved; make scene.dt_s smaller, or look for a crease of the "
+                                   "mesh at that place",
+                                   tally.overlap_share, tally.overlap_time, tally.overlap_at[0], tally.overlap_at[1],
+                                   tally.overlap_at[2]));
+    if (notes.vessel)
+        for (const std::string& sentence : exit_sentences(tally.exits, notes.vessel->loops, *notes.scene)) list.push_back(sentence);
+    if (notes.estimate)
+        for (const std::string& sentence : unresolved(*notes.estimate)) list.push_back(sentence);
     if (tally.outside_steps > 0)
         list.push_back(
             share(tally.outside_steps) +
-            fmt::format(" had a point of the wire's axis beyond the wall, {:.3g} mm at most", 1e3 * tally.outside_max));
+            fmt::format(" had a point of the wire's axis beyond the wall (through it, not out of an opening), {:.3g} mm at most",
+                        1e3 * tally.outside_max));
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
                        " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
@@ -164,8 +237,28 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     far_steps += (flags & StepWallFar) != 0;
     outside_steps += (flags & StepWallPenetration) != 0;
     friction_max = std::max(friction_max, readings.friction);
+    hand_force_max = std::max(hand_force_max, std::abs(readings.hand_force));
     overlap_max = std::max(overlap_max, readings.overlap);
     outside_max = std::max(outside_max, readings.outside);
+}
+
+void LoadTally::take_in(const ContactAlong& now, double time)
+{
+    if (now.per_length_max > per_length) {
+        per_length = now.per_length_max;
+        per_length_at = now.per_length_at;
+        per_length_time = time;
+    }
+    if (now.patch_force > patch_force) {
+        patch_force = now.patch_force;
+        patch_at = now.patch_at;
+        patch_time = time;
+    }
+    extent = std::max(extent, now.extent);
+    regions = std::max<std::int64_t>(regions, now.regions);
+    window = std::max(window, now.window);
+    patch = now.patch;
+    widened = widened || now.widened;
 }
 
 void RunTally::note_wall(unsigned flags)
@@ -210,6 +303,8 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     out["nodes"] = r.nodes;
     set_forces_and_energies(number, out, tally, r);
     set_wall(number, out, tally, world);
+    if (notes.vessel) out["left_through"] = exits_json(tally.exits, notes.vessel->loops, *notes.scene);
+    if (notes.estimate) out["error_estimate"] = estimate_json(*notes.estimate);
     std::vector<std::string> lost;
     if (!notes.scene->label.empty()) out["instruments"] = instruments_of(world, *notes.scene, lost);
     out["halved_steps"] = tally.halved_steps;
@@ -227,7 +322,37 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+namespace {
+
+std::string lines_of(const std::string& json, const std::filesystem::path& dir);
+
+/// The bands, against the same windows at half the step.
+std::string estimate_for_people(const Json& e)
+{
+    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again at half of it\n";
+    const auto band = [&](const char* key) {
+        return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
+    };
+    return fmt::format("  error of the step, from {} windows of {} steps taken again at half of it: hand {} (largest 20 ms mean {}), "
+                       "friction {} (largest {}), tip +- {:.2g} mm\n",
+                       e.at("windows").get<long>(), e.at("window_steps").get<int>(), band("hand_force_n"), band("hand_force_peak_n"),
+                       band("friction_n"), band("friction_peak_n"), 1e3 * e.at("tip_band_m").get<double>());
+}
+
+}  // namespace
+
 std::string summary_for_people(const std::string& json, const std::filesystem::path& dir)
+{
+    try {
+        return lines_of(json, dir);
+    } catch (const Json::exception&) {  // of a run that was done before, whose file somebody has changed
+        throw Error(ExitCode::BadFile, (dir / "summary.json").string() + ": is damaged; run again with --overwrite");
+    }
+}
+
+namespace {
+
+std::string lines_of(const std::string& json, const std::filesystem::path& dir)
 {
     const Json s = Json::parse(json);
     const auto number = [&](const char* key) { return s.at(key).is_number() ? s.at(key).get<double>() : std::nan(""); };
@@ -237,9 +362,18 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
                         number("steps_per_s"));
     text += fmt::format("  inserted {:.4g} cm, {} nodes, at most {} contacts\n", 1e2 * number("inserted_m"),
                         s.at("nodes").get<int>(), s.at("contacts_max").get<long>());
-    text += fmt::format("  hand force {:.4g} N, torque {:.4g} N m; friction at most {:.4g} N\n", number("hand_force_n"),
-                        number("hand_torque_nm"), number("friction_max_n"));
-    text += fmt::format("  overlap at most {:.3g} um, outside {:.3g} um; Newton at most {} iterations\n",
+    text += fmt::format("  hand force {:.4g} N, at most {:.4g} N, torque {:.4g} N m; friction at most {:.4g} N\n",
+                        number("hand_force_n"), number("hand_force_max_n"), number("hand_torque_nm"), number("friction_max_n"));
+    if (s.contains("model") && s.at("model").contains("inlet"))
+        text += "  entered at " + s.at("model").at("inlet").get<std::string>() + "\n";
+    if (s.contains("error_estimate")) text += estimate_for_people(s.at("error_estimate"));
+    if (number("contact_regions_max") > 0)
+        text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {:.4g} N on {:.3g} mm of wire; {:.4g} mm in contact "
+                            "at most, in {} places at most\n",
+                            number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), number("patch_force_max_n"),
+                            1e3 * number("force_patch_m"), 1e3 * number("contact_extent_max_m"),
+                            s.at("contact_regions_max").get<long>());
+    text += fmt::format("  overlap at most {:.3g} um, beyond the wall {:.3g} um; Newton at most {} iterations\n",
                         1e6 * number("overlap_max_m"), 1e6 * number("outside_max_m"), s.at("newton_max").get<long>());
     text += fmt::format("  state {} on {}\n", s.at("state_hash").get<std::string>(), s.at("device").get<std::string>());
     for (const Json& warning : s.at("warnings")) text += "  note: " + warning.get<std::string>() + "\n";
@@ -248,5 +382,7 @@ std::string summary_for_people(const std::string& json, const std::filesystem::p
         if (std::filesystem::exists(dir / name)) files += fmt::format("{}{}", files.empty() ? "" : ", ", name);
     return text + fmt::format("  {}: {}\n", dir.string(), files);
 }
+
+}  // namespace
 
 }  // namespace seldinger

@@ -2,11 +2,14 @@
 // summary.json: what a run came to, as one JSON object and as a few lines for people.
 
 #include "engine.h"
+#include "scene/exits.h"
 #include "scene/scene.h"
+#include "scene/step_twin.h"
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -16,6 +19,17 @@ namespace seldinger {
 /// How a run ended, or where it stands.
 enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Stopped };
 [[nodiscard]] const char* status_word(RunStatus status);  // "done", "time-limit", ...
+
+/// The most of what contacts along the wire came to (contact/force_per_length.h), over the rows of trace.csv.
+struct LoadTally {
+    double per_length = 0, per_length_at = 0, per_length_time = 0;  // [N/m], from the tip [m], [s]
+    double patch_force = 0, patch_at = 0, patch_time = 0;           // [N], from the tip [m], [s]
+    double extent = 0;                                              // [m]
+    std::int64_t regions = 0;
+    double window = 0, patch = 0;  // [m]
+    bool widened = false;
+    void take_in(const ContactAlong& now, double time);
+};
 
 /// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
 struct RunTally {
@@ -30,6 +44,10 @@ struct RunTally {
     std::int64_t far_steps = 0;                                 // StepWallFar
     double wall_move_max = 0, wall_stress_max = 0;              // over the rows of trace.csv [m], [Pa]
     double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
+    LoadTally on_wall, on_instruments;                          // likewise
+    double hand_force_max = 0;                                  // over every step, of |hand force| [N]
+    double overlap_share = 0, overlap_time = 0, overlap_at[3] = {};  // of the radius, at the worst step [-], [s], [m]
+    ExitTally exits;
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
     StageTimes stages;  // sums [s]
     double record = 0;  // writing, summed [s]
@@ -58,6 +76,7 @@ struct SummaryNotes {
     RunStatus status = RunStatus::Running;
     WireReadings readings;              // of the last accepted step
     std::vector<std::string> warnings;  // one sentence each
+    std::optional<ErrorEstimate> estimate;  // of what the step's length leaves in forces and tip
 };
 
 /// The JSON object, indented, with a line end. A number that is not finite is null, and `warnings` says so.

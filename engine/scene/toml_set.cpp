@@ -2,6 +2,8 @@
 #include "scene/toml_set.h"
 
 #include "core/error.h"
+#include "core/printable.h"
+#include "scene/toml_parse.h"
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>
@@ -46,6 +48,8 @@ toml::table parse_value(const std::string& text, const std::string& value)
 {
     const std::string source = "--set " + text;
     if (value.find_first_of("\r\n") != std::string::npos) fail_set(text, "expected a value on one line");
+    if (too_deep(text) != std::string_view::npos)
+        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
     try {
         return toml::parse("value = " + value, source);
     } catch (const toml::parse_error& error) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -24,7 +25,114 @@ std::string shown(const toml::node& node)
     return text;
 }
 
+/// What people call things, and which key that is. Said where the key's words begin with it, if the table has one of the keys.
+struct Synonym {
+    std::string_view said;
+    std::initializer_list<std::string_view> keys;
+    std::string_view hint;
+};
+const Synonym synonyms[] = {
+    {"diameter", {"radius_m"}, "half of the diameter, in metres"},
+    {"thickness", {"thickness_m", "radius_m"}, "in metres"},
+    {"thick", {"thickness_m", "radius_m"}, "in metres"},
+    {"gauge", {"radius_m"}, "in metres"},
+    {"french", {"radius_m"}, "in metres: French/6000"},
+    {"outer", {"radius_m"}, "in metres"},
+    {"inner", {"lumen_radius_m"}, "in metres"},
+    {"bore", {"lumen_radius_m"}, "in metres"},
+    {"speed", {"keys", "speed_m_s", "velocity_m_s"}, "metres over seconds, between key frames"},
+    {"velocity", {"velocity_m_s", "keys"}, "metres over seconds, between key frames"},
+    {"advance", {"keys"}, "advance_m of a key frame"},
+    {"push", {"keys"}, "advance_m of a key frame"},
+    {"insertion", {"keys"}, "advance_m of a key frame"},
+    {"rotation", {"keys", "twist_rad"}, "turn_rad of a key frame"},
+    {"turn", {"keys"}, "turn_rad of a key frame"},
+    {"torque", {"keys", "moment_nm"}, ""},
+    {"friction", {"mu_static", "friction"}, "and mu_sliding"},
+    {"mu", {"mu_static"}, "or mu_sliding"},
+    {"modulus", {"youngs_pa"}, "in pascals"},
+    {"young", {"youngs_pa"}, "in pascals"},
+    {"elasticity", {"youngs_pa"}, "in pascals"},
+    {"e", {"youngs_pa"}, "in pascals"},
+    {"stiffness", {"stiffness", "bend_nm2", "youngs_pa"}, ""},
+    {"bending", {"bend_nm2"}, "EI in N m2"},
+    {"ei", {"bend_nm2"}, "EI in N m2"},
+    {"gj", {"twist_nm2"}, "GJ in N m2"},
+    {"torsion", {"twist_nm2"}, "GJ in N m2"},
+    {"ea", {"stretch_n"}, "EA in N"},
+    {"mass", {"density"}, "kg/m3"},
+    {"weight", {"density", "gravity"}, ""},
+    {"rho", {"density"}, "kg/m3"},
+    {"nu", {"poisson"}, ""},
+    {"time", {"duration_s", "t_s"}, "in seconds"},
+    {"end", {"duration_s"}, "in seconds"},
+    {"duration", {"duration_s"}, "in seconds"},
+    {"timestep", {"dt_s"}, "in seconds"},
+    {"step", {"dt_s"}, "in seconds"},
+    {"file", {"mesh"}, ""},
+    {"path", {"mesh"}, ""},
+    {"stl", {"mesh"}, ""},
+    {"unit", {"units"}, ""},
+    {"entry", {"inlet", "point"}, ""},
+    {"opening", {"inlet"}, ""},
+    {"position", {"point", "at", "base"}, "in metres"},
+    {"segments", {"nodes"}, ""},
+    {"elements", {"nodes"}, ""},
+    {"tip", {"section"}, "a stretch of the wire from its tip"},
+    {"model", {"preset"}, ""},
+    {"name", {"preset"}, "an instrument of the catalogue"},
+};
+
+/// "Diameter_in" begins with "diameter", "step_ms" with "step", "wire_diameter" has it after a line.
+bool has_word(std::string_view key, std::string_view word)
+{
+    for (std::size_t at = key.find(word); at != std::string_view::npos; at = key.find(word, at + 1)) {
+        const bool begins = at == 0 || key[at - 1] == '_' || key[at - 1] == '-';
+        const std::size_t end = at + word.size();
+        if (begins && (end == key.size() || key[end] == '_' || key[end] == '-' || (word.size() > 3 && key[end] == 's'))) return true;
+    }
+    return false;
+}
+
+/// Which key was meant: a mistyped one, else one of that meaning, else whatever looks most like it.
+std::string meant_key(std::string_view given, std::span<const std::string_view> known, std::string& hint)
+{
+    std::string key(given);
+    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string alike = nearest_word(key, known);
+    // one or two slips, or another unit behind the same word
+    const bool mistyped = edit_distance(key, alike) <= (key.size() > 5 ? 2 : 1);
+    const std::string stem = key.substr(0, key.rfind('_'));
+    if (mistyped) return alike;
+    for (const std::string_view candidate : known)
+        if (candidate.substr(0, candidate.rfind('_')) == stem) return std::string(candidate);
+    for (const Synonym& synonym : synonyms) {
+        if (!has_word(key, synonym.said)) continue;
+        for (const std::string_view meant : synonym.keys)
+            if (std::find(known.begin(), known.end(), meant) != known.end()) {
+                if (!synonym.hint.empty()) hint = fmt::format(" ({})", synonym.hint);
+                return std::string(meant);
+            }
+    }
+    return alike;
+}
+
 }  // namespace
+
+double largest(std::string_view key)
+{
+    const auto is_in = [&](std::string_view unit) { return key.ends_with(unit); };
+    if (is_in("_m_s")) return range_end;  // a step finds that itself
+    for (const std::string_view compound : {"_1_m", "_n_m", "_pa_m", "_1_s", "_rad_s"})
+        if (is_in(compound)) return 1e18;
+    if (is_in("_m")) return 1e4;
+    if (is_in("_s")) return 1e9;
+    if (is_in("_rad") || is_in("_deg")) return 1e9;
+    if (key == "gravity") return 1e6;
+    for (const std::string_view place : {"point", "at", "anchor", "isocentre", "inflow", "base", "tip"})
+        if (key == place) return 1e4;
+    return 1e18;
+}
 
 std::string one_line(std::string text)
 {
@@ -81,8 +189,10 @@ TableReader::TableReader(const toml::table& table, std::string path, std::span<c
         if (std::find(words.begin(), words.end(), key.str()) != words.end()) continue;
         // the key's own place, unless --set made it
         const bool set = value.source().path && value.source().path->starts_with("--set ");
+        std::string hint;
+        const std::string meant = meant_key(key.str(), words, hint);
         fail_at(set ? value.source() : key.source(), full(key.str()),
-                fmt::format("unknown key; the nearest known one is {}", full(nearest_word(key.str(), words))));
+                fmt::format("unknown key; the nearest known one is {}{}", full(meant), hint));
     }
 }
 
@@ -107,6 +217,7 @@ double TableReader::checked(const toml::node& at, std::string_view key, const Ra
     if (!at.is_number()) wrong(at, key, range.says);
     const double value = at.value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
     if (!std::isfinite(value) || !range.contains(value)) wrong(at, key, range.says);
+    if (const double most = largest(key); std::abs(value) > most) wrong(at, key, fmt::format("{}, at most {:g}", range.says, most));
     return value;
 }
 

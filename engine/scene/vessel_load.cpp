@@ -40,12 +40,14 @@ LoadedVessel from_file(const VesselSpec& spec)
     try {
         vessel.report = repair(vessel.mesh);
         if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
+        if (spec.centreline.empty())
+            vessel.centreline =
+                extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
     }
     // a file's centreline is in the mesh's unit: the two come from one pipeline
     if (!spec.centreline.empty()) vessel.centreline = read_centreline_vtp(spec.centreline, spec.units);
-    else vessel.centreline = extract_centreline(vessel.mesh, vessel.report.loops, LumenQuery(vessel.mesh, vessel.report.loops));
     return vessel;
 }
 

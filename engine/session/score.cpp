@@ -109,7 +109,8 @@ double TaskTarget::distance(const Vec3& tip) const
     return std::max(0.0, least);
 }
 
-void Scorer::stepped(double dt, const Vec3& tip, double moved, double wall_force, bool fluoroscopy, bool contrast)
+void Scorer::stepped(double dt, const Vec3& tip, double moved, double wall_force, double patch_force, bool fluoroscopy,
+                     bool contrast)
 {
     ScoreNumbers& s = score_;
     s.distance = target_.distance(tip);
@@ -125,7 +126,10 @@ void Scorer::stepped(double dt, const Vec3& tip, double moved, double wall_force
     s.wall_force = wall_force;
     s.wall_force_mean = force_time_ / elapsed_;
     s.wall_force_max = std::max(s.wall_force_max, wall_force);
-    if (task_.wall_force > 0 && wall_force > task_.wall_force) s.time_above += dt;
+    s.patch_force = patch_force;
+    s.patch_force_max = std::max(s.patch_force_max, patch_force);
+    const auto above = [](double force, double limit) { return limit > 0 && force > limit; };
+    if (above(wall_force, task_.wall_force) || above(patch_force, task_.patch_force)) s.time_above += dt;
     if (fluoroscopy) s.fluoroscopy += dt;
     if (contrast) s.contrast += contrast_rate * dt;
     s.failed = s.failed || s.time_above > 0 || (task_.time > 0 && s.time > task_.time) ||

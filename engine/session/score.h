@@ -37,7 +37,8 @@ public:
     Scorer(const TaskSpec& task, TaskTarget target) : task_(task), target_(std::move(target)) {}
 
     /// A step of dt [s] has been taken. @param moved  by the hub in it [m]
-    void stepped(double dt, const Vec3& tip, double moved, double wall_force, bool fluoroscopy, bool contrast);
+    /// @param wall_force  on all of the wall  @param patch_force  on the worst patch of it [N]
+    void stepped(double dt, const Vec3& tip, double moved, double wall_force, double patch_force, bool fluoroscopy, bool contrast);
     void reset();
     [[nodiscard]] const ScoreNumbers& now() const { return score_; }
     [[nodiscard]] const TaskTarget& target() const { return target_; }

@@ -204,13 +204,16 @@ void Session::step_once()
     }
     stopped_ = !failure_.empty();
     if (stopped_) return;  // the world is where it was before
-    double wall_force = 0;
+    double wall_force = 0, patch_force = 0;
+    world_->read(contacts_, Output::Contacts);
+    for (const WireOutput& wire : contacts_.wires) patch_force = std::max(patch_force, wire.on_wall.patch_force);
     for (Instrument& it : instruments_) {
         take_readings(it);
         wall_force += world_->readings(it.wire).normal;
     }
     const int first = instruments_[0].wire;
-    scorer_.stepped(dt_, world_->rod(first).pos(0), world_->readings(first).inserted - before, wall_force, fluoroscopy_, contrast_);
+    scorer_.stepped(dt_, world_->rod(first).pos(0), world_->readings(first).inserted - before, wall_force, patch_force,
+                    fluoroscopy_, contrast_);
 }
 
 void Session::take_readings(Instrument& it)

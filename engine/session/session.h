@@ -109,7 +109,7 @@ private:
     std::vector<Instrument> instruments_;
     std::vector<std::uint8_t> initial_;  // state
     Control control_;
-    Output shape_;
+    Output shape_, contacts_;
     std::vector<double> hubs_;
     std::vector<std::uint8_t> entry_;
     Pacer pacer_;

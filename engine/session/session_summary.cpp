@@ -22,6 +22,7 @@ nlohmann::json score_object(const Scene& scene, const ScoreNumbers& s)
     nlohmann::json limits = nlohmann::json::object();
     const TaskSpec& task = scene.task;
     if (task.wall_force > 0) limits["wall_force_n"] = task.wall_force;
+    if (task.patch_force > 0) limits["patch_force_n"] = task.patch_force;
     if (task.time > 0) limits["time_s"] = task.time;
     if (task.fluoroscopy > 0) limits["fluoroscopy_s"] = task.fluoroscopy;
     return {{"task", task.text},
@@ -36,6 +37,8 @@ nlohmann::json score_object(const Scene& scene, const ScoreNumbers& s)
             {"pull_backs", s.pull_backs},
             {"wall_force_mean_n", s.wall_force_mean},
             {"wall_force_max_n", s.wall_force_max},
+            {"patch_force_max_n", s.patch_force_max},
+            {"force_patch_m", scene.force_patch},
             {"time_above_limit_s", s.time_above},
             {"fluoroscopy_s", s.fluoroscopy},
             {"contrast_ml", s.contrast},
@@ -76,7 +79,9 @@ std::string score_page(const Scene& scene, const ScoreNumbers& s)
     rows += row("Pulled back", fmt::format("{:.1f} cm in {} goes", 100 * s.pulled_back, s.pull_backs));
     rows += row("Wall force, mean", fmt::format("{:.2f} N", s.wall_force_mean));
     rows += row("Wall force, peak", fmt::format("{:.2f} N", s.wall_force_max), limit(task.wall_force, "{:.2f} N"));
-    rows += row("Time above the limit", fmt::format("{:.2f} s", s.time_above));
+    rows += row("Force on one patch, peak", fmt::format("{:.2f} N on {:.3g} mm", s.patch_force_max, 1e3 * scene.force_patch),
+                limit(task.patch_force, "{:.2f} N"));
+    rows += row("Time above a limit of force", fmt::format("{:.2f} s", s.time_above));
     rows += row("Fluoroscopy", fmt::format("{:.1f} s", s.fluoroscopy), limit(task.fluoroscopy, "{:.0f} s"));
     rows += row("Contrast", fmt::format("{:.1f} ml", s.contrast));
     rows += row("Target", s.reached ? "reached" : s.distance < 0 ? "none" : fmt::format("{:.1f} mm away", 1e3 * s.distance));

@@ -27,7 +27,8 @@ struct ScoreNumbers {
     double path_length = 0;       // of the tip of the instrument that counts [m]
     double advanced = 0, pulled_back = 0;  // of its hub [m]
     double wall_force = 0, wall_force_mean = 0, wall_force_max = 0;  // [N]
-    double time_above = 0;        // with more wall force than allowed [s]
+    double patch_force = 0, patch_force_max = 0;  // on the worst patch of the wall (contact/force_per_length.h) [N]
+    double time_above = 0;        // with more wall force, on all or on a patch, than allowed [s]
     double fluoroscopy = 0;       // [s]
     double contrast = 0;          // [ml]
     double distance = -1;         // of the tip from the target [m]; -1: no target

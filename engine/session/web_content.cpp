@@ -37,7 +37,7 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer
                         {"rate", rate},             {"dt", 1 / rate},
                         {"inlet", list(setup.wires[0].feed.point)},
                         {"task", task.text},        {"target", nullptr},
-                        {"limits", {{"wall_force", task.wall_force}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
+                        {"limits", {{"wall_force", task.wall_force}, {"patch_force", task.patch_force}, {"time", task.time}, {"fluoroscopy", task.fluoroscopy}}}};
     // the patient's axes: an arch has its own, else those of docs/live.md
     const bool arch = setup.vessel.shape == VesselShape::Arch;
     json["head"] = list(arch ? setup.vessel.axis : Vec3(Vec3::UnitZ()));
@@ -57,7 +57,7 @@ nlohmann::json score_object(const ScoreNumbers& s)
 {
     return {{"time", s.time},           {"path", s.path_length}, {"advanced", s.advanced},       {"back", s.pulled_back},
             {"pushes", s.pushes},       {"backs", s.pull_backs}, {"wall", s.wall_force},         {"wall_mean", s.wall_force_mean},
-            {"wall_max", s.wall_force_max}, {"above", s.time_above}, {"fluoroscopy", s.fluoroscopy}, {"contrast", s.contrast},
+            {"wall_max", s.wall_force_max}, {"patch", s.patch_force}, {"patch_max", s.patch_force_max}, {"above", s.time_above}, {"fluoroscopy", s.fluoroscopy}, {"contrast", s.contrast},
             {"distance", s.distance},   {"reached", s.reached},  {"failed", s.failed}};
 }
 

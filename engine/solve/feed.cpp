@@ -110,6 +110,12 @@ void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArra
     const double taken = std::clamp(faded, -most, most);
     state.surplus += taken - faded;
     state.grown = fed + taken;
+    // nor is more of it pulled out than there is: keys that begin elsewhere than the hub is ask for that
+    const double least = -0.9 * rod.rest_length[hub - 1];
+    if (state.grown < least) {
+        state.surplus += least - state.grown;
+        state.grown = least;
+    }
     rod.material_s[hub] += state.grown;
     set_rest_shape(rod, wire, false);
 }

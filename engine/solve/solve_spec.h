@@ -12,7 +12,7 @@ namespace seldinger {
 
 enum class Scheme { Newton, Linearised, Static, Explicit };
 
-/// Auto: spin angles are left out of steps whose equations hold without them (solve/spins.cpp).
+/// Auto: spin angles are unknowns only of steps in which torques do not balance without (solve/spins.cpp). Kept: of all steps.
 enum class Spins { Auto, Kept };
 
 struct IntegratorSpec {

@@ -2,6 +2,7 @@
 #include "study/batch.h"
 
 #include "core/error.h"
+#include "scene/checkpoint.h"
 #include "scene/joint_readings.h"
 
 #include <fmt/format.h>
@@ -10,10 +11,6 @@
 #include <unordered_map>
 
 namespace seldinger {
-namespace {
-
-/// What two scenes must agree in to be wires of one world: everything but the wire, how it is held and fed, and the numbers of
-/// contact that are kept per sample or edge. `first` stands in for what may differ.
 std::string shared_part(Scene scene, const Scene& first)
 {
     scene.name = first.name;
@@ -38,8 +35,6 @@ std::string shared_part(Scene scene, const Scene& first)
     return write_scene(scene, scene.source.parent_path());
 }
 
-}  // namespace
-
 Scene BatchSource::scene(std::size_t run) const
 {
     std::vector<std::string> all = overrides;
@@ -59,15 +54,20 @@ Scene BatchSource::scene(std::size_t run) const
     }
 }
 
-std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source)
+std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)
 {
     const Scene first = source.scene(0);
     std::vector<std::vector<std::size_t>> worlds;
-    std::unordered_map<std::string, std::size_t> open;  // the world that runs of this kind go to now
-    for (std::size_t run = 0; run < source.sweep.run_count(); ++run) {
+    std::unordered_map<std::string, std::size_t> open;   // the world that runs of this kind go to now
+    std::unordered_map<std::string, std::size_t> rooms;  // how many it takes
+    for (std::size_t run = begin; run < std::min(end, source.sweep.run_count()); ++run) {
         const std::string key = shared_part(source.scene(run), first);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());
-        if (!is_new && worlds[at->second].size() == most_wires) at->second = worlds.size();
+        std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
+        if (!is_new && worlds[at->second].size() == room) {
+            at->second = worlds.size();
+            room = std::min(2 * room, most_wires);
+        }
         if (at->second == worlds.size()) worlds.emplace_back();
         worlds[at->second].push_back(run);
     }
@@ -80,7 +80,9 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
     std::vector<Scene> scenes;
     for (const std::size_t run : runs) {
         scenes.push_back(source.scene(run));
-        runs_.push_back({static_cast<std::int64_t>(run), prescribed_until(scenes.back()), {}, false});
+        Run& own = runs_.emplace_back();
+        own.index = static_cast<std::int64_t>(run);
+        own.moving_until = prescribed_until(scenes.back());
     }
     scene_ = scenes.front();
     key_frames_ = KeyFrames(scenes);
@@ -90,10 +92,22 @@ BatchWorld::BatchWorld(const BatchSource& source, std::span<const std::size_t> r
 void BatchWorld::finish(int system, RunStatus status, std::vector<BatchRow>& rows)
 {
     Run& run = runs_[static_cast<std::size_t>(system)];
+    if (status == RunStatus::Done) take_loads(system);
     rows.push_back(make_row(run.index, status, *world_, system, run.tally));
     run.finished = true;
     world_->retire(system);
     --left_;
+}
+
+/// Force per length and the like of a system's accepted state.
+void BatchWorld::take_loads(int system)
+{
+    if (loads_read_at_ != world_->step_count() || loads_.wires.empty()) world_->read(loads_, Output::Contacts);
+    loads_read_at_ = world_->step_count();
+    const auto [first, end] = world_->wires_of(system);
+    const std::span<const WireOutput> wires = std::span<const WireOutput>(loads_.wires).subspan(first, end - first);
+    LoadTally& on_wall = runs_[static_cast<std::size_t>(system)].tally.on_wall;
+    on_wall.take_in(joint_along(wires, &WireOutput::on_wall), world_->time(first));
 }
 
 void BatchWorld::settle_all(std::vector<BatchRow>& rows)
@@ -105,6 +119,7 @@ void BatchWorld::settle_all(std::vector<BatchRow>& rows)
         const WireReport own = joint_report(*world_, k);
         if (!own.failed())
             runs_[static_cast<std::size_t>(k)].tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
+        if (!own.failed()) take_loads(k);
         if (own.failed() || scene_.integrator.scheme == Scheme::Static)
             finish(k, own.failed() ? RunStatus::Stopped : RunStatus::Done, rows);
     }
@@ -123,7 +138,7 @@ std::vector<BatchRow> BatchWorld::step()
     std::vector<BatchRow> rows;
     if (!settled_) settle_all(rows);
     if (finished()) return rows;
-    const StepReport report = seldinger::step(*world_, key_frames_.control(), scene_.dt);
+    const StepReport report = seldinger::step(*world_, key_frames_.control(), scene_.step_length(world_->step_count()));
     stages_ += report.times;
     for (int k = 0; k < world_->system_count(); ++k) {
         Run& run = runs_[static_cast<std::size_t>(k)];
@@ -135,6 +150,7 @@ std::vector<BatchRow> BatchWorld::step()
         }
         run.tally.steps++;
         run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
+        if (run.tally.steps % scene_.record_every == 0) take_loads(k);
         bool done = run.tally.steps >= scene_.steps();
         if (scene_.until == Until::Rest) {
             run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;
@@ -167,7 +183,11 @@ void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
     left_ = 0;
     for (Run& run : runs_) {
         take_bytes(at, end, &run.tally, 1);
-        take_bytes(at, end, &run.finished, 1);
+        std::uint8_t finished = 0;
+        take_bytes(at, end, &finished, 1);
+        if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
+            throw Error(ExitCode::BadFile, "the saved state counts what cannot be");
+        run.finished = finished != 0;
         left_ += !run.finished;
     }
     std::uint64_t size = 0;

@@ -8,6 +8,7 @@
 #include "scene/vessel_load.h"
 #include "study/batch_table.h"
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,10 +28,18 @@ struct BatchSource {
     [[nodiscard]] Scene scene(std::size_t run) const;
 };
 
+/// What two scenes must agree in to be systems of one world, as text: everything but the wire, how it is held and fed, and the numbers
+/// of contact that are kept per sample or edge. `first` stands in for what may differ.
+[[nodiscard]] std::string shared_part(Scene scene, const Scene& first);
+
 /// Reads the scene of every run, so that a mistake in any of them comes before the first step, and sorts them into worlds of at
-/// most `most_wires`: runs in increasing order, worlds by their first run.
+/// most `most_wires`: runs in increasing order, worlds by their first run. @param begin,end  only these runs
 inline constexpr std::size_t most_wires = 96;  // the records of more do not fit a core's caches: a tenth slower at a thousand
-[[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source);
+/// @param ramp  the first world of a kind has one run, each later one twice as many as the one before: who may be stopped by a
+/// limit has a good third of what was computed as finished runs, whatever a run takes
+[[nodiscard]] std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin = 0,
+                                                                std::size_t end = std::numeric_limits<std::size_t>::max(),
+                                                                bool ramp = false);
 
 /// One world of a batch and how its systems fare.
 class BatchWorld {
@@ -60,6 +69,7 @@ private:
     void finish(int system, RunStatus status, std::vector<BatchRow>& rows);
     [[nodiscard]] bool at_rest(int system) const;
     void settle_all(std::vector<BatchRow>& rows);
+    void take_loads(int system);
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's systems
@@ -68,6 +78,8 @@ private:
     std::size_t left_ = 0;  // runs not finished
     bool settled_ = false;
     StageTimes stages_;
+    Output loads_;  // contacts of the step
+    long loads_read_at_ = -1;
 };
 
 }  // namespace seldinger

@@ -12,7 +12,8 @@
 
 namespace seldinger {
 
-/// Names as in summary.json; `whole` ones are counts. Maxima are over all steps, the rest is the final state.
+/// Names as in summary.json; `whole` ones are counts. Maxima are over all steps, those of
+/// force per length, patches and regions over each record_every-th and the last; the rest is the final state.
 struct BatchColumn {
     std::string_view name;
     bool whole;
@@ -25,6 +26,10 @@ inline constexpr BatchColumn batch_columns[] = {{"steps", true},
                                                 {"contacts", true},
                                                 {"contacts_max", true},
                                                 {"contact_length_m", false},
+                                                {"force_per_length_max_n_per_m", false},
+                                                {"patch_force_max_n", false},
+                                                {"contact_regions_max", true},
+                                                {"contact_extent_max_m", false},
                                                 {"normal_n", false},
                                                 {"friction_n", false},
                                                 {"friction_max_n", false},

@@ -33,7 +33,7 @@ struct Model {
     std::optional<double> stretch_stiffness;  // EA of the whole wire [N]
     std::optional<double> damping_mass;       // [1/s]
     std::optional<double> radius;             // of the whole wire [m]
-    std::optional<bool> spin;                 // false: spin angles left out of steps whose equations hold without them
+    std::optional<bool> spin;                 // false: spin angles held fixed in steps whose torques balance so
 };
 
 /// The scene under the model. A baseline's name changes nothing here: the simulation that it names reads the same scene.

@@ -15,7 +15,7 @@ constexpr double no_dearer = 1.25;    // what is left out is no work: more than 
 constexpr double room = 0.7;          // a family with an error below this share of the winner's has room for coarser places
 constexpr double no_change = 0.1;     // of the limit: an error that grows by less has not changed
 constexpr int strides[] = {4, 2, 1};  // grid places
-constexpr int patience = 3;           // dearer corners in a row that end a walk along the staircase
+constexpr int patience = 3;           // dearer corners in a row that end a walk along the bounding curve
 constexpr double widest_ratio = 1.3;  // between neighbours that are not neighbouring whole numbers
 
 /// A place on the grid.
@@ -60,8 +60,8 @@ public:
     [[nodiscard]] Place best_place() const { return best_place_; }
 
     /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that
-    /// meet the goals end in a staircase: first down to a corner of it, then, where told to walk, along it, to longer steps and
-    /// more nodes and back, as far as that pays.
+    /// meet the goals are bounded by a curve of corners: first down to one of them, then, where told to walk, along the curve, to
+    /// longer steps and more nodes and back, as far as that pays.
     void optimise(const Model& family, Place from, bool walks)
     {
         Place corner = from;
@@ -160,7 +160,7 @@ private:
         return moved;
     }
 
-    /// Along the staircase from a corner of it: at each next step, the fewest nodes that meet the goals.
+    /// Along the bounding curve from a corner of it: at each next step, the fewest nodes that meet the goals.
     /// @return the cheapest place on the way, or `from`
     Place walk(const Model& family, Place from, int direction)
     {
@@ -348,7 +348,7 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
     }
     if (first && first->meets) search.optimise(start, place, false);
 
-    // Twice: a choice that did not pay before another was made may pay after it. Along staircases only then: a choice can save
+    // Twice: a choice that did not pay before another was made may pay after it. Along bounding curves only then: a choice can save
     // half of every later trial, a walk hardly more than a fifth, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;

@@ -3,8 +3,8 @@
 // nothing is extrapolated.
 //
 // A model is a family (integrator, detection, laws, what is left out) and a place on a grid of nodes and steps. In one family the
-// error grows with the step and with the edges, so the places that meet the goals end in a staircase: the search goes down to a
-// corner of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
+// error grows with the step and with the edges, so the places that meet the goals are bounded by a curve over nodes and steps: the
+// search goes down to a point of it, then along it as far as that pays. Families are tried from the winner's place on, the likeliest to pay first.
 // A wall that yields is tried first of all, rigid and on coarser control meshes, at the place where the search begins: it makes
 // every step several times as dear, so that what it is decides what all later trials cost.
 

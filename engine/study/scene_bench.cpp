@@ -52,7 +52,7 @@ SceneTiming time_scene(const Scene& scene, int device_index, int repeats, long m
         for (long k = 0; k < timing.steps; ++k) {
             if (stop && stop()) throw Error(ExitCode::Interrupted, fmt::format("interrupted in {}", timing.scene));
             if (k == 100) warm = world.device_counts();
-            account(step(world, key_frames.control(), scene.dt), k);
+            account(step(world, key_frames.control(), scene.step_length(k)), k);
         }
         run.wall = since(begin);
         runs.push_back(run);

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/fnv1a.h"
+#include "scene/toml_parse.h"
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>
@@ -151,12 +152,7 @@ std::vector<std::string> Sweep::overrides(std::size_t run) const
 
 Sweep read_sweep_text(const std::string& text, const std::filesystem::path& file, std::int64_t seed)
 {
-    toml::table root;
-    try {
-        root = toml::parse(text, file.string());
-    } catch (const toml::parse_error& error) {
-        fail_at(error.source(), "", fmt::format("is not TOML: {}; mend the syntax", error.description()));
-    }
+    const toml::table root = parse_toml(text, file.string());
     const TableReader all(root, "", {"vary"});
     all.need("vary", "a sweep has one table [vary]");
     const toml::table* vary = all.node("vary")->as_table();
@@ -170,6 +166,6 @@ Sweep read_sweep_text(const std::string& text, const std::filesystem::path& file
     return sweep;
 }
 
-Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed) { return read_sweep_text(read_file(file), file, seed); }
+Sweep read_sweep(const std::filesystem::path& file, std::int64_t seed) { return read_sweep_text(read_scene_file(file), file, seed); }
 
 }  // namespace seldinger

@@ -2,6 +2,8 @@
 #include "vessel/extract_centreline.h"
 
 #include "vessel/medial_graph.h"
+#include "vessel/reroot.h"
+#include "vessel/work_budget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,74 +23,15 @@ struct Polyline {
     std::vector<double> radius;
 };
 
-/// Makes the widest of the far ends the root: a wire comes in where the vessel is wide (an aorta rather than a leg), but not in a
-/// side pocket near the middle (an aortic root seen from the descending aorta), so only ends from which the farthest other end is
-/// at least 0.9 times as far as the longest path are asked.
-void reroot_at_widest_end(Centreline& tree)
-{
-    const std::size_t count = tree.points.size();
-    if (count < 2) return;
-    std::vector<std::vector<std::size_t>> links(count);
-    for (std::size_t i = 0; i < count; ++i)
-        if (tree.parent[i] >= 0) {
-            links[i].push_back(static_cast<std::size_t>(tree.parent[i]));
-            links[static_cast<std::size_t>(tree.parent[i])].push_back(i);
-        }
-    struct End {
-        std::size_t point;
-        double reach, width;  // to the farthest end; mean radius over the first six radii of path [m]
-    };
-    std::vector<End> ends;
-    std::vector<double> length(count);
-    std::vector<std::size_t> order;
-    auto walk_from = [&](std::size_t start) {
-        std::fill(length.begin(), length.end(), -1.0);
-        length[start] = 0;
-        order.assign(1, start);
-        for (std::size_t k = 0; k < order.size(); ++k)
-            for (const std::size_t next : links[order[k]])
-                if (length[next] < 0) {
-                    length[next] = length[order[k]] + (tree.points[next] - tree.points[order[k]]).norm();
-                    order.push_back(next);
-                }
-    };
-    for (std::size_t i = 0; i < count; ++i) {
-        if (links[i].size() != 1) continue;
-        walk_from(i);
-        double sum = 0, number = 0;
-        for (const std::size_t p : order)
-            if (length[p] <= 6 * tree.radius[i]) {
-                sum += tree.radius[p];
-                number += 1;
-            }
-        ends.push_back({i, *std::max_element(length.begin(), length.end()), sum / number});
-    }
-    const double longest =
-        std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.reach < b.reach; })->reach;
-    const End* best = nullptr;
-    for (const End& end : ends)
-        if (end.reach >= 0.9 * longest && (!best || end.width > best->width)) best = &end;
-    walk_from(best->point);
-    // parents anew, and points in the order of the walk, so that a parent stands before its children
-    Centreline turned;
-    std::vector<int> place(count, -1);
-    for (const std::size_t p : order) {
-        int parent = -1;
-        for (const std::size_t q : links[p])
-            if (place[q] >= 0) parent = place[q];
-        place[p] = static_cast<int>(turned.points.size());
-        turned.points.push_back(tree.points[p]);
-        turned.radius.push_back(tree.radius[p]);
-        turned.parent.push_back(parent);
-    }
-    tree = std::move(turned);
-}
-
 class Extraction {
 public:
     Extraction(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
-        : openings_(openings), lumen_(lumen), mesh_(mesh), graph_(build_medial_graph(mesh, openings, lumen))
+        : openings_(openings),
+          lumen_(lumen),
+          graph_(build_medial_graph(mesh, openings, lumen)),
+          work_("laying paths through its lumen", work_limit(5e8, 5e4, mesh.vertices.size()))  // patients: up to 1.5e8
     {
+        for (const Vec3& v : mesh.vertices) box_.extend(v);
     }
 
     Centreline run()
@@ -100,7 +43,10 @@ public:
         // a tip's radius runs to 0: never space points closer than a fraction of the typical radius
         std::vector<double> radii = graph_.radius;
         std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 10), radii.end());
-        finest_ = std::max(0.25 * radii[radii.size() / 10], 1e-4 * *std::max_element(paths_.length.begin(), paths_.length.end()));
+        // Where many have no radius, a path has at most 10,000 points, and not many more than a coarse wall has vertices.
+        const double share = std::max(1e-4, 0.05 / static_cast<double>(graph_.wall.size()));
+        finest_ =
+            std::max(0.25 * radii[radii.size() / 10], share * *std::max_element(paths_.length.begin(), paths_.length.end()));
         if (openings_.empty()) {
             add_branch(farthest_unserved(), nullptr);
         } else {
@@ -116,7 +62,7 @@ public:
         }
         // each round serves at least its own sample, so this ends; vessels have tens of branches
         for (int ball = farthest_unserved(); ball >= 0; ball = farthest_unserved()) add_branch(ball, nullptr);
-        if (openings_.empty()) reroot_at_widest_end(tree_);
+        if (openings_.empty()) reroot_at_widest_end(tree_, work_);
         return std::move(tree_);
     }
 
@@ -133,6 +79,7 @@ private:
     /// Ball of the farthest wall sample that no path serves, -1: all are served.
     [[nodiscard]] int farthest_unserved() const
     {
+        work_.spend(static_cast<double>(served_.size()));
         int best = -1;
         double length = 0;
         for (std::size_t i = 0; i < served_.size(); ++i) {
@@ -169,6 +116,7 @@ private:
     /// Index of a tree point whose core holds p, or -1.
     [[nodiscard]] int core_at(const Vec3& p) const
     {
+        work_.spend(static_cast<double>(tree_.points.size()));
         int best = -1;
         double distance = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < tree_.points.size(); ++i) {
@@ -233,9 +181,10 @@ private:
 
     /// A path to the wall of a closed end runs through its corner: takes off what is narrow beside a larger sphere.
     /// The corner of a flat end is sqrt(2) radii from the last sphere that fills the lumen: hence 1.5.
-    static void trim_tip(Polyline& line)
+    void trim_tip(Polyline& line) const
     {
         auto beside_larger = [&](std::size_t i) {
+            work_.spend(static_cast<double>(i));
             for (std::size_t j = 0; j < i; ++j)
                 if (line.radius[i] < 0.5 * line.radius[j] && (line.points[i] - line.points[j]).norm() < 1.5 * line.radius[j])
                     return true;
@@ -261,6 +210,7 @@ private:
     /// Every sample that the ball stands for.
     void mark_served(int ball)
     {
+        work_.spend(static_cast<double>(served_.size()));
         for (std::size_t i = 0; i < served_.size(); ++i)
             if (graph_.ball_of_sample[i] == ball) served_[i] = true;
     }
@@ -270,12 +220,29 @@ private:
     {
         for (std::size_t sample = 0; sample < served_.size(); ++sample)
             for (std::size_t i = 0; i < line.points.size() && !served_[sample]; ++i) {
+                work_.spend(1);
                 const double reach = kCover * line.radius[i];
                 served_[sample] = (graph_.wall[sample] - line.points[i]).squaredNorm() <= reach * reach;
             }
     }
 
-    [[nodiscard]] double radius_at(const Vec3& p) const { return std::sqrt(nearest_on_wall(lumen_.tree(), p).distance2); }
+    [[nodiscard]] TreeHit nearest(const Vec3& p) const
+    {
+        std::uint64_t visits = 0;
+        const TreeHit hit = nearest_on_wall(lumen_.tree(), p, std::numeric_limits<double>::infinity(), &visits);
+        spend_visits(visits);
+        return hit;
+    }
+    [[nodiscard]] LumenPlace locate(const Vec3& p) const
+    {
+        std::uint64_t visits = 0;
+        const LumenPlace place = lumen_.locate(p, &visits);
+        spend_visits(visits);
+        return place;
+    }
+    void spend_visits(std::uint64_t visits) const { work_.spend(10 * static_cast<double>(visits)); }
+
+    [[nodiscard]] double radius_at(const Vec3& p) const { return std::sqrt(nearest(p).distance2); }
 
     /// Points at half a radius apart, ends kept.
     [[nodiscard]] std::vector<Vec3> resample(const std::vector<Vec3>& raw) const
@@ -309,14 +276,15 @@ private:
     /// Climbs from the wall across the path while that makes the sphere larger.
     [[nodiscard]] Vec3 climb(Vec3 p, const Vec3& tangent) const
     {
-        TreeHit hit = nearest_on_wall(lumen_.tree(), p);
+        TreeHit hit = nearest(p);
         double step = 0.3;
         for (int i = 0; i < 24 && step > 0.005; ++i) {
             const double distance = std::sqrt(hit.distance2);
             const Vec3 away = (p - hit.point) / std::max(distance, 1e-300);
             const Vec3 next = p + step * distance * (away - tangent * tangent.dot(away));
-            const TreeHit there = nearest_on_wall(lumen_.tree(), next);
-            if (there.distance2 > hit.distance2) {
+            const TreeHit there = nearest(next);
+            // beyond all of the wall spheres grow without end
+            if (there.distance2 > hit.distance2 && box_.contains(next)) {
                 p = next;
                 hit = there;
             } else step *= 0.5;
@@ -327,11 +295,11 @@ private:
     /// Where triangles are longer than the lumen is wide, smoothing may leave a point in the wall: back in, and to the middle.
     [[nodiscard]] Vec3 bring_inside(const Vec3& p) const
     {
-        const LumenPlace place = lumen_.locate(p);
+        const LumenPlace place = locate(p);
         if (place.inside()) return p;
         if (place.opening >= 0) return p;  // an opening's own centre, off its mean plane
         for (double step = finest_; step > 1e-4 * finest_; step *= 0.5)
-            if (const Vec3 in = place.nearest + step * place.normal; lumen_.inside(in)) return climb(in, Vec3::Zero());
+            if (const Vec3 in = place.nearest + step * place.normal; locate(in).inside()) return climb(in, Vec3::Zero());
         return p;
     }
 
@@ -347,23 +315,47 @@ private:
             smooth(smoothed, 2);
             // smoothing may cut a corner of a narrow lumen: a point that would lose the middle stays
             for (std::size_t i = 1; i + 1 < smoothed.size(); ++i)
-                if (lumen_.signed_distance(smoothed[i]) > 0.7 * radius_at(line.points[i])) line.points[i] = smoothed[i];
+                if (locate(smoothed[i]).signed_distance > 0.7 * radius_at(line.points[i])) line.points[i] = smoothed[i];
         }
         for (Vec3& p : line.points) {
             p = bring_inside(p);
             line.radius.push_back(radius_at(p));
         }
+        // points set close along the wall go to and fro once they have climbed to the middle
+        if (length_of(line.points) > 2 * length_of(raw)) thin(line);
         return line;
+    }
+
+    static double length_of(const std::vector<Vec3>& points)
+    {
+        double length = 0;
+        for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+        return length;
+    }
+
+    /// Leaves points a spacing apart, and the ends.
+    static void thin(Polyline& line)
+    {
+        Polyline kept;
+        for (std::size_t i = 0; i < line.points.size(); ++i) {
+            const bool last = i + 1 == line.points.size();
+            if (!kept.points.empty() && !last && (line.points[i] - kept.points.back()).norm() < kSpacing * kept.radius.back())
+                continue;
+            kept.points.push_back(line.points[i]);
+            kept.radius.push_back(line.radius[i]);
+        }
+        line = std::move(kept);
     }
 
     const std::vector<BoundaryLoop>& openings_;
     const LumenQuery& lumen_;
-    const WallMesh& mesh_;
     MedialGraph graph_;
     MedialPaths paths_;
     std::vector<bool> served_;
     std::optional<Vec3> start_at_;
     double finest_ = 0;  // least spacing of points [m]
+    Eigen::AlignedBox3d box_;
+    mutable WorkBudget work_;
     Centreline tree_;
 };
 

@@ -3,7 +3,10 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <optional>
 
 namespace seldinger {
 namespace {
@@ -40,6 +43,34 @@ Inlet closed_end(const Centreline& line, int tip)
     return inlet;
 }
 
+/// A centreline begins where the vessel is entered: the opening at its root, when there is one.
+std::optional<Inlet> opening_at_root(const std::vector<Inlet>& inlets, const Centreline& line)
+{
+    for (const Inlet& inlet : inlets)
+        for (std::size_t i = 0; i < line.points.size(); ++i)
+            if (line.parent[i] < 0 && (line.points[i] - inlet.point).norm() < 0.5 * inlet.radius) return inlet;
+    return std::nullopt;
+}
+
+void bring_forward(std::vector<Inlet>& inlets, const Inlet& first)
+{
+    const auto at = std::find_if(inlets.begin(), inlets.end(), [&](const Inlet& i) { return i.point == first.point; });
+    if (at != inlets.end()) std::rotate(inlets.begin(), at, at + 1);
+}
+
+/// Short tips beside each other lead to one place of the lumen: one way in.
+std::vector<Inlet> without_copies(const std::vector<Inlet>& all)
+{
+    std::vector<Inlet> kept;
+    for (const Inlet& inlet : all) {
+        const bool known = std::any_of(kept.begin(), kept.end(), [&](const Inlet& k) {
+            return (k.point - inlet.point).norm() < 0.5 * std::min(k.radius, inlet.radius) && k.direction.dot(inlet.direction) > 0.7;
+        });
+        if (!known) kept.push_back(inlet);
+    }
+    return kept;
+}
+
 }  // namespace
 
 std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline)
@@ -47,17 +78,31 @@ std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const 
     std::vector<Inlet> inlets;
     for (std::size_t k = 0; k < openings.size(); ++k)
         inlets.push_back({openings[k].centre, openings[k].inward, openings[k].radius, static_cast<int>(k)});
-    std::stable_sort(inlets.begin(), inlets.end(), [](const Inlet& a, const Inlet& b) { return a.radius > b.radius; });
-    if (!inlets.empty() || centreline.points.size() < 2) return inlets;
-    std::vector<int> children(centreline.points.size(), 0);
-    for (const int parent : centreline.parent)
-        if (parent >= 0) ++children[static_cast<std::size_t>(parent)];
-    for (int roots = 1; roots >= 0; --roots)
-        for (std::size_t i = 0; i < centreline.points.size(); ++i) {
-            const bool root = centreline.parent[i] < 0;
-            if (root == (roots == 1) && (root || children[i] == 0)) inlets.push_back(closed_end(centreline, static_cast<int>(i)));
+    const bool closed = inlets.empty();
+    std::optional<Inlet> root;
+    if (closed) {
+        std::vector<int> children(centreline.points.size(), 0);
+        for (const int parent : centreline.parent)
+            if (parent >= 0) ++children[static_cast<std::size_t>(parent)];
+        for (std::size_t i = 0; i < centreline.points.size() && centreline.points.size() > 1; ++i) {
+            const bool is_root = centreline.parent[i] < 0;
+            if (!is_root && children[i] > 0) continue;
+            inlets.push_back(closed_end(centreline, static_cast<int>(i)));
+            if (is_root && !root) root = inlets.back();
         }
-    return inlets;
+    }
+    std::stable_sort(inlets.begin(), inlets.end(), [](const Inlet& a, const Inlet& b) { return a.radius > b.radius; });
+    if (!closed) root = opening_at_root(inlets, centreline);
+    if (root) bring_forward(inlets, *root);
+    return without_copies(inlets);
+}
+
+std::string describe(const Inlet& inlet)
+{
+    const Vec3 &p = inlet.point, &d = inlet.direction;
+    return fmt::format("[{:.5f}, {:.5f}, {:.5f}] m = [{:.2f}, {:.2f}, {:.2f}] mm along [{:.3f}, {:.3f}, {:.3f}], lumen radius {:.5f} m = {:.2f} mm{}",
+                       p.x(), p.y(), p.z(), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z(), d.x(), d.y(), d.z(), inlet.radius,
+                       1e3 * inlet.radius, inlet.opening >= 0 ? "" : " (a closed end)");
 }
 
 Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline)
@@ -66,10 +111,6 @@ Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& ce
     if (inlets.empty())
         throw Error(ExitCode::BadFile,
                     "the vessel has no opening and no centreline to start on: give feed.point and feed.direction");
-    // a centreline begins where the vessel is entered: the opening at its root, when there is one
-    for (const Inlet& inlet : inlets)
-        for (std::size_t i = 0; i < centreline.points.size(); ++i)
-            if (centreline.parent[i] < 0 && (centreline.points[i] - inlet.point).norm() < 0.5 * inlet.radius) return inlet;
     return inlets.front();
 }
 

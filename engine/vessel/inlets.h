@@ -5,6 +5,7 @@
 #include "vessel/inside.h"
 #include "vessel/wall_mesh.h"
 
+#include <string>
 #include <vector>
 
 namespace seldinger {
@@ -16,12 +17,16 @@ struct Inlet {
     int opening = -1;                // index in RepairReport::loops, -1: a closed end
 };
 
-/// Openings, widest first; for a closed vessel the tips of the centreline, its root first. A tip's inlet lies one lumen radius
-/// in from the end, where the lumen has its width. Empty without centreline and openings.
+/// Openings, or for a closed vessel the tips of the centreline, widest first, after the one that inlet = "auto" takes: the opening
+/// at the centreline's root (the widest, unless the centreline was given), or the closed end at its root. `inlet = n` counts them from
+/// 1. A tip's inlet lies one lumen radius in from the end, where the lumen has its width; tips that lead to one place are listed
+/// once. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
-/// inlet = "auto": the opening at the centreline's root, else the widest opening, else the closed end at the root.
-/// @throws Error BadFile when the vessel has no way in
+/// Its place in metres and millimetres, its radius and what it is, in words.
+[[nodiscard]] std::string describe(const Inlet& inlet);
+
+/// The first of them. @throws Error BadFile when the vessel has no way in
 [[nodiscard]] Inlet pick_inlet(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
 }  // namespace seldinger

@@ -78,10 +78,10 @@ bool LumenQuery::on_border(std::size_t triangle, TriangleFeature feature) const
     return opposite_[3 * triangle + static_cast<std::size_t>(f - 1)] < 0;
 }
 
-LumenPlace LumenQuery::locate(const Vec3& p) const
+LumenPlace LumenQuery::locate(const Vec3& p, std::uint64_t* visits) const
 {
     LumenPlace place;
-    const TreeHit hit = nearest_on_wall(tree_, p);
+    const TreeHit hit = nearest_on_wall(tree_, p, std::numeric_limits<double>::infinity(), visits);
     if (hit.triangle < 0) return place;
     const std::size_t triangle = tree_.original[static_cast<std::size_t>(hit.triangle)];
     place.triangle = static_cast<std::int64_t>(triangle);

@@ -28,12 +28,13 @@ public:
     /// @param openings  the mesh's boundary loops (RepairReport::loops)
     LumenQuery(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings);
 
-    [[nodiscard]] LumenPlace locate(const Vec3& p) const;
+    /// @param visits  as of nearest_on_wall
+    [[nodiscard]] LumenPlace locate(const Vec3& p, std::uint64_t* visits = nullptr) const;
     [[nodiscard]] double signed_distance(const Vec3& p) const { return locate(p).signed_distance; }
     [[nodiscard]] bool inside(const Vec3& p) const { return locate(p).inside(); }
 
     [[nodiscard]] const WallTree& tree() const { return tree_; }
-    /// Unit angle-weighted normal of a mesh vertex, into the lumen.
+    /// Unit angle-weighted normal of a mesh vertex, into the lumen; 0 where its triangles face each other or have no area.
     [[nodiscard]] const Vec3& vertex_normal(std::size_t vertex) const { return vertex_normal_[vertex]; }
 
 private:
@@ -48,7 +49,7 @@ private:
     WallTree tree_;
     std::vector<std::array<std::int32_t, 3>> triangles_;  // [T]
     std::vector<Vec3> facet_normal_;                      // [T] unit, or 0 without area
-    std::vector<Vec3> vertex_normal_;                     // [V] unit
+    std::vector<Vec3> vertex_normal_;                     // [V] unit, or 0
     std::vector<std::int32_t> opposite_;                  // [3 T] half-edge across, -1: none
     std::vector<std::int32_t> vertex_rim_;                // [V] opening that the vertex lies on, -1: none
     std::vector<std::uint8_t> vertex_border_;             // [V] on an edge of one triangle

@@ -2,9 +2,11 @@
 #include "vessel/medial_graph.h"
 
 #include "vessel/mesh_edges.h"
+#include "vessel/work_budget.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <queue>
@@ -13,6 +15,8 @@
 namespace seldinger {
 namespace {
 
+constexpr const char* kFindingBalls = "finding the spheres that fill its lumen";
+
 struct Ball {
     Vec3 centre;
     double radius;
@@ -20,14 +24,16 @@ struct Ball {
 
 /// Largest ball inside the lumen that touches the wall at `at` with centre along `normal`. Starts with half the chord
 /// (no larger ball can avoid the wall at its far end) and shrinks onto the nearest wall until none is nearer.
-Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit)
+/// A wall without a direction there (its triangles face each other) has no such ball.
+Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit, std::uint64_t& visits)
 {
+    if (!(normal.squaredNorm() > 0)) return {at, 0.0};
     // two contacts closer than this seen from the centre are one contact on a rough wall, not two sides of a lumen
     constexpr double kSeparation = 40 * std::numbers::pi / 180;
-    double radius = std::min(0.5 * first_hit(tree, at, normal, skip), limit);
+    double radius = std::min(0.5 * first_hit(tree, at, normal, skip, &visits), limit);
     for (int i = 0; i < 40; ++i) {
         const Vec3 centre = at + radius * normal;
-        const TreeHit hit = nearest_on_wall(tree, centre, radius);
+        const TreeHit hit = nearest_on_wall(tree, centre, radius, &visits);
         if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3))
             return {centre, std::sqrt(std::min(hit.distance2, radius * radius))};
         const Vec3 chord = hit.point - at;
@@ -40,7 +46,7 @@ Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, doubl
         radius = smaller;
     }
     const Vec3 centre = at + radius * normal;
-    return {centre, std::sqrt(nearest_on_wall(tree, centre).distance2)};
+    return {centre, std::sqrt(nearest_on_wall(tree, centre, std::numeric_limits<double>::infinity(), &visits).distance2)};
 }
 
 bool balls_overlap(const MedialGraph& graph, std::size_t i, std::size_t j)
@@ -110,7 +116,7 @@ std::vector<int> gather_patches(const std::vector<int>& row, const std::vector<i
 
 /// Largest first, keeps the balls that add something: one whose centre is near the centre of a kept ball, or that hardly stands
 /// out of it, is represented by it. What a rough wall puts beside the axis goes this way.
-void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph)
+void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph, WorkBudget& work)
 {
     constexpr double kNear = 0.3, kStandsOut = 1.1;  // of the kept ball's radius
     std::vector<int> order(balls.size());
@@ -122,11 +128,13 @@ void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph)
     for (const int i : order) {
         const Ball& ball = balls[static_cast<std::size_t>(i)];
         int keeper = -1;
+        const std::size_t kept_before = graph.centre.size();
         // the latest kept first: they are of like size, and samples of one cross-section follow each other
-        for (std::size_t k = graph.centre.size(); k-- > 0 && keeper < 0;) {
+        for (std::size_t k = kept_before; k-- > 0 && keeper < 0;) {
             const double kept = graph.radius[k], reach = std::max(kNear * kept, kStandsOut * kept - ball.radius);
             if ((graph.centre[k] - ball.centre).squaredNorm() < reach * reach) keeper = static_cast<int>(k);
         }
+        work.spend(static_cast<double>(keeper < 0 ? kept_before : kept_before - static_cast<std::size_t>(keeper)));
         if (keeper < 0) {
             keeper = static_cast<int>(graph.centre.size());
             graph.centre.push_back(ball.centre);
@@ -138,7 +146,7 @@ void keep_significant(const std::vector<Ball>& balls, MedialGraph& graph)
 
 /// Links balls that overlap, and as a last resort those of neighbouring samples: where a lumen is narrower than its triangles are
 /// long, balls may stand apart along it.
-void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vector<int>& to)
+void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vector<int>& to, WorkBudget& work)
 {
     std::vector<std::vector<int>> neighbours(graph.ball_count());
     for (std::size_t v = 0; v + 1 < row.size(); ++v)
@@ -154,6 +162,7 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
         std::vector<int>& links = neighbours[i];
         for (std::size_t j = 0; j < graph.ball_count(); ++j)
             if (j != i && balls_overlap(graph, i, j)) links.push_back(static_cast<int>(j));
+        work.spend(static_cast<double>(graph.ball_count() + 200 * links.size()));  // paths go over each link several times
         std::sort(links.begin(), links.end());
         links.erase(std::unique(links.begin(), links.end()), links.end());
         graph.link_to.insert(graph.link_to.end(), links.begin(), links.end());
@@ -217,20 +226,28 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
     graph.wall.resize(seeds.size());
     std::vector<Ball> balls(seeds.size());
-    auto fill = [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
+    // Visits are counted half by half, so that it does not depend on the threads whether they are too many.
+    const double most_visits = work_limit(1.2e8, 1e4, mesh.vertices.size());  // patients: up to 5e7
+    std::uint64_t visits[2] = {0, 0};
+    auto fill = [&](std::size_t begin, std::size_t end, std::uint64_t& count) {
+        for (std::size_t i = begin; i < end && static_cast<double>(count) <= most_visits; ++i) {
             const auto v = static_cast<std::size_t>(seeds[i]);
             const Vec3 &at = mesh.vertices[v], &normal = lumen.vertex_normal(v);
             graph.wall[i] = at;
-            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)));
+            count += openings.size();
+            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), count);
+            if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
             balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
         }
     };
-    std::thread helper(fill, 0, seeds.size() / 2);  // each ball on its own: the same bits whoever computes it
-    fill(seeds.size() / 2, seeds.size());
+    std::thread helper(fill, 0, seeds.size() / 2,
+                       std::ref(visits[0]));  // each ball on its own: the same bits whoever computes it
+    fill(seeds.size() / 2, seeds.size(), visits[1]);
     helper.join();
-    keep_significant(balls, graph);
-    link_balls(graph, row, to);
+    WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(std::max(visits[0], visits[1])));
+    WorkBudget work(kFindingBalls, work_limit(7e8, 5e4, mesh.vertices.size()));  // patients: up to 2e8
+    keep_significant(balls, graph, work);
+    link_balls(graph, row, to, work);
     mark_lumen(graph);
     return graph;
 }
@@ -257,7 +274,7 @@ MedialPaths cheapest_paths(const MedialGraph& graph, int root)
             // balls that stand apart may lie on two sides of a wall (a crotch): only where nothing else leads on
             const double penalty = balls_overlap(graph, i, j) ? 1.0 : 1000.0;
             const double next = c + penalty * length * 0.5 * (1 / (ri * ri) + 1 / (rj * rj));
-            if (next >= cost[j]) continue;
+            if (!(next < cost[j])) continue;  // nor a path of no number
             cost[j] = next;
             paths.length[j] = paths.length[i] + length;
             paths.towards_root[j] = node;

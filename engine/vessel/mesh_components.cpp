@@ -11,6 +11,7 @@ std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges
     for (std::size_t k = 0; k < edges.count(); ++k)
         for (const std::int32_t h : edges.uses(k)) edge_of[static_cast<std::size_t>(h)] = static_cast<std::int32_t>(k);
     std::vector<std::int32_t> label(mesh.triangles.size(), -1), stack;
+    std::vector<bool> crossed(edges.count(), false);  // once over an edge: thousands of triangles may share it
     std::int32_t count = 0;
     for (std::size_t seed = 0; seed < label.size(); ++seed) {
         if (label[seed] >= 0) continue;
@@ -19,13 +20,17 @@ std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges
         while (!stack.empty()) {
             const std::int32_t t = stack.back();
             stack.pop_back();
-            for (std::int32_t e = 0; e < 3; ++e)
-                for (const std::int32_t h : edges.uses(static_cast<std::size_t>(edge_of[static_cast<std::size_t>(3 * t + e)]))) {
+            for (std::int32_t e = 0; e < 3; ++e) {
+                const auto edge = static_cast<std::size_t>(edge_of[static_cast<std::size_t>(3 * t + e)]);
+                if (crossed[edge]) continue;
+                crossed[edge] = true;
+                for (const std::int32_t h : edges.uses(edge)) {
                     std::int32_t& other = label[static_cast<std::size_t>(h / 3)];
                     if (other >= 0) continue;
                     other = count;
                     stack.push_back(h / 3);
                 }
+            }
         }
         ++count;
     }

@@ -64,28 +64,33 @@ std::vector<std::vector<std::int32_t>> boundary_chains(const WallMesh& mesh, con
     }
     std::sort(open.begin(), open.end(),
               [](const OpenEdge& a, const OpenEdge& b) { return a.from != b.from ? a.from < b.from : a.to < b.to; });
+    std::vector<std::size_t> first(mesh.vertices.size(), open.size());  // of each vertex's edges that may be unused still
+    for (std::size_t k = open.size(); k-- > 0;) first[static_cast<std::size_t>(open[k].from)] = k;
     auto unused_from = [&](std::int32_t vertex) -> OpenEdge* {
-        auto it =
-            std::lower_bound(open.begin(), open.end(), vertex, [](const OpenEdge& e, std::int32_t v) { return e.from < v; });
-        for (; it != open.end() && it->from == vertex; ++it)
-            if (!it->used) return &*it;
-        return nullptr;
+        std::size_t& k = first[static_cast<std::size_t>(vertex)];
+        while (k < open.size() && open[k].from == vertex && open[k].used) ++k;
+        return k < open.size() && open[k].from == vertex ? &open[k] : nullptr;
     };
 
+    std::vector<std::int32_t> place(mesh.vertices.size(), -1);  // in the walk, -1: not on it
     std::vector<std::vector<std::int32_t>> chains;
     for (OpenEdge& seed : open) {
         if (seed.used) continue;
         std::vector<std::int32_t> walk = {seed.from};
+        place[static_cast<std::size_t>(seed.from)] = 0;
         for (OpenEdge* edge = &seed; edge; edge = unused_from(walk.back())) {
             edge->used = true;
-            const auto seen = std::find(walk.begin(), walk.end(), edge->to);
-            if (seen == walk.end()) {
+            const std::int32_t seen = place[static_cast<std::size_t>(edge->to)];
+            if (seen < 0) {
+                place[static_cast<std::size_t>(edge->to)] = static_cast<std::int32_t>(walk.size());
                 walk.push_back(edge->to);
                 continue;
             }
-            chains.emplace_back(seen, walk.end());  // a simple loop closes here; go on from its knot
-            walk.erase(seen + 1, walk.end());
+            chains.emplace_back(walk.begin() + seen, walk.end());  // a simple loop closes here; go on from its knot
+            for (; walk.size() > static_cast<std::size_t>(seen) + 1; walk.pop_back())
+                place[static_cast<std::size_t>(walk.back())] = -1;
         }
+        for (const std::int32_t v : walk) place[static_cast<std::size_t>(v)] = -1;
         // a walk that ends elsewhere than at its start runs into an edge of three or more triangles: no opening
     }
     return chains;

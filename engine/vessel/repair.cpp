@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "vessel/mesh_components.h"
+#include "vessel/mesh_limits.h"
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
 
@@ -77,6 +78,7 @@ RepairReport repair(WallMesh& mesh)
     drop_duplicates(mesh, report);
     drop_flaps(mesh, report);
     require_triangles(mesh, report);
+    require_no_strays(mesh, median_edge(mesh));
     orient(mesh, report);
     close_holes(mesh, report);
     dissolve_needles(mesh, report);

@@ -3,6 +3,7 @@
 #include "vessel/mesh_edges.h"
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
+#include "vessel/work_budget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -107,6 +108,8 @@ std::vector<bool> folded_twins(const WallMesh& mesh, const std::vector<std::int3
     return fold;
 }
 
+}  // namespace
+
 double median_edge(const WallMesh& mesh)
 {
     std::vector<double> lengths;
@@ -121,6 +124,8 @@ double median_edge(const WallMesh& mesh)
     std::nth_element(lengths.begin(), middle, lengths.end());
     return *middle;
 }
+
+namespace {
 
 /// Hash grid of representatives. Cells are 4 tolerances wide, so most points look into one cell only.
 class WeldGrid {
@@ -150,9 +155,11 @@ public:
 private:
     static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
     {
-        // 21 bits a coordinate; cells that share a key are told apart by distance
-        return (static_cast<std::uint64_t>(x) & 0x1fffff) | (static_cast<std::uint64_t>(y) & 0x1fffff) << 21 |
-               (static_cast<std::uint64_t>(z) & 0x1fffff) << 42;
+        // cells that share a key are told apart by distance; mixed by large odd numbers, so that far cells in a row do not share
+        std::uint64_t mixed = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u;
+        mixed = (mixed ^ (mixed >> 32) ^ static_cast<std::uint64_t>(y)) * 0xbf58476d1ce4e5b9u;
+        mixed = (mixed ^ (mixed >> 29) ^ static_cast<std::uint64_t>(z)) * 0x94d049bb133111ebu;
+        return mixed ^ (mixed >> 32);
     }
     std::int32_t search(std::uint64_t cell, const Vec3& p, std::int32_t v) const
     {
@@ -201,7 +208,9 @@ void weld(WallMesh& mesh, RepairReport& report)
     Eigen::AlignedBox3d box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     // a mesh that is a single point has no edge to compare with; any tolerance above 0 welds it
-    const double tolerance = std::max(std::min(1e-6 * box.diagonal().norm(), 1e-3 * median_edge(mesh)), 1e-300);
+    // Nor does a double tell places apart that are nearer than 1e-16 of the box; cells are numbered in 64 bits.
+    const double across = box.diagonal().norm();
+    const double tolerance = std::max({std::min(1e-6 * across, 1e-3 * median_edge(mesh)), 1e-17 * across, 1e-300});
     WeldGrid grid(mesh.vertices, tolerance, box.min());
     std::vector<std::int32_t> target(mesh.vertices.size());
     for (std::size_t v = 0; v < target.size(); ++v) {
@@ -243,7 +252,9 @@ void drop_duplicates(WallMesh& mesh, RepairReport& report)
 void drop_flaps(WallMesh& mesh, RepairReport& report)
 {
     long dropped = 0;
+    WorkBudget work("taking off flaps, a rim at a time,", 1e7 + 100.0 * static_cast<double>(mesh.triangles.size()));
     for (long last = -1; last != 0;) {  // a flap may be several triangles long
+        work.spend(static_cast<double>(mesh.triangles.size()));
         const MeshEdges edges = find_edges(mesh);
         std::vector<std::uint8_t> open(mesh.triangles.size(), 0);  // open edges of each triangle
         for (std::size_t k = 0; k < edges.count(); ++k)

@@ -3,6 +3,7 @@
 #include "vessel/mesh_components.h"
 #include "vessel/repair_steps.h"
 #include "vessel/triangle_geometry.h"
+#include "vessel/work_budget.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -19,7 +20,12 @@ namespace {
 class OrientationSpread {
 public:
     OrientationSpread(const WallMesh& mesh, const MeshEdges& edges)
-        : mesh_(mesh), edges_(edges), edge_of_(3 * mesh.triangles.size()), flip_(mesh.triangles.size(), kUnknown)
+        : mesh_(mesh),
+          edges_(edges),
+          edge_of_(3 * mesh.triangles.size()),
+          flip_(mesh.triangles.size(), kUnknown),
+          net_(edges.count(), 0),
+          settled_(edges.count(), 0)
     {
         for (std::size_t k = 0; k < edges.count(); ++k)
             for (const std::int32_t h : edges.uses(k)) edge_of_[static_cast<std::size_t>(h)] = k;
@@ -53,6 +59,7 @@ private:
         flip_[static_cast<std::size_t>(t)] = flip;
         for (int e = 0; e < 3; ++e) {
             const std::size_t edge = edge_of_[static_cast<std::size_t>(3 * t + e)];
+            net_[edge] += direction(3 * t + e);
             const std::size_t users = edges_.uses(edge).size();
             if (users == 2) plain_.push_back(edge);
             else if (users > 2) crowded_.push_back(edge);
@@ -60,15 +67,14 @@ private:
     }
     void across(std::size_t edge)
     {
-        int net = 0;
-        for (const std::int32_t h : edges_.uses(edge))
-            if (flip_[static_cast<std::size_t>(h / 3)] != kUnknown) net += direction(h);
-        for (const std::int32_t h : edges_.uses(edge)) {
+        const auto uses = edges_.uses(edge);
+        // what is settled stays so: an edge of thousands of triangles is gone through once and not once for each
+        for (std::uint32_t& k = settled_[edge]; k < uses.size(); ++k) {
+            const std::int32_t h = uses[k];
             if (flip_[static_cast<std::size_t>(h / 3)] != kUnknown) continue;
-            const bool against = direction(h) * net > 0;
+            const bool against = direction(h) * net_[edge] > 0;
             settle(h / 3, against ? 1 : 0);
-            net += direction(h);
-            if (edges_.uses(edge).size() > 2) {  // one at a time: its own neighbours may decide for the rest
+            if (uses.size() > 2) {  // one at a time: its own neighbours may decide for the rest
                 crowded_.push_back(edge);
                 return;
             }
@@ -79,6 +85,8 @@ private:
     const MeshEdges& edges_;
     std::vector<std::size_t> edge_of_;
     std::vector<std::int8_t> flip_;
+    std::vector<int> net_;                // of each edge: directions of its settled triangles, added up
+    std::vector<std::uint32_t> settled_;  // of each edge: its first uses that are
     std::vector<std::size_t> plain_, crowded_;
 };
 
@@ -86,9 +94,12 @@ void turn(WallMesh& mesh, std::size_t t) { std::swap(mesh.triangles[t][1], mesh.
 
 /// True when p lies inside the part, its openings capped: the winding number rounds to something else than 0.
 /// Solid angles of the caps are left out, so an opening that p looks through may cost up to half a turn: hence 0.5.
-bool encloses(const WallMesh& mesh, const MeshComponent& part, const Vec3& p)
+bool encloses(const WallMesh& mesh, const MeshComponent& part, const Vec3& p, WorkBudget& work)
 {
-    if (!part.box.contains(p)) return false;
+    work.spend(1);
+    // one triangle fills at most half of what is seen
+    if (part.triangles.size() < 2 || !part.box.contains(p)) return false;
+    work.spend(20 * static_cast<double>(part.triangles.size()));
     double angle = 0;
     for (const std::int32_t t : part.triangles) angle += solid_angle(p, triangle_of(mesh, static_cast<std::size_t>(t)));
     return std::abs(angle) > 0.5 * 4 * std::numbers::pi;
@@ -131,11 +142,12 @@ void orient(WallMesh& mesh, RepairReport& report)
                                                    "closed surface is expected",
                                                    mesh.triangles.size(), mesh.triangles.size() == 1 ? "" : "s"));
     long nested = 0;
+    WorkBudget work("telling which of its parts lie inside others", 5e8 + 5000.0 * static_cast<double>(mesh.triangles.size()));
     for (const MeshComponent& part : parts) {
         const Vec3 sample =
             mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(part.triangles[0])][0])];
         const long around = std::count_if(parts.begin(), parts.end(), [&](const MeshComponent& other) {
-            return &other != &part && encloses(mesh, other, sample);
+            return &other != &part && encloses(mesh, other, sample, work);
         });
         const bool obstacle = around % 2 == 1;
         nested += obstacle;

@@ -8,6 +8,7 @@ namespace seldinger::repair_steps {
 constexpr double kSliverQuality = 0.05;  // triangle_quality below which a triangle counts as a sliver
 
 // repair_clean.cpp
+[[nodiscard]] double median_edge(const WallMesh& mesh);  // of those longer than 0 [m]
 void drop_non_finite(WallMesh& mesh, RepairReport& report);
 void weld(WallMesh& mesh, RepairReport& report);
 void drop_degenerate(WallMesh& mesh, RepairReport& report);  // two equal corners

@@ -45,12 +45,15 @@ struct TreeHit {
 };
 
 /// Nearest point of the wall within `limit` [m] of the world point p; the lower leaf index wins a tie.
-[[nodiscard]] TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p,
-                                      double limit = std::numeric_limits<double>::infinity());
+/// @param visits  in and out, may be null: nodes and triangles looked at are added. Dozens on a vessel's wall, all of them where
+///                every box lies in every other
+[[nodiscard]] TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit = std::numeric_limits<double>::infinity(),
+                                      std::uint64_t* visits = nullptr);
 
 /// Distance along the unit direction to the first triangle that the ray meets, infinity when none. Triangles nearer
-/// than `skip` [m] to the origin do not count.
-[[nodiscard]] double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip = 0);
+/// than `skip` [m] to the origin do not count. @param visits  as above
+[[nodiscard]] double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip = 0,
+                               std::uint64_t* visits = nullptr);
 
 /// Triangles (leaf order, increasing) whose boxes in the leaves overlap the world box [lo, hi].
 void overlapping_triangles(const WallTree& tree, const Vec3& lo, const Vec3& hi, std::vector<std::uint32_t>& result);

@@ -53,7 +53,7 @@ double ray_triangle(const Vec3& origin, const Vec3& direction, const Triangle3& 
 
 }  // namespace
 
-TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit)
+TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits)
 {
     TreeHit best;
     best.distance2 = limit * limit;
@@ -62,11 +62,14 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit)
     std::uint32_t stack[SEL_TREE_STACK];
     double entry[SEL_TREE_STACK];
     int top = 0;
+    std::uint64_t looked_at = 0;
     std::uint32_t current = 0;
     double current_entry = box_distance2(tree.nodes[0], local);
     while (true) {
         const TreeNode& node = tree.nodes[current];
+        ++looked_at;
         if (current_entry <= best.distance2 && node.count > 0) {
+            looked_at += SEL_LEAF_TRIANGLES(node.count);
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const ClosestPoint c = closest_point(local, tree.triangle(k));
                 const double d2 = (local - c.point).squaredNorm();
@@ -88,22 +91,26 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit)
         current = stack[--top];
         current_entry = entry[top];
     }
+    if (visits) *visits += looked_at;
     best.point += tree.centre;
     return best;
 }
 
-double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip)
+double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction, double skip, std::uint64_t* visits)
 {
     double best = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty()) return best;
     const Vec3 local = origin - tree.centre, inverse = direction.cwiseInverse();
     std::uint32_t stack[SEL_TREE_STACK + 1];
     int top = 0;
+    std::uint64_t looked_at = 0;
     stack[top++] = 0;
     while (top > 0) {
         const TreeNode& node = tree.nodes[stack[--top]];
+        ++looked_at;
         if (!(box_entry(node, local, inverse) < best)) continue;
         if (node.count > 0) {
+            looked_at += SEL_LEAF_TRIANGLES(node.count);
             for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
                 const double t = ray_triangle(local, direction, tree.triangle(k));
                 if (t >= skip && t < best) best = t;
@@ -116,6 +123,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
         stack[top++] = node.left_or_first + (left_first ? 1 : 0);
         stack[top++] = node.left_or_first + (left_first ? 0 : 1);
     }
+    if (visits) *visits += looked_at;
     return best;
 }
 

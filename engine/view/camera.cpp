@@ -49,17 +49,17 @@ Principal principal_axes(const WallMesh& mesh, const std::vector<Vec3>& extra)
     return axes;
 }
 
-/// An eigenvector has no sign. Look from the front (-y), from the right (+x) or from above (+z), whichever the axis is nearest
-/// to: in a patient's coordinates (LPS) -y is anterior.
-Vec3 viewing_direction(const Principal& axes)
+/// An eigenvector has no sign. Look from the front, from the left or from the head, whichever the axis is nearest to.
+Vec3 viewing_direction(const Principal& axes, const Vec3& head, const Vec3& back)
 {
     if (axes.facing.norm() > 0.3) {
         return axes.facing.dot(axes.shortest) > 0 ? Vec3(-axes.shortest) : axes.shortest;
     }
-    const Vec3 from = {1, -1, 1};
-    int k = 0;
-    axes.shortest.cwiseAbs().maxCoeff(&k);
-    return axes.shortest[k] * from[k] > 0 ? Vec3(-axes.shortest) : axes.shortest;
+    const Vec3 from[] = {-back, back.cross(head), head};
+    const Vec3* nearest = &from[0];
+    for (const Vec3& side : from)
+        if (std::abs(side.dot(axes.shortest)) > std::abs(nearest->dot(axes.shortest))) nearest = &side;
+    return axes.shortest.dot(*nearest) > 0 ? Vec3(-axes.shortest) : axes.shortest;
 }
 
 }  // namespace
@@ -107,24 +107,24 @@ Camera fit_camera(const std::vector<Vec3>& points, const Vec3& forward_in, const
     return camera;
 }
 
-Camera automatic_camera(const WallMesh& mesh, const std::vector<Vec3>& extra, double aspect)
+Camera automatic_camera(const WallMesh& mesh, const std::vector<Vec3>& extra, double aspect, const Vec3& head, const Vec3& back)
 {
     const Principal axes = principal_axes(mesh, extra);
-    const Vec3 forward = viewing_direction(axes);
+    const Vec3 forward = viewing_direction(axes, head, back);
     std::vector<Vec3> points = mesh.vertices;
     points.insert(points.end(), extra.begin(), extra.end());
 
-    const auto upright = [](const Vec3& axis) { return axis.z() < 0 ? Vec3(-axis) : axis; };
+    const auto upright = [&](const Vec3& axis) { return axis.dot(head) < 0 ? Vec3(-axis) : axis; };
     const auto reach = [](const Camera& c) { return (c.target - c.eye).norm(); };
     const std::array<Camera, 2> along = {fit_camera(points, forward, upright(axes.middle), aspect),
                                          fit_camera(points, forward, upright(axes.longest), aspect)};
     const Camera& best = reach(along[0]) <= reach(along[1]) ? along[0] : along[1];
 
-    // gravity is readable when "up" keeps most of its length in the picture
-    const Vec3 sky = Vec3::UnitZ() - forward.z() * forward;
+    // upright is readable when "up" keeps most of its length in the picture
+    const Vec3 sky = head - head.dot(forward) * forward;
     if (sky.norm() < 0.5) return best;
     const Camera standing = fit_camera(points, forward, sky, aspect);
-    return reach(standing) < 1.35 * reach(best) ? standing : best;
+    return reach(standing) < 1.5 * reach(best) ? standing : best;
 }
 
 }  // namespace seldinger

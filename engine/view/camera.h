@@ -43,10 +43,11 @@ struct Projected {
 [[nodiscard]] Camera fit_camera(const std::vector<Vec3>& points, const Vec3& forward, const Vec3& up, double aspect,
                                 double fov_y = 0.35, double margin = 0.06);
 
-/// Looks along the vessel's thinnest principal direction (an open sheet: onto its lumen side); up is +z (against the usual
-/// gravity) where that fills the picture nearly as well as lying along the principal axes does, else the principal axis that
-/// fills it best.
+/// Looks along the vessel's thinnest principal direction, from the patient's front, left or head, whichever is nearest (an open
+/// sheet: onto its lumen side). The patient's head is up where the vessel then still fills a good part of the picture, else the
+/// principal axis that fills it best.
 /// @param mesh  may be empty; then `extra` alone decides. @param extra  points that must be in view too (the wire)
-[[nodiscard]] Camera automatic_camera(const WallMesh& mesh, const std::vector<Vec3>& extra, double aspect);
+[[nodiscard]] Camera automatic_camera(const WallMesh& mesh, const std::vector<Vec3>& extra, double aspect,
+                                      const Vec3& head = Vec3::UnitZ(), const Vec3& back = Vec3::UnitY());
 
 }  // namespace seldinger

@@ -139,6 +139,29 @@ void Canvas::ring(double x, double y, double radius, double thickness, std::uint
     }
 }
 
+void Canvas::polygon(const std::vector<std::array<double, 2>>& corners, std::uint32_t colour, double opacity)
+{
+    double top = corners[0][1], bottom = top, left = corners[0][0], right = left, area = 0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
+        top = std::min(top, a[1]), bottom = std::max(bottom, a[1]), left = std::min(left, a[0]), right = std::max(right, a[0]);
+        area += a[0] * b[1] - b[0] * a[1];
+    }
+    for (int row = static_cast<int>(top) - 1; row <= bottom + 1; ++row) {
+        for (int column = static_cast<int>(left) - 1; column <= right + 1; ++column) {
+            double inside = 1;  // how far inside the nearest edge [pixels], 1 at most
+            for (std::size_t k = 0; k < corners.size(); ++k) {
+                const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
+                const double dx = b[0] - a[0], dy = b[1] - a[1], length = std::hypot(dx, dy);
+                if (!(length > 0)) continue;
+                const double off = (dx * (row + 0.5 - a[1]) - dy * (column + 0.5 - a[0])) / length * (area < 0 ? -1 : 1);
+                inside = std::min(inside, off + 0.5);
+            }
+            blend(column, row, colour, opacity * std::clamp(inside, 0.0, 1.0));
+        }
+    }
+}
+
 void Canvas::disc(double x, double y, double radius, std::uint32_t colour, double opacity)
 {
     ring(x, y, 0.5 * radius, radius, colour, opacity);

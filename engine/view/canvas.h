@@ -1,6 +1,7 @@
 #pragma once
 // Flat drawing over a finished picture: lines, boxes, rings and text, anti-aliased, in sRGB.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -35,6 +36,8 @@ public:
     void frame(double x, double y, double width, double height, double thickness, std::uint32_t colour, double opacity = 1);
     void line(double x0, double y0, double x1, double y1, double thickness, std::uint32_t colour, double opacity = 1);
     void ring(double x, double y, double radius, double thickness, std::uint32_t colour, double opacity = 1);
+    /// Convex, corners in order.
+    void polygon(const std::vector<std::array<double, 2>>& corners, std::uint32_t colour, double opacity = 1);
     void disc(double x, double y, double radius, std::uint32_t colour, double opacity = 1);
     /// @param x,baseline  where the first letter's origin lies. @param size  pixels per em. UTF-8.
     /// @return the advance [pixels]

@@ -45,6 +45,15 @@ float lightness(const Rgb& c)
     return 0.2104542553f * l + 0.7936177850f * m - 0.0040720468f * s;
 }
 
+double load_share(double value, double top) { return top > 0 ? std::sqrt(std::clamp(value / top, 0.0, 1.0)) : 0.0; }
+
+Rgb load_colour(double share)
+{
+    const Rgb own = rgb_from_hex(palette::wire), force = force_colour(share);
+    const float s = std::min(1.0f, 20.0f * share_of(share));
+    return {own.r + s * (force.r - own.r), own.g + s * (force.g - own.g), own.b + s * (force.b - own.b)};
+}
+
 Rgb wall_colour(double t)
 {
     const float u = share_of(t);

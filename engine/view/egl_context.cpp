@@ -94,9 +94,14 @@ EglContext::EglContext()
 
 EglContext::~EglContext()
 {
-    const EGLDisplay display = shared_display().display;
-    if (eglGetCurrentContext() == context_) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display, context_);
+    release();
+    eglDestroyContext(shared_display().display, context_);
+}
+
+void EglContext::release()
+{
+    if (eglGetCurrentContext() == context_)
+        eglMakeCurrent(shared_display().display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
 void EglContext::make_current()

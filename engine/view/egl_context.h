@@ -18,6 +18,8 @@ public:
 
     /// Makes the context current on the calling thread.
     void make_current();
+    /// Takes it from the calling thread, so that another may use or destroy it.
+    void release();
     /// What draws, for example "llvmpipe (LLVM 15.0.6, 256 bits)".
     [[nodiscard]] std::string renderer_name();
 

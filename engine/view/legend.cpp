@@ -2,6 +2,7 @@
 #include "view/legend.h"
 
 #include "view/colour.h"
+#include "view/force_load.h"
 
 #include <fmt/format.h>
 
@@ -15,6 +16,13 @@ namespace {
 std::string force_text(double newton)
 {
     return std::abs(newton) < 0.9995 ? fmt::format("{:.3g} mN", 1e3 * newton) : fmt::format("{:.3g} N", newton);
+}
+
+/// A force per length of wire, likewise.
+std::string load_text(double newton_per_metre)
+{
+    return newton_per_metre < 0.9995 ? fmt::format("{:.3g} mN/m", 1e3 * newton_per_metre)
+                                     : fmt::format("{:.3g} N/m", newton_per_metre);
 }
 
 std::string length_text(double metre) { return fmt::format("{:.3g} mm", 1e3 * metre); }
@@ -34,10 +42,43 @@ void draw_scale_bar(Canvas& canvas, const Font& font, const Camera& camera, cons
     const double scale = pixels_per_metre(camera, view, (camera.target - camera.eye).norm());
     const double length = round_up_125(0.5 * share * view.width / scale), bar = length * scale;
     const double x = view.x + 14 * unit, y = view.y + view.height - 16 * unit;
+    const std::string label = length_text(length);
+    const double wide = std::max(bar, Canvas::text_width(font, 13 * unit, label) + 8 * unit);
+    canvas.fill(x - 6 * unit, y - 25 * unit, wide + 12 * unit, 34 * unit, 0xffffff, 0.78);
     canvas.fill(x, y - 1.5 * unit, bar, 3 * unit, palette::ink);
     canvas.fill(x, y - 5 * unit, 1.5 * unit, 8 * unit, palette::ink);
     canvas.fill(x + bar - 1.5 * unit, y - 5 * unit, 1.5 * unit, 8 * unit, palette::ink);
-    canvas.text(font, x + 4 * unit, y - 9 * unit, 13 * unit, length_text(length), palette::ink);
+    canvas.text(font, x + 4 * unit, y - 9 * unit, 13 * unit, label, palette::ink);
+}
+
+/// A cube that lies as the patient does, the letters of its near faces on them: A/P, L/R, H/F.
+void draw_cube(Canvas& canvas, const Font& font, const LegendFacts& facts)
+{
+    const double unit = facts.layout.unit, half = 17 * unit;
+    const Viewport& view = facts.layout.main;
+    const Camera& camera = facts.main_camera;
+    const double x = view.x + view.width - 3 * half, y = view.y + view.height - 3 * half;
+    const Vec3 right = camera.right(), forward = camera.forward(), up = right.cross(forward);
+    static constexpr const char* letters[3][2] = {{"R", "L"}, {"A", "P"}, {"F", "H"}};
+    const auto place = [&](const Vec3& p) { return std::array<double, 2>{x + half * p.dot(right), y - half * p.dot(up)}; };
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int side = 0; side < 2; ++side) {
+            const Vec3 normal = (side ? 1.0 : -1.0) * facts.cube[axis];
+            const double facing = -normal.dot(forward);
+            if (facing < 0.02) continue;
+            const Vec3 &b = facts.cube[(axis + 1) % 3], &c = facts.cube[(axis + 2) % 3];
+            const std::vector<std::array<double, 2>> corners = {place(normal + b + c), place(normal + b - c), place(normal - b - c),
+                                                                place(normal - b + c)};
+            canvas.polygon(corners, facing > 0.7 ? 0xf4f6f8 : facing > 0.35 ? 0xdde3e9 : 0xc3ccd5, 0.95);
+            for (std::size_t k = 0; k < 4; ++k)
+                canvas.line(corners[k][0], corners[k][1], corners[(k + 1) % 4][0], corners[(k + 1) % 4][1], unit, palette::faint_ink);
+            if (facing < 0.3) continue;
+            const double size = 17 * unit;
+            const std::array<double, 2> middle = place(normal);
+            const char* letter = letters[axis][side];
+            canvas.text(font, middle[0] - 0.5 * Canvas::text_width(font, size, letter), middle[1] + 0.36 * size, size, letter, palette::ink);
+        }
+    }
 }
 
 void draw_tip_mark(Canvas& canvas, const LegendFacts& facts, const Camera& camera, const Viewport& view, double radius)
@@ -81,16 +122,28 @@ struct Row {
     std::string name, value;
 };
 
-std::vector<Row> readings(const WireFrame& frame)
+std::vector<Row> readings(const LegendFacts& facts)
 {
+    const WireFrame& frame = *facts.frame;
     std::vector<Row> rows;
     if (std::isfinite(frame.inserted)) rows.push_back({"inserted", fmt::format("{:.1f} mm", 1e3 * frame.inserted)});
     if (std::isfinite(frame.time)) rows.push_back({"time", fmt::format("{:.3f} s", frame.time)});
     if (std::isfinite(frame.hand_force)) rows.push_back({"hand force", force_text(frame.hand_force)});
-    double peak = 0;
-    for (const ContactMark& c : frame.contacts) peak = std::max(peak, c.force);
-    rows.push_back({"peak contact", force_text(peak)});
-    rows.push_back({"contacts", std::to_string(frame.contacts.size())});
+    double load = 0;
+    bool known = true;
+    std::vector<int> places;
+    for (const ContactMark& c : frame.contacts) {
+        load = std::max(load, c.per_length);
+        known = known && std::isfinite(c.per_length);
+        if (std::find(places.begin(), places.end(), c.place) == places.end()) places.push_back(c.place);
+    }
+    if (known) {
+        if (std::isfinite(frame.per_length)) load = frame.per_length;
+        rows.push_back({"contact, per length", load_text(load)});
+        rows.push_back({"places in contact", std::to_string(places.size())});
+    } else {
+        rows.push_back({"contact samples", std::to_string(frame.contacts.size())});
+    }
     return rows;
 }
 
@@ -111,7 +164,7 @@ Row wall_reading(const LegendFacts& facts)
 double draw_readings(Canvas& canvas, const Font& font, const LegendFacts& facts, double x, double y, double width)
 {
     const double unit = facts.layout.unit, size = 14 * unit;
-    std::vector<Row> rows = readings(*facts.frame);
+    std::vector<Row> rows = readings(facts);
     if (facts.wall_scale.top > 0) rows.push_back(wall_reading(facts));
     for (const Row& row : rows) {
         y += 21 * unit;
@@ -139,6 +192,7 @@ double draw_wire_key(Canvas& canvas, const Font& font, const LegendFacts& facts,
         canvas.text(font, x + 36 * unit, y, size, fmt::format("drawn at least {:.2g} pixels wide", facts.least_pixels),
                     palette::faint_ink);
     }
+    if (!facts.ruler) return y;
     y += 20 * unit;
     canvas.ring(x + 14 * unit, y - 4 * unit, 5.5 * unit, 2 * unit, palette::accent);
     canvas.text(font, x + 36 * unit, y, size, "tip", palette::ink);
@@ -172,6 +226,11 @@ void draw_colour_bar(Canvas& canvas, const Font& font, const ColourBar& bar, dou
 }
 
 ColourBar force_bar(double top) { return {"contact force on the wire", force_text(0.5 * top), force_text(top), force_colour}; }
+
+ColourBar load_bar(double top)
+{
+    return {fmt::format("contact force, over {:.0f} mm", 1e3 * load_window), load_text(0.25 * top), load_text(top), load_colour};
+}
 
 ColourBar wall_bar(const WallScale& scale)
 {
@@ -215,8 +274,9 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
 {
     const Layout& layout = facts.layout;
     const double unit = layout.unit;
-    draw_scale_bar(canvas, font, facts.main_camera, layout.main, unit, 0.12);
-    draw_tip_mark(canvas, facts, facts.main_camera, layout.main, 8 * unit);
+    if (facts.ruler) draw_scale_bar(canvas, font, facts.main_camera, layout.main, unit, 0.12);
+    if (!facts.cube.empty()) draw_cube(canvas, font, facts);
+    if (facts.ruler) draw_tip_mark(canvas, facts, facts.main_camera, layout.main, 8 * unit);
     double x = layout.panel.x + 6 * unit, y = layout.panel.y + 14 * unit, width = layout.panel.width - 24 * unit;
     if (facts.inset) {
         draw_inset(canvas, font, facts);
@@ -232,6 +292,7 @@ void draw_legend(Canvas& canvas, const Font& font, const LegendFacts& facts)
     y = draw_readings(canvas, font, facts, x, y, width);
     y = draw_wire_key(canvas, font, facts, x, y);
     if (facts.wall_scale.top > 0) draw_colour_bar(canvas, font, wall_bar(facts.wall_scale), unit, x, y, width);
+    else if (facts.load_scale > 0) draw_colour_bar(canvas, font, load_bar(facts.load_scale), unit, x, y, width);
     else if (facts.force_scale > 0) draw_colour_bar(canvas, font, force_bar(facts.force_scale), unit, x, y, width);
 }
 

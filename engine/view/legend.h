@@ -30,6 +30,9 @@ struct LegendFacts {
     Camera main_camera, inset_camera;
     bool inset = false;
     double force_scale = 0;  // [N] at the top of the scale; 0: no scale
+    double load_scale = 0;   // [N/m] at the top of the scale that colours the wire; 0: it has its own colour
+    bool ruler = true;       // scale bar and tip mark
+    std::vector<Vec3> cube;  // the patient's left, back and head in the scene; empty: no cube
     WallScale wall_scale;    // top 0: the wall is not coloured
     double least_pixels = 3;
     bool widened = false;  // some wire was drawn wider than it is

@@ -2,6 +2,7 @@
 #include "view/render.h"
 
 #include "core/error.h"
+#include "io/film_write.h"
 #include "io/png_write.h"
 #include "view/legend.h"
 #include "view/run_folder.h"
@@ -9,23 +10,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 
 namespace seldinger {
 namespace {
-
-struct Range {
-    std::size_t first, last;
-};
-
-Range frames_asked(const RenderOptions& options, std::size_t count)
-{
-    if (options.first < 0 && options.last < 0) return {count - 1, count - 1};
-    if (options.first < 0 || options.last < options.first || static_cast<std::size_t>(options.last) >= count) {
-        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
-                                                    options.first, options.last, count - 1, count, count == 1 ? "" : "s"));
-    }
-    return {static_cast<std::size_t>(options.first), static_cast<std::size_t>(options.last)};
-}
 
 WallScale wall_scale(const RunFolder& run, const std::filesystem::path& dir, const RenderOptions& options)
 {
@@ -36,37 +25,110 @@ WallScale wall_scale(const RunFolder& run, const std::filesystem::path& dir, con
     return {*options.wall, top, most > top};
 }
 
+Look look_of(const RenderOptions& options, const RunReach& reach)
+{
+    Look look;
+    look.legend = options.legend;
+    look.inset = look.ruler = options.from != ViewFrom::Endoscopic;
+    look.cube = options.from != ViewFrom::Endoscopic;
+    look.head = options.patient.head, look.back = options.patient.back;
+    if (options.ground != Ground::Shaded) look.background_top = look.background_bottom = 0xffffff;
+    if (options.force_max > 0) look.force_scale = options.force_max;
+    else if (options.load_max > 0) look.load_scale = options.load_max;
+    else if (reach.load > 0) look.load_scale = round_force_up(reach.load);
+    else if (reach.strongest > 0) look.force_scale = round_force_up(reach.strongest);  // of several instruments
+    return look;
+}
+
+/// Red, green, blue, cover from the same picture over white and over black: what shows through is what differs.
+std::vector<std::uint8_t> cut_out(const std::vector<std::uint8_t>& white, const std::vector<std::uint8_t>& black)
+{
+    std::vector<std::uint8_t> out(white.size() / 3 * 4);
+    for (std::size_t p = 0; p < white.size() / 3; ++p) {
+        int through = 0;
+        for (int k = 0; k < 3; ++k) through = std::max(through, white[3 * p + k] - black[3 * p + k]);
+        const int cover = 255 - std::clamp(through, 0, 255);
+        out[4 * p + 3] = static_cast<std::uint8_t>(cover);
+        for (int k = 0; k < 3 && cover > 0; ++k)
+            out[4 * p + k] = static_cast<std::uint8_t>(std::min(255, (black[3 * p + k] * 255 + cover / 2) / cover));
+    }
+    return out;
+}
+
+/// A run as it is drawn, frame by frame.
+class Drawing {
+public:
+    Drawing(const std::filesystem::path& dir, const RenderOptions& options, const RunFolder& run, RunReach reach)
+        : options_(options), run_(run), renderer_(options.width, options.height, look_of(options, reach))
+    {
+        scenery_ = {&run.wall, std::move(reach.nodes), options.patient, run.frames.front().time, run.frames.back().time};
+        renderer_.set_wall(run.wall);
+        if (options.wall) renderer_.set_wall_scale(wall_scale(run, dir, options));
+    }
+
+    /// 3 bytes a pixel, or 4 on a transparent ground.
+    std::vector<std::uint8_t> draw(std::size_t index)
+    {
+        WireFrame frame = read_frame(run_, index);
+        if (options_.wall) frame.wall = read_moved_wall(run_, index, *options_.wall);
+        const Viewport& view = renderer_.main_view();
+        const bool moves = options_.from == ViewFrom::Endoscopic || !options_.motion.keys.empty() || options_.motion.orbit != 0 ||
+                           options_.motion.follow > 0;
+        if (moves || !aimed_)
+            renderer_.set_camera(
+                frame_camera(scenery_, options_.from, options_.motion, frame, static_cast<double>(view.width) / view.height));
+        aimed_ = true;
+        renderer_.draw(frame);
+        if (options_.ground != Ground::Transparent) return renderer_.pixels();
+        const std::vector<std::uint8_t> white = renderer_.pixels();
+        renderer_.set_background(0, 0);
+        renderer_.draw(frame);
+        renderer_.set_background(0xffffff, 0xffffff);
+        return cut_out(white, renderer_.pixels());
+    }
+
+private:
+    const RenderOptions& options_;
+    const RunFolder& run_;
+    Scenery scenery_;
+    Renderer renderer_;
+    bool aimed_ = false;
+};
+
 }  // namespace
 
-std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options)
+std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options,
+                                              const FrameProgress& progress)
 {
+    const auto start = std::chrono::steady_clock::now();
     const RunFolder run = read_run_folder(dir);
-    const Range range = frames_asked(options, run.frames.size());
+    if (!options.film.empty() && options.ground == Ground::Transparent)
+        throw Error(ExitCode::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
+    const FrameRange range = frames_asked(options, run.frames.size());
+    const bool filmed = !options.film.empty(), pictured = !options.output.empty() || !filmed;
 
-    // one camera and one scale of force for all: look at every frame once before drawing
-    std::vector<WireFrame> frames;
-    std::vector<Vec3> reached;
-    double strongest = 0;
-    for (std::size_t i = range.first; i <= range.last; ++i) {
-        frames.push_back(read_frame(run, i));
-        for (const WireLine& wire : frames.back().wires) reached.insert(reached.end(), wire.nodes.begin(), wire.nodes.end());
-        for (const ContactMark& c : frames.back().contacts) strongest = std::max(strongest, c.force);
-    }
-    const WallScale scale = options.wall ? wall_scale(run, dir, options) : WallScale{};
-    Renderer renderer(options.width, options.height);
-    renderer.set_wall(run.wall);
-    renderer.aim(reached);
-    if (strongest > 0) renderer.set_force_scale(round_force_up(strongest));
-    renderer.set_wall_scale(scale);
+    Drawing drawing(dir, options, run, reach_of(run));
 
     std::vector<std::filesystem::path> written;
+    std::optional<FilmWriter> film;
+    if (filmed) film.emplace(options.film, options.width, options.height, film_rate(options, run, range), FilmPixels::Rgb);
     for (std::size_t i = range.first; i <= range.last; ++i) {
-        WireFrame& frame = frames[i - range.first];
-        if (options.wall) frame.wall = read_moved_wall(run, i, *options.wall);
-        renderer.draw(frame);
-        frame.wall = {};  // large, and of no use any more
-        written.push_back(dir / (options.first < 0 ? std::string("picture.png") : fmt::format("frame_{:06}.png", i)));
-        write_png(written.back(), options.width, options.height, renderer.pixels());
+        const std::filesystem::path file = pictured ? picture_path(dir, options, "picture", "frame", i) : std::filesystem::path();
+        const bool there = pictured && options.resume && std::filesystem::exists(file);
+        if (!there || film) {
+            const std::vector<std::uint8_t> pixels = drawing.draw(i);
+            if (film) film->add(pixels);
+            if (pictured && !there) {
+                write_png(file, options.width, options.height, pixels);
+                written.push_back(file);
+            }
+        }
+        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+        if (progress) progress(i - range.first + 1, range.count(), passed.count());
+    }
+    if (film) {
+        film->finish();
+        written.push_back(options.film);
     }
     return written;
 }

@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/error.h"
 #include "view/egl_context.h"
+#include "view/force_load.h"
 #include "view/gl_objects.h"
 #include "view/legend.h"
 #include "view/shaders.h"
@@ -119,6 +120,7 @@ struct Renderer::Impl {
 
     WallScale wall_scale;
     bool moved = false;  // the picture being drawn has a wall that has moved
+    FrameLoads loads;    // of the picture being drawn
 
     GlName background, wall, glass, coloured, stained, solid, compose;  // programs
     GlName empty_vao, wall_vao, moved_vao, solid_vao, wall_vertices, moved_vertices, wall_indices;
@@ -142,6 +144,7 @@ struct Renderer::Impl {
     [[nodiscard]] View main_view() const;
     [[nodiscard]] std::optional<View> inset_view(const WireFrame& frame) const;
     bool build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const;
+    [[nodiscard]] std::vector<Rgb> wire_colours(const WireFrame& frame, std::size_t k, std::size_t stations) const;
     void use(const View& view);
     void draw_background();
     bool draw_opaque(const WireFrame& frame, const std::vector<View>& views);
@@ -162,8 +165,8 @@ void Renderer::Impl::make_programs()
     stained = make_program(shaders::wall_vertex, shaders::stained_fragment);
     solid = make_program(shaders::solid_vertex, shaders::solid_fragment);
     compose = make_program(shaders::cover_vertex, shaders::compose_fragment);
-    set_colour(background, "top", rgb_from_hex(palette::background_top));
-    set_colour(background, "bottom", rgb_from_hex(palette::background_bottom));
+    set_colour(background, "top", rgb_from_hex(look.background_top));
+    set_colour(background, "bottom", rgb_from_hex(look.background_bottom));
     set_colour(wall, "tissue", rgb_from_hex(palette::tissue));
     set_colour(wall, "deep", rgb_from_hex(palette::tissue_deep));
     set_colour(glass, "glass", rgb_from_hex(palette::glass));
@@ -278,6 +281,17 @@ std::optional<View> Renderer::Impl::inset_view(const WireFrame& frame) const
     return view;
 }
 
+/// A wire's own colour, or where it is coloured by load one for each station of its smooth line.
+std::vector<Rgb> Renderer::Impl::wire_colours(const WireFrame& frame, std::size_t k, std::size_t stations) const
+{
+    const Rgb own = rgb_from_hex(instrument_colour(frame, k));
+    std::vector<Rgb> colours(stations, own);
+    if (!(look.load_scale > 0) || moved || loads.nodes.empty()) return colours;
+    const std::vector<TubeStation> line = smooth_line(frame.wires[k].nodes, loads.nodes);  // its radius is the load
+    for (std::size_t i = 0; i < stations; ++i) colours[i] = load_colour(load_share(line[i].radius, look.load_scale));
+    return colours;
+}
+
 /// @return true when a wire had to be drawn wider than it is
 bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const
 {
@@ -302,19 +316,22 @@ bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Soli
             s.pull = 2.5 * s.radius + 2 * px;
             outline.push_back(grown(s, 1.1 * unit * px));
         }
-        add_tube(body, line, rgb_from_hex(instrument_colour(frame, k)), origin);
+        add_tube(body, line, wire_colours(frame, k, line.size()), origin);
         add_tube(halo, outline, rgb_from_hex(palette::halo), origin);
     }
+    const bool by_load = look.load_scale > 0 && !loads.contacts.empty();
     const double top = force_scale > 0 ? force_scale : 1;
     const std::vector<ContactMark> none;  // on a coloured wall
     for (const ContactMark& c : moved ? none : frame.contacts) {
-        const double share = std::clamp(c.force / top, 0.0, 1.0), px = pixel(c.point) * unit * view.mark_scale;
+        const double load = by_load ? loads.contacts[&c - frame.contacts.data()] : 0;
+        const double share = by_load ? load_share(load, look.load_scale) : std::clamp(c.force / top, 0.0, 1.0);
+        const double px = pixel(c.point) * unit * view.mark_scale;
         const Rgb colour = force_colour(share);
-        const TubeStation ball = {c.point, (2.2 + 1.8 * share) * px, 12 * px};
+        const TubeStation ball = {c.point, (2.8 + 2.4 * share) * px, 12 * px};
         add_ball(body, ball, colour, origin);
         add_ball(halo, grown(ball, 0.8 * px / view.mark_scale), rgb_from_hex(palette::halo), origin);
         if (c.normal.squaredNorm() > 0) {
-            const Vec3 end = c.point + (4 + 18 * share) * px * c.normal.normalized();
+            const Vec3 end = c.point + (6 + 24 * share) * px * c.normal.normalized();
             add_cone(body, {c.point, 0.85 * ball.radius, ball.pull}, end, colour, origin);
             add_cone(halo, {c.point, 0.85 * ball.radius + 0.8 * px / view.mark_scale, ball.pull}, end,
                      rgb_from_hex(palette::halo), origin);
@@ -485,6 +502,9 @@ void Renderer::Impl::write_legend(const WireFrame& frame, const std::vector<View
     facts.inset = views.size() > 1;
     if (facts.inset) facts.inset_camera = views[1].camera;
     facts.force_scale = moved ? 0 : force_scale;
+    facts.load_scale = moved ? 0 : look.load_scale;
+    facts.ruler = look.ruler;
+    if (look.cube) facts.cube = {look.back.cross(look.head), look.back, look.head};
     if (moved) facts.wall_scale = wall_scale;
     facts.least_pixels = look.least_pixels;
     facts.widened = widened;
@@ -526,10 +546,17 @@ void Renderer::aim(const std::vector<Vec3>& points)
 const Camera& Renderer::camera() const { return impl_->camera; }
 const Viewport& Renderer::main_view() const { return impl_->layout.main; }
 void Renderer::set_force_scale(double newton) { impl_->look.force_scale = newton; }
+void Renderer::set_background(std::uint32_t top, std::uint32_t bottom)
+{
+    impl_->context.make_current();
+    set_colour(impl_->background, "top", rgb_from_hex(top));
+    set_colour(impl_->background, "bottom", rgb_from_hex(bottom));
+}
 void Renderer::set_wall_scale(const WallScale& scale) { impl_->wall_scale = scale; }
 const std::vector<std::uint8_t>& Renderer::pixels() const { return impl_->pixels; }
 int Renderer::width() const { return impl_->width; }
 int Renderer::height() const { return impl_->height; }
+void Renderer::release() { impl_->context.release(); }
 std::string Renderer::device_name() const { return impl_->context.renderer_name(); }
 
 void Renderer::draw(const WireFrame& frame)
@@ -544,6 +571,7 @@ void Renderer::draw(const WireFrame& frame)
     r.force_scale = r.look.force_scale;
     if (!(r.force_scale > 0)) r.force_scale = strongest(frame) > 0 ? round_force_up(strongest(frame)) : 0;
 
+    r.loads = r.look.load_scale > 0 ? loads_of(frame) : FrameLoads{};
     r.upload_moved(frame.wall);
     std::vector<View> views = {r.main_view()};
     if (const auto inset = r.inset_view(frame)) views.push_back(*inset);

@@ -25,6 +25,8 @@ struct ContactMark {
     Vec3 point = Vec3::Zero();   // on the wall [m]
     Vec3 normal = Vec3::Zero();  // unit, into the lumen; zero: no pin
     double force = 0;            // [N] >= 0
+    double per_length = std::numeric_limits<double>::quiet_NaN();  // load on the wire there [N/m]; NaN: not known
+    int place = 0;                                                 // which of the places in contact it belongs to
 };
 
 /// What a wall that has moved is coloured by.
@@ -51,6 +53,7 @@ struct WireFrame {
     double time = std::numeric_limits<double>::quiet_NaN();        // [s]
     double inserted = std::numeric_limits<double>::quiet_NaN();    // [m]
     double hand_force = std::numeric_limits<double>::quiet_NaN();  // [N]
+    double per_length = std::numeric_limits<double>::quiet_NaN();  // largest load on the wire; else the contacts' largest [N/m]
 };
 
 /// What does not.
@@ -58,6 +61,11 @@ struct Look {
     bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
     bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide
     double force_scale = 0;   // force at the top of the scale [N]; 0: a round number above the strongest contact drawn
+    double load_scale = 0;    // contact force per length at the top of a scale that colours the wire [N/m]; 0: it has its own colour
+    std::uint32_t background_top = 0xfdfdfd, background_bottom = 0xdfe4ea;
+    bool ruler = true;             // scale bar and tip mark
+    bool cube = false;             // which way the patient lies
+    Vec3 head = {0, 0, 1}, back = {0, 1, 0};  // of the patient, for the cube
     double least_pixels = 3;  // the wire is drawn at least this wide, and the legend says so
 };
 
@@ -78,11 +86,15 @@ public:
     /// Where in the picture the camera's view lies: all of it without a legend.
     [[nodiscard]] const Viewport& main_view() const;
     void set_force_scale(double newton);
+    /// Colours of the ground from now on, sRGB.
+    void set_background(std::uint32_t top, std::uint32_t bottom);
     /// From now on moved walls are drawn, coloured, over a faint outline of where they were; contacts, whose colours mean
     /// something else, are not.
     void set_wall_scale(const WallScale& scale);
 
     void draw(const WireFrame& frame);
+    /// Lets another thread call, or destroy it; the thread that drew last has to.
+    void release();
     /// The last picture: rows from the top, 3 bytes (sRGB) per pixel.
     [[nodiscard]] const std::vector<std::uint8_t>& pixels() const;
     [[nodiscard]] int width() const;

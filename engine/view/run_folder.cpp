@@ -2,7 +2,9 @@
 #include "view/run_folder.h"
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "io/vtp_read.h"
+#include "view/force_load.h"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>
@@ -102,14 +104,15 @@ std::vector<TraceRow> read_trace(const fs::path& path)
     if (!std::getline(stream, line)) return {};
     const std::vector<std::string> names = split(line);
     const auto column = [&](const char* name) { return std::find(names.begin(), names.end(), name) - names.begin(); };
-    const auto time = column("time_s"), inserted = column("inserted_m"), hand = column("hand_force_n");
+    const auto time = column("time_s"), inserted = column("inserted_m"), hand = column("hand_force_n"),
+               load = column("force_per_length_max_n_per_m");
     std::vector<TraceRow> rows;
     while (std::getline(stream, line)) {
         const std::vector<std::string> cells = split(line);
         const auto number = [&](std::ptrdiff_t k) {
             return k < static_cast<std::ptrdiff_t>(cells.size()) ? std::strtod(cells[k].c_str(), nullptr) : std::nan("");
         };
-        rows.push_back({number(time), number(inserted), number(hand)});
+        rows.push_back({number(time), number(inserted), number(hand), number(load)});
     }
     return rows;
 }
@@ -118,7 +121,7 @@ std::vector<TraceRow> read_trace(const fs::path& path)
 TraceRow row_at(const std::vector<TraceRow>& trace, double time)
 {
     const double unknown = std::nan("");
-    TraceRow best = {unknown, unknown, unknown};
+    TraceRow best = {unknown, unknown, unknown, unknown};
     for (const TraceRow& row : trace) {
         if (!(std::abs(row.time - time) >= std::abs(best.time - time))) best = row;
     }
@@ -164,10 +167,16 @@ std::vector<ContactMark> read_contacts(const fs::path& path)
     const PolyArray& force = need(data, "normal_n", 1, path);
     const bool directed = data.point_data.count("normal") > 0;
     const PolyArray* normal = directed ? &need(data, "normal", 3, path) : nullptr;
+    const auto maybe = [&](const char* name) {  // absent in folders of earlier versions
+        return data.point_data.count(name) > 0 ? &need(data, name, 1, path) : nullptr;
+    };
+    const PolyArray *per_length = maybe("force_per_length"), *place = maybe("place");
     std::vector<ContactMark> marks(data.points.size());
     for (std::size_t i = 0; i < marks.size(); ++i) {
         marks[i].point = to_vec3(data.points[i]);
         marks[i].force = std::max(0.0, force.values[i]);
+        if (per_length) marks[i].per_length = per_length->values[i];
+        if (place) marks[i].place = static_cast<int>(place->values[i]);
         if (normal) marks[i].normal = {normal->values[3 * i], normal->values[3 * i + 1], normal->values[3 * i + 2]};
     }
     return marks;
@@ -248,7 +257,28 @@ WireFrame read_frame(const RunFolder& run, std::size_t index)
     const TraceRow row = row_at(run.trace, file.time);
     frame.inserted = row.inserted;
     frame.hand_force = row.hand_force;
+    // a row of another time has another load; the contacts' own is then nearer
+    if (std::abs(row.time - file.time) <= 1e-9 * (1 + file.time)) frame.per_length = row.per_length;
     return frame;
+}
+
+RunReach reach_of(const RunFolder& run)
+{
+    std::vector<RunReach> parts(run.frames.size());
+    for_each_item(static_cast<int>(parts.size()), 1, [&](int i) {
+        const WireFrame frame = read_frame(run, static_cast<std::size_t>(i));
+        RunReach& part = parts[static_cast<std::size_t>(i)];
+        for (const WireLine& wire : frame.wires) part.nodes.insert(part.nodes.end(), wire.nodes.begin(), wire.nodes.end());
+        for (const ContactMark& c : frame.contacts) part.strongest = std::max(part.strongest, c.force);
+        part.load = loads_of(frame).largest;
+    });
+    RunReach reach;
+    for (const RunReach& part : parts) {
+        reach.nodes.insert(reach.nodes.end(), part.nodes.begin(), part.nodes.end());
+        reach.strongest = std::max(reach.strongest, part.strongest);
+        reach.load = std::max(reach.load, part.load);
+    }
+    return reach;
 }
 
 }  // namespace seldinger

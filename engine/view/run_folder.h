@@ -19,7 +19,7 @@ struct FrameFile {
 
 /// One row of trace.csv, as far as it is shown.
 struct TraceRow {
-    double time = 0, inserted = 0, hand_force = 0;  // [s], [m], [N]
+    double time = 0, inserted = 0, hand_force = 0, per_length = 0;  // [s], [m], [N], [N/m]
 };
 
 struct RunFolder {
@@ -37,6 +37,16 @@ struct RunFolder {
 /// The largest value in any wall_*.vtp of the run, whichever frames are drawn: reads them all.
 /// @throws Error BadFile: the run recorded no wall that yields, or a damaged file
 [[nodiscard]] double largest_on_wall(const RunFolder& run, const std::filesystem::path& dir, WallQuantity quantity);
+
+/// What the pictures of a run share, so that a frame looks the same alone and in a series.
+struct RunReach {
+    std::vector<Vec3> nodes;  // of the instruments in any frame
+    double strongest = 0;     // contact force in any frame [N]
+    double load = 0;          // contact force per length along the wire in any frame [N/m]
+};
+
+/// Reads every frame once. @throws Error BadFile: a frame's file is missing or damaged
+[[nodiscard]] RunReach reach_of(const RunFolder& run);
 
 /// @throws Error BadFile: the frame's file is missing or damaged
 [[nodiscard]] WireFrame read_frame(const RunFolder& run, std::size_t index);

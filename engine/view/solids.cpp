@@ -148,6 +148,21 @@ void add_tube(Solids& solids, std::span<const TubeStation> line, const Rgb& colo
     add_skin(solids, rings, colour, origin);
 }
 
+void add_tube(Solids& solids, std::span<const TubeStation> line, std::span<const Rgb> colours, const Vec3& origin)
+{
+    SEL_ASSERT(colours.size() == line.size());
+    if (line.empty()) return;
+    const std::size_t first = solids.vertices.size();
+    add_tube(solids, line, colours.front(), origin);
+    if (line.size() < 2) return;
+    for (std::size_t v = first; v < solids.vertices.size(); ++v) {
+        const auto ring = static_cast<std::ptrdiff_t>((v - first) / ring_count) - cap_rings;
+        const auto last = static_cast<std::ptrdiff_t>(colours.size()) - 1;
+        const Rgb& c = colours[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(ring, 0, last))];
+        solids.vertices[v].colour[0] = c.r, solids.vertices[v].colour[1] = c.g, solids.vertices[v].colour[2] = c.b;
+    }
+}
+
 void add_ball(Solids& solids, const TubeStation& ball, const Rgb& colour, const Vec3& origin)
 {
     const Ring equator = {ball.position, Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), ball.radius, 0, ball.pull};

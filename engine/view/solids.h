@@ -37,6 +37,8 @@ struct TubeStation {
 
 /// Tube with rotation-minimising frames and round ends.
 void add_tube(Solids& solids, std::span<const TubeStation> line, const Rgb& colour, const Vec3& origin);
+/// @param colours  one for each station
+void add_tube(Solids& solids, std::span<const TubeStation> line, std::span<const Rgb> colours, const Vec3& origin);
 void add_ball(Solids& solids, const TubeStation& ball, const Rgb& colour, const Vec3& origin);
 /// Cone from `base` (its radius) to a point at `end`.
 void add_cone(Solids& solids, const TubeStation& base, const Vec3& end, const Rgb& colour, const Vec3& origin);

@@ -192,6 +192,10 @@ void WallDynamics::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
         if (touched_[k] < (k > 0 ? touched_[k - 1] + 1 : 0) || touched_[k] >= vertices)
             throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
     for (auto* list : {&start_, &memory_, &change_, &pushed_}) take_bytes(bytes, end, list->data(), list->size());
+    const auto bounded = [](double value) { return std::abs(value) <= 1e18; };  // in any unit; false for NaN
+    for (const auto* list : {&start_, &memory_, &change_, &pushed_})
+        if (!std::all_of(list->begin(), list->end(), bounded) || !std::all_of(numbers, numbers + 4, bounded))
+            throw Error(ExitCode::BadFile, "the saved state of the wall is damaged");
     farthest_ = std::sqrt(3.0) * largest(start_);
     keep_ = numbers[1], ahead_ = numbers[2], slope_ = numbers[3];
     step_ = counts[0], steps_ = counts[1];

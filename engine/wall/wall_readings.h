@@ -1,5 +1,5 @@
 #pragma once
-// What can be read off a wall that yields (wall/elastic_wall.h); all zero of a rigid one.
+// Readings of a wall that yields (wall/elastic_wall.h); all zero for a rigid one.
 
 #include <cstddef>
 
@@ -16,10 +16,10 @@ struct WallMechanics {
 };
 
 struct WallReadings {
-    double move_max = 0;    // farthest that any place of it has gone [m]
-    double move_share = 0;  // farthest, of what linear theory is good for there: a fifth of the lumen's radius [-]
+    double move_max = 0;    // largest displacement [m]
+    double move_share = 0;  // largest, as a share of the limit of linear theory there, a fifth of the lumen's radius [-]
     double energy = 0;      // stored in shell, tissue and against pressure [J]
-    double loss = 0;        // to damping since the beginning, that of the time scheme included [J]
+    double loss = 0;        // dissipated by damping since the start, numerical damping included [J]
     double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces [Pa]
 };
 

@@ -1,6 +1,6 @@
 // Where a quadrature point is known to touch nothing. Of the quadrature points with a list of BVH nodes, those along which a wire
-// merely runs near the wall, four in five touch nothing: a sphere round each in which that stays so costs one distance now and
-// then in place of an evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it
+// merely runs near the wall, four in five touch nothing. Each of these keeps a clearance sphere, within which it cannot touch
+// anything: that costs one distance now and then in place of an evaluation every time. Knowledge of the wall only, never of the wire: what is evaluated is the same with it
 // and without.
 #ifndef SEL_SHARED_CLEARANCE_H
 #define SEL_SHARED_CLEARANCE_H

@@ -1,11 +1,15 @@
 // Contact of one cell of rod a with a stretch of rod b: which part of the cell touches, the normal force along it, friction in
 // the middle of it.
 //
-// The gap is taken as a function of the material coordinate s along the cell. Its least value is found, and the zeros on both
-// sides of it, or the ends of the cell; between them the force per metre is integrated by Gauss. So a line contact has its force
-// per metre, a crossing one its lens, wherever they lie on the cells: what one cell loses its neighbour gains, and nothing jumps.
-// The integrand vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points move with them is
-// left out of it (they stay on material where the cell touches as a whole).
+// The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
+// knot of either spline or the plane of the mouth, and between these it may change its sign once, as nodes are not evenly spaced:
+// there the cell is cut into pieces, so that a piece has one least value, if any. (A search over the whole cell saw an overlap
+// between two maxima of the gap when an end of the cell touched, too, and not when it did not: a force that jumps, and no
+// equilibrium to be found.) The least value is found, and the zeros on both sides of it, or the ends of the piece; between them the
+// force per metre is integrated by Gauss. So a line contact has its force per metre, a crossing one its lens, wherever they lie on
+// the cells: what one piece loses its neighbour gains, and nothing jumps. The integrand vanishes at zeros, whose motion therefore
+// does not count in the tangent; that the Gauss points move with them is left out of it (they stay on material where the cell
+// touches as a whole).
 //
 // Friction is that of the whole force of the cell at its centroid: slip of a's surface past b's there, with both spins and the
 // turning of both tangents (friction_law.h). Both surfaces are taken at one point, on a's, so that force, couple and torques on
@@ -51,20 +55,166 @@ SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
     return point;
 }
 
+// What is kept of a point of the cell while the cell is looked through.
+typedef struct CellMark {
+    real s, gap, slope, at;  // at: of b
+} CellMark;
+
+SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+{
+    const CellPoint point = cell_point(scene, s, start);
+    CellMark mark;
+    mark.s = s;
+    mark.gap = point.gap;
+    mark.slope = point.slope;
+    mark.at = point.g.at;
+    return mark;
+}
+
+// ---- pieces -----------------------------------------------------------------------------------------------------------------
+
+// Ends of the pieces.
+typedef struct CellCuts {
+    CellMark at[SEL_CELL_PIECES + 1];
+    uint pieces;
+} CellCuts;
+
+#define SEL_CUT_STEPS 12
+#define SEL_NO_CUT ((real)1e-6)  // of the cell, of an edge: nearer to an end there is none
+
+// The first knot of a rod's curve beyond `from` and before `until`, in either direction; `until` where there is none.
+// Knots lie at 1/2, 3/2, ... count - 3/2.
+SEL_FN real next_knot(SplineView rod, real from, real until)
+{
+    const real onwards = until > from ? (real)1 : (real)-1;
+    const real index = onwards > 0 ? floor(from + (real)0.5) + 1 : ceil(from + (real)0.5) - 1;  // of the knot, 1 the first
+    const real knot = index - (real)0.5;
+    if (rod.count < 3 || (knot - until) * onwards >= 0 || index < 1 || index > (real)rod.count - 1) return until;
+    return knot;
+}
+
+// Where b's coordinate is `knot`, which it passes between two points.
+SEL_FN CellMark cut_at(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
+{
+    const real onwards = right.at > left.at ? (real)1 : (real)-1;
+    CellMark best = left;
+    for (int k = 0; k < SEL_CUT_STEPS; ++k) {
+        const real share = k % 2 == 0 ? clamp_r((knot - left.at) / (right.at - left.at), (real)0.01, (real)0.99) : (real)0.5;
+        best = cell_mark(scene, left.s + share * (right.s - left.s), left.at);
+        if (fabs(best.at - knot) < SEL_NO_CUT) break;
+        if ((best.at - knot) * onwards < 0) left = best;
+        else right = best;
+        if (left.at == right.at) break;
+    }
+    return best;
+}
+
+// Adds a cut unless there is one, or there are too many.
+SEL_FN void add_cut(CellMark cut, real until, CellCuts* cuts)
+{
+    const real least = SEL_NO_CUT * (until - cuts->at[0].s);
+    if (cuts->pieces + 1 < SEL_CELL_PIECES && cut.s > cuts->at[cuts->pieces].s + least && cut.s < until - least)
+        cuts->at[++cuts->pieces] = cut;
+}
+
+// Between the last cut and `right` nothing jumps: cut where the second derivative of the cubic that has both ends' gaps and slopes
+// is none.
+SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+{
+    const CellMark left = cuts->at[cuts->pieces];
+    const real length = right.s - left.s;
+    if (!(length > 0) || left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
+    const real bulge = 6 * ((right.gap - left.gap) / length - (real)0.5 * (left.slope + right.slope));
+    const real turns = right.slope - left.slope;
+    if (fabs(turns) >= fabs(bulge)) return;
+    add_cut(cell_mark(scene, left.s + ((real)0.5 + (real)0.5 * turns / bulge) * length, left.at), until, cuts);
+}
+
+// Cuts what lies between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
+SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+{
+    CellMark left = cuts->at[cuts->pieces];
+    if (left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
+    const real onwards = right.at > left.at ? (real)1 : (real)-1;
+    const real plane = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low + (real)1e-3 : (real)-1;  // at is never less
+    for (uint k = 0; k + 1 < SEL_CELL_PIECES && left.at != right.at; ++k) {
+        const real from = left.at + 2 * SEL_NO_CUT * onwards;
+        real knot = next_knot(scene->b, from, right.at);
+        if ((plane - from) * onwards > 0 && (knot - plane) * onwards > 0) knot = plane;
+        if ((right.at - knot) * onwards <= 0) break;
+        left = cut_at(scene, left, right, knot);
+        cut_smooth(scene, left, until, cuts);
+        add_cut(left, until, cuts);
+    }
+    cut_smooth(scene, right, until, cuts);
+}
+
+// @param right  the end of the cell
+SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right, CellCuts* cuts)
+{
+    const real last = spline_at(scene->a, right.s);
+    cuts->at[0] = left;
+    cuts->pieces = 0;
+    real at = spline_at(scene->a, left.s);
+    for (int more = 1; more;) {
+        at = next_knot(scene->a, at, last);
+        more = at != last;
+        const CellMark end = more ? cell_mark(scene, spline_material(scene->a, at), cuts->at[cuts->pieces].at) : right;
+        cut_along_b(scene, end, right.s, cuts);
+        add_cut(end, right.s, cuts);
+    }
+    cuts->at[++cuts->pieces] = right;
+}
+
+// The largest curvature of a rod's curve between two places [1/m]: c' x c'' of a piece is e x f of its two edges, and |c'| not less
+// than cos(30 degrees) of the shorter one where they turn by 60 degrees at most.
+SEL_FN real most_curved(SplineView rod, real from, real until)
+{
+    real most = 0;
+    if (rod.count < 3) return most;
+    const real low = max_r(min_r(from, until) + (real)0.5, 1), high = min_r(max_r(from, until) + (real)0.5, (real)rod.count - 2);
+    for (uint i = (uint)low; i <= (uint)high; ++i) {
+        const vec3 x = node_at(rod, i), e = x - node_at(rod, i - 1), f = node_at(rod, i + 1) - x, turn = cross3(e, f);
+        const real ee = dot3(e, e), ff = dot3(f, f), shorter = min_r(ee, ff), ef = dot3(e, f);
+        if (ef <= 0 || 4 * ef * ef < ee * ff) return SEL_FAR;
+        most = max_r(most, (real)1.6 * sqrt(dot3(turn, turn) / shorter) / shorter);
+    }
+    return most;
+}
+
+// Whether nothing between two points touches, by what their gaps and curvatures leave room for: with g'' <= k,
+// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
+// a lumen, where the gap falls with D, the last term is none.
+SEL_FN int cell_is_clear(const InstrumentScene* scene, CellMark left, CellMark right)
+{
+    const real gap = min_r(left.gap, right.gap);
+    if (gap <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
+    const int inside = scene->part.touch == SEL_TOUCH_INSIDE;
+    if (inside && min_r(left.at, right.at) <= scene->part.low) return 0;  // a mouth
+    const real a = most_curved(scene->a, spline_at(scene->a, left.s), spline_at(scene->a, right.s));
+    const real b = most_curved(scene->b, left.at, right.at), reach = scene->part.reach_a + scene->part.reach_b;
+    const real far = inside ? scene->part.reach_b : max_r(left.gap, right.gap) + reach + (right.s - left.s);
+    if (3 * b * far > 1) return 0;
+    const real k = a + (real)1.5 * b + (inside ? (real)0 : 1 / reach), length = right.s - left.s;
+    return gap > (real)0.125 * (real)1.1 * k * length * length;  // 1.1: of a wire that is stretched
+}
+
+// ---- of one piece -----------------------------------------------------------------------------------------------------------
+
 #define SEL_CELL_STEPS 24
 #define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
 #define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
 
-// The least gap between two points of the cell: where its slope changes sign, by turns of the secant and of halving.
-SEL_FN CellPoint least_gap(const InstrumentScene* scene, CellPoint left, CellPoint right)
+// The least gap between two points: where its slope changes sign, by turns of the secant and of halving.
+SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark right)
 {
     if (left.slope >= 0 && right.slope <= 0) return left.gap < right.gap ? left : right;
     if (left.slope >= 0) return left;
     if (right.slope <= 0) return right;
-    CellPoint best = left.gap < right.gap ? left : right;
+    CellMark best = left.gap < right.gap ? left : right;
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
         const real share = k % 2 == 0 ? left.slope / (left.slope - right.slope) : (real)0.5;
-        const CellPoint middle = cell_point(scene, left.s + share * (right.s - left.s), best.g.at);
+        const CellMark middle = cell_mark(scene, left.s + share * (right.s - left.s), best.at);
         if (middle.gap < best.gap) best = middle;
         if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
         if (middle.slope < 0) left = middle;
@@ -74,12 +224,12 @@ SEL_FN CellPoint least_gap(const InstrumentScene* scene, CellPoint left, CellPoi
 }
 
 // Where the gap closes, between a point that overlaps and one that does not.
-SEL_FN real gap_zero(const InstrumentScene* scene, CellPoint in, CellPoint out)
+SEL_FN real gap_zero(const InstrumentScene* scene, CellMark in, CellMark out)
 {
     const real enough = SEL_ZERO * fabs(in.gap);
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
         const real share = k % 2 == 0 && out.gap < SEL_FAR ? in.gap / (in.gap - out.gap) : (real)0.5;
-        const CellPoint middle = cell_point(scene, in.s + share * (out.s - in.s), in.g.at);
+        const CellMark middle = cell_mark(scene, in.s + share * (out.s - in.s), in.at);
         if (fabs(middle.gap) <= enough) return middle.s;
         if (middle.gap < 0) in = middle;
         else out = middle;
@@ -117,39 +267,42 @@ SEL_FN void store_vec(real* to, vec3 v)
 }
 
 // Force and its growth at one Gauss point of `weight` metres.
-SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out)
+SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
+                    SEL_GLOBAL InstrumentPoint* points)
 {
     real slope;
     const real per_metre = damped_force(closing, c, &slope);
     if (per_metre <= 0) return;
-    InstrumentPoint* p = out->points + out->count++;
+    InstrumentPoint p;
     for (int k = 0; k < 3; ++k) {
-        p->wa[k] = point.a.w[k];
-        p->wb[k] = point.g.b.w[k];
-        p->db[k] = point.g.b.d[k];
+        p.wa[k] = point.a.w[k];
+        p.wb[k] = point.g.b.w[k];
+        p.db[k] = point.g.b.d[k];
     }
-    store_vec(p->n, point.g.n);
-    store_vec(p->turn, point.g.turn);
-    store_vec(p->p, point.g.p);
-    store_vec(p->q, point.g.q);
-    for (int k = 0; k < 6; ++k) p->m[k] = point.g.m[k];
-    p->bend = point.g.bend;
-    p->force = weight * per_metre;
-    p->slope = weight * slope;
-    p->node_a = point.a.node;
-    p->node_b = point.g.b.node;
+    store_vec(p.n, point.g.n);
+    store_vec(p.turn, point.g.turn);
+    store_vec(p.p, point.g.p);
+    store_vec(p.q, point.g.q);
+    for (int k = 0; k < 6; ++k) p.m[k] = point.g.m[k];
+    p.bend = point.g.bend;
+    p.force = weight * per_metre;
+    p.slope = weight * slope;
+    p.node_a = point.a.node;
+    p.node_b = point.g.b.node;
+    points[out->count++] = p;
     real ignored;
-    out->normal_sum += p->force;
+    out->normal_sum += p.force;
+    out->slope_sum += p.slope;
     out->stored += weight * elastic_normal(closing.depth, c->m, &ignored) * closing.depth / (c->m.exponent + 1);
 }
 
-// The normal force between two ends of what touches. @return its centroid along a
+// The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, real left, real right, real start, Closing closing, const LawContext* c,
-                       InstrumentForce* out)
+                       InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right - left), middle = (real)0.5 * (left + right);
     real moment = 0;
-    for (uint k = 0; k < SEL_INSTRUMENT_POINTS; ++k) {
+    for (uint k = 0; k < SEL_INSTRUMENT_POINTS / SEL_CELL_PIECES; ++k) {
         const real s = middle + half_length * gauss_place(k), before = out->normal_sum;
         const CellPoint point = cell_point(scene, s, start);
         if (point.gap >= 0) continue;
@@ -160,10 +313,10 @@ SEL_FN real push_along(const InstrumentScene* scene, real left, real right, real
             here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
             here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
         }
-        push_at(point, half_length * gauss_weight(k), here, c, out);
+        push_at(point, half_length * gauss_weight(k), here, c, out, points);
         moment += (out->normal_sum - before) * s;
     }
-    return out->normal_sum > 0 ? moment / out->normal_sum : middle;
+    return moment;
 }
 
 // One rod's surface at the contact: what its nodes do to it.
@@ -244,9 +397,7 @@ SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState c
     out->stiff_across = law.across;
     out->flags |= SEL_FORCE_COUPLE;
     if (!law.stuck && size > 0) {
-        real slope = 0;
-        for (uint k = 0; k < out->count; ++k) slope += out->points[k].slope;
-        out->skew = slope > 0 ? law.force / load * slope : 0;
+        out->skew = out->slope_sum > 0 ? law.force / load * out->slope_sum : 0;
         out->flags |= SEL_FORCE_SLIDING;
         out->sliding_sum = law.force;
     }
@@ -269,6 +420,7 @@ SEL_FN InstrumentForce no_instrument_force(void)
 {
     InstrumentForce none;
     none.normal_sum = none.friction_sum = none.sliding_sum = none.length = none.friction_work = none.stored = 0;
+    none.slope_sum = 0;
     none.stiff_along = none.stiff_across = none.skew = 0;
     none.node_a = none.node_b = none.edge_a = none.edge_b = none.count = none.flags = none.pair = none.pad = 0;
     none.depth = -SEL_FAR;
@@ -307,33 +459,52 @@ SEL_FN void write_deepest(CellPoint deepest, const InstrumentScene* scene, Closi
 }
 
 // @param s0, s1  ends of the cell [m]     start  near where along b     track  gap within which the cell is followed [m]
-// @param fresh  `old` is none             c->mv.epoch: of this step
+// @param fresh  `old` is none             c->mv.epoch: of this step     points  [SEL_INSTRUMENT_POINTS] as many as push are written
 SEL_FN InstrumentForce cell_force(const InstrumentScene* scene, real s0, real s1, real start, real track, ContactState old,
-                                  int fresh, LawContext* c, InstrumentState* now)
+                                  int fresh, LawContext* c, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
 {
     InstrumentForce out = no_instrument_force();
-    const CellPoint left = cell_point(scene, s0, start), right = cell_point(scene, s1, left.g.at);
-    const CellPoint deepest = least_gap(scene, left, right);
-    out.depth = -deepest.gap;
-    if (deepest.gap > track) return out;
-    const Closing closing = cell_closing(scene, deepest, old, fresh, c);
-    write_deepest(deepest, scene, closing, c->mv.epoch, now);
+    const CellMark first = cell_mark(scene, s0, start), last = cell_mark(scene, s1, first.at);
+    CellCuts cuts;
+    CellMark least[SEL_CELL_PIECES];
+    uint deepest = 0;
+    cuts.pieces = 0;
+    least[0] = first.gap < last.gap ? first : last;
+    if (!cell_is_clear(scene, first, last)) {
+        cut_cell(scene, first, last, &cuts);
+        for (uint k = 0; k < cuts.pieces; ++k) {
+            least[k] = least_gap(scene, cuts.at[k], cuts.at[k + 1]);
+            if (least[k].gap < least[deepest].gap) deepest = k;
+        }
+    }
+    const real depth = -least[deepest].gap;
+    out.depth = depth;
+    if (-depth > track) return out;
+    const CellPoint bottom = cell_point(scene, least[deepest].s, least[deepest].at);
+    const Closing closing = cell_closing(scene, bottom, old, fresh, c);
+    write_deepest(bottom, scene, closing, c->mv.epoch, now);
     if (blocked(closing, c)) out.flags |= SEL_FORCE_BLOCKED;
-    if (deepest.gap >= 0) return out;
-    const real from = left.gap < 0 ? s0 : gap_zero(scene, deepest, left);
-    const real until = right.gap < 0 ? s1 : gap_zero(scene, deepest, right);
-    const real centroid = push_along(scene, from, until, deepest.g.at, closing, c, &out);
+    if (depth <= 0) return out;
+    real moment = 0, touching = 0;
+    for (uint k = 0; k < cuts.pieces; ++k) {
+        if (least[k].gap >= 0) continue;
+        const CellMark left = cuts.at[k], right = cuts.at[k + 1];
+        const real from = left.gap < 0 ? left.s : gap_zero(scene, least[k], left);
+        const real until = right.gap < 0 ? right.s : gap_zero(scene, least[k], right);
+        moment += push_along(scene, from, until, least[k].at, closing, c, &out, points);
+        touching += until - from;
+    }
     if (out.count == 0) return out;
-    now->length = out.length = until - from;
+    now->length = out.length = touching;
     now->contact.flags |= SEL_CONTACT_ACTIVE;
     now->contact.normal_force = out.normal_sum;
     if (c->par.friction == SEL_FRICTION_NONE) return out;
-    const CellPoint middle = cell_point(scene, centroid, deepest.g.at);
+    const CellPoint middle = cell_point(scene, moment / out.normal_sum, least[deepest].at);
     if (middle.gap >= SEL_FAR) return out;
     CarriedState carried;
     carried.old = old;
     carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
-    c->m.weight = until - from;
+    c->m.weight = touching;
     rub_at(scene, middle, carried, c, now, &out);
     return out;
 }

@@ -196,10 +196,11 @@ SEL_FN uint old_slot(SEL_GLOBAL const InstrumentState* states, uint pair, real a
     return found;
 }
 
-// Contact of one slot of one cell. @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell
+// Contact of one slot of one cell.
+// @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are written
 SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
                                         InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0,
-                                        InstrumentParams par, InstrumentState* now)
+                                        InstrumentParams par, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
 {
     const InstrumentPair pair = bodies.pairs[slot.pair];
     const InstrumentRod a = bodies.rods[pair.a], b = bodies.rods[pair.b];
@@ -233,7 +234,7 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
     now->pair = slot.pair;
     now->touch = slot.touch;
     InstrumentForce force = cell_force(&scene, s0, s0 + a.spacing, slot.at, (real)0.5 * surface_a.radius,
-                                       states_t0[fresh ? 0 : old].contact, fresh, &c, now);
+                                       states_t0[fresh ? 0 : old].contact, fresh, &c, now, points);
     force.pair = slot.pair;
     return force;
 }

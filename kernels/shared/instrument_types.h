@@ -9,8 +9,9 @@
 
 SEL_BEGIN
 
-#define SEL_INSTRUMENT_SLOTS 4   // stretches that one cell is near to, at most
-#define SEL_INSTRUMENT_POINTS 4  // Gauss points of the part of a cell that touches
+#define SEL_INSTRUMENT_SLOTS 4    // stretches that one cell is near to, at most
+#define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
+#define SEL_INSTRUMENT_POINTS 32  // of one slot: Gauss points of the parts of these that touch
 
 #define SEL_TOUCH_NONE 0u
 #define SEL_TOUCH_INSIDE 1u   // a is in the lumen of b
@@ -83,9 +84,8 @@ typedef struct InstrumentRow {
     real v[3], turn_a[3], turn_b[3], spin_a, spin_b;
 } InstrumentRow;
 
-// What one slot exerts.
+// What one slot exerts, beside its points.
 typedef struct InstrumentForce {
-    InstrumentPoint points[SEL_INSTRUMENT_POINTS];
     // friction, at the middle of what touches
     real wa[3], da[3], wb[3], db[3];
     real n[3], turn[3];
@@ -94,6 +94,7 @@ typedef struct InstrumentForce {
     real skew;                           // mu times the slope of the normal force: -df/dq = -skew along (x) d gap
     real depth;                          // deepest, negative: gap [m]
     real normal_sum, friction_sum, sliding_sum, length;
+    real slope_sum;      // of the points: growth of the normal force with depth [N/m]
     real friction_work;  // on both rods together, over the step [J]
     real stored;         // the most that it can give back [J]
     uint node_a, node_b, edge_a, edge_b;

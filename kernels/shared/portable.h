@@ -22,7 +22,9 @@ using real = float;
     #else
 using real = double;
     #endif
+using std::ceil;
 using std::fabs;
+using std::floor;
 using std::pow;
 using std::sqrt;
 struct vec3 {

@@ -58,8 +58,11 @@ class Navigate:
         Domain randomisation in the sweep's syntax (`seldinger.sweep`), of keys that systems of one world may differ in: the wire,
         friction, the feed. Environment i of the vector form has variant i modulo their number; alone it is `variant`, or drawn
         anew at each reset where that is None.
-    image : callable or None
-        A picture for the policy: image(world, system) -> uint8 array of `image_shape`, added to the Dict as "image".
+    image : "fluoroscopy", callable or None
+        A picture for the policy, added to the Dict as "image": what an X-ray shows, 8 bits of `World.fluoroscopy` (its quantum noise
+        drawn by the start and the control: the same seed, the same bits); or image(world, system) -> uint8 array of `image_shape`.
+    image_shape, image_c_arm, image_field
+        (rows, columns); where the C-arm stands, "LAO 30, CRA 15" (None: as the scene says); width of its detector [m].
     """
 
     scene: SceneLike = "navigate"
@@ -89,8 +92,10 @@ class Navigate:
     hand_force_stop: Optional[float] = None
     vary: Any = None
     variant: Optional[int] = None
-    image: Optional[Callable[[World, int], np.ndarray]] = None
+    image: Union[None, str, Callable[[World, int], np.ndarray]] = None
     image_shape: tuple[int, ...] = (64, 64)
+    image_c_arm: Optional[str] = None
+    image_field: Optional[float] = None
 
     def __post_init__(self) -> None:
         unknown = [p for p in self.observation if p not in PARTS]
@@ -102,6 +107,11 @@ class Navigate:
         low, high = self.start_advance
         if not 0 < low <= high:
             raise ValueError(f"start_advance: {self.start_advance} given; (least, most) in metres expected")
+        self.image_shape = tuple(self.image_shape)
+        if self.image is not None and self.image != "fluoroscopy" and not callable(self.image):
+            raise ValueError(f"image: {self.image!r} given; \"fluoroscopy\", a function or None expected")
+        if self.image == "fluoroscopy" and len(self.image_shape) != 2:
+            raise ValueError(f"image_shape: {self.image_shape} given; (rows, columns) expected")
         if self.image is not None and self.flat:
             raise ValueError("image: needs flat=False, as it is a part of a Dict")
 
@@ -186,6 +196,7 @@ class Fleet:
         self.seen = np.zeros((self.count, self.navigator.size()), np.float32)
         self.measured = np.zeros((self.count, len(MEASURES)))
         self.elapsed = np.zeros(self.count, np.int64)
+        self.started = np.zeros(self.count, np.int64)  # from which start
         self.way = np.zeros(self.count)
         self._moves = np.ones(len(self.home), bool)
         self._rates = np.tile([task.advance_rate, task.turn_rate], wires) * self.control
@@ -221,7 +232,7 @@ class Fleet:
         self.world._world.restore(state, s)
         self.hubs[s * self.wires:(s + 1) * self.wires] = hubs
         self.seen[s], self.measured[s] = seen, measured
-        self.elapsed[s], self.way[s] = 0, measured[0]
+        self.elapsed[s], self.started[s], self.way[s] = 0, start, measured[0]
 
     # -- one control --------------------------------------------------------------------------------------------------
 
@@ -275,7 +286,13 @@ class Fleet:
         return seen, spaces.Box(-1.0, 1.0, (2 * self.wires,), np.float32)
 
     def image(self, s: int) -> np.ndarray:
-        picture = np.asarray(self.task.image(self.world, s))
+        task = self.task
+        if task.image == "fluoroscopy":
+            frame = (int(self.started[s]) << 32) + int(self.elapsed[s])
+            grey = self.world.fluoroscopy(task.image_shape[1], task.image_shape[0], system=s, c_arm=task.image_c_arm,
+                                          field=task.image_field, frame=frame)
+            return (grey >> 4).astype(np.uint8)
+        picture = np.asarray(task.image(self.world, s))
         if picture.shape != self.task.image_shape or picture.dtype != np.uint8:
             raise ValueError(f"image: {picture.dtype} {picture.shape} given, uint8 {self.task.image_shape} expected")
         return picture

@@ -239,10 +239,15 @@ class World:
             self._check(self.settle(), "settling")
         if self._static:
             return self.output
+        # a duration that is not a whole number of steps ends with a shorter one
+        short = self._steps * self._dt - self._duration > max(1e-6, 1e-7 * self._steps) * self._dt
         rest = 0
         while self.output.step < steps:
             at = self.output.step
-            self._check(self.step(n=1 if self._rests else min(64, steps - at)), f"step {at + 1} or after")
+            n, dt = 1 if self._rests else min(64, steps - at), None
+            if at + n == self._steps and short:  # the last one alone
+                n, dt = (n - 1, None) if n > 1 else (1, self._duration - at * self._dt)
+            self._check(self.step(n=n, dt=dt), f"step {at + 1} or after")
             rest = rest + 1 if self._world.at_rest() else 0
             if self._rests and rest >= self._rest_steps and self.time >= self._moving_until:
                 break
@@ -322,8 +327,38 @@ class World:
         Error
             Code 5: no off-screen OpenGL; code 2: an impossible size.
         """
-        views = None if camera is None else [np.asarray(v, float).reshape(3) for v in camera]
+        views = None if camera is None else np.asarray(camera, float)
+        if views is not None and (views.shape != (3, 3) or not np.isfinite(views).all()):
+            raise ValueError(f"camera: {camera} given; (eye, target, up), each [3] and finite, expected")
         return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views)
+
+    def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int = 0, c_arm: str | None = None,
+                    field: float | None = None, noise: bool = True, frame: int | None = None) -> np.ndarray:
+        """What an X-ray shows of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
+
+        Parameters
+        ----------
+        width, height : int
+            In pixels.
+        system : int
+            Of which system of several.
+        c_arm : str
+            "LAO 30, CRA 15"; without it the scene's [carm] at the present time, LAO 0 by default. Tube, body, bones and contrast are
+            the scene's.
+        field : float
+            Width of the detector [m].
+        noise, frame
+            Quantum noise, drawn with the scene's seed and this number: the same picture for the same; without it the step's.
+
+        Examples
+        --------
+        >>> import seldinger
+        >>> picture = seldinger.World("aortic-arch").fluoroscopy(64, 48, c_arm="LAO 30")
+        >>> picture.shape, picture.dtype.name, bool(picture.max() < 4096)
+        ((48, 64), 'uint16', True)
+        """
+        frame = self.output.step if frame is None else int(frame)
+        return _engine.fluoroscopy(self._world, int(system), int(width), int(height), c_arm, field, bool(noise), frame)
 
     # -- life ---------------------------------------------------------------------------------------------------------
 

@@ -2,18 +2,26 @@
 #include "handle.h"
 
 #include "core/bytes.h"
+#include "scene/scene_difference.h"
 #include "scene/vessel_load.h"
+#include "study/batch.h"
 
 #include <unistd.h>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace seldinger::python {
 
-void check_process()
+bool forked()
 {
     static const pid_t started = getpid();
-    if (getpid() != started)
+    return getpid() != started;
+}
+
+void check_process()
+{
+    if (forked())
         throw Error(ExitCode::NoDevice,
                     "this process was forked from one that had started OpenCL, whose threads it does not have; start it with "
                     "multiprocessing's \"spawn\" or \"forkserver\", or make the first World after the fork");
@@ -29,16 +37,30 @@ Handle::Handle(const std::string& text, const std::string& file, const std::vect
         keys_ = KeyFrames(scenes_.front());
         return;
     }
+    const std::string shared = shared_part(scenes_.front(), scenes_.front());
+    for (std::size_t k = 1; k < scenes_.size(); ++k)
+        if (const std::string apart = first_difference(shared, shared_part(scenes_[k], scenes_.front())); !apart.empty())
+            throw Error(ExitCode::BadScene, "copies: systems of one world share all but their instruments, feeds and coefficients of "
+                                            "contact, and of the first (there) and number " +
+                                                std::to_string(k) + " (here) " + apart + "; make worlds of their own, or use batch()");
     world_ = std::make_unique<World>(make_setup(scenes_, load_vessel(scenes_.front().vessel), device));
     keys_ = KeyFrames(std::span<const Scene>(scenes_));
 }
 
+Handle::~Handle() { close(); }
+
 void Handle::close()
 {
+    // what OpenCL and OpenGL would wait for is not in a forked child: it is left to the end of the process
+    if (forked()) {
+        (void)world_.release();
+        new std::shared_ptr<void>(std::move(companion));
+    }
     world_.reset();
     output_.reset();
     spare_.reset();
     companion.reset();
+    fluoroscope.reset();
 }
 
 World& Handle::world() const
@@ -105,11 +127,23 @@ std::shared_ptr<const Output> Handle::output()
     return output_;
 }
 
+void Handle::check_system(int system) const
+{
+    if (system >= world().system_count())
+        throw Error(ExitCode::BadScene, "system " + std::to_string(system) + ": there is no such system; the world has " +
+                                            std::to_string(world().system_count()));
+}
+
+std::string Handle::state_hash(int system) const
+{
+    check_system(system);
+    return system < 0 ? world().state_hash() : world().state_hash(system);
+}
+
 SavedState Handle::save(int system)
 {
     const World& at = world();
-    if (system >= at.system_count())
-        throw Error(ExitCode::BadScene, "there is no such system: the world has " + std::to_string(at.system_count()));
+    check_system(system);
     return {system, system < 0 ? at.save_state() : at.save_state(system), system < 0 ? output() : nullptr};
 }
 
@@ -122,8 +156,9 @@ void Handle::restore(const SavedState& state, int into)
     else at.restore_state(system, state.bytes);
     std::fill(failed_.begin(), failed_.end(), 0);
     if (output_) spare_ = std::move(output_);
-    // a copy that only this world fills again
-    if (state.output) output_ = std::const_pointer_cast<Output>(state.output);
+    // a copy that only this world fills again; a damaged pickle may have brought another's
+    if (state.output && state.output->wires.size() == static_cast<std::size_t>(at.wire_count()))
+        output_ = std::const_pointer_cast<Output>(state.output);
 }
 
 namespace {
@@ -151,6 +186,7 @@ void take_list(const std::uint8_t*& at, const std::uint8_t* end, std::vector<T>&
 template <class T>
 void put_raw(std::vector<std::uint8_t>& bytes, const T& value)
 {
+    static_assert(std::is_trivially_destructible_v<T>, "a member that owns memory is no bytes");
     const auto* from = reinterpret_cast<const std::uint8_t*>(&value);
     bytes.insert(bytes.end(), from, from + sizeof value);
 }
@@ -168,7 +204,7 @@ template <class Wire, class Raw, class List>
 void visit(Wire& wire, Raw raw, List list)
 {
     raw(wire.readings), raw(wire.report), raw(wire.time), raw(wire.at_rest), raw(wire.retired), raw(wire.tip);
-    raw(wire.contact_area), raw(wire.contact_pressure_max);
+    raw(wire.contact_area), raw(wire.contact_pressure_max), raw(wire.on_wall), raw(wire.on_instruments);
     list(wire.material_s), list(wire.radius), list(wire.curvature), list(wire.spin);
     list(wire.position), list(wire.velocity), list(wire.contact_force);
 }
@@ -203,6 +239,7 @@ std::shared_ptr<const Output> unpack(const std::vector<std::uint8_t>& bytes)
     };
     raw(output->time), raw(output->step), raw(output->parts);
     resize(output->wires);
+    if (output->wires.empty()) throw Error(ExitCode::BadFile, "the pickled state is damaged");
     for (WireOutput& wire : output->wires) visit(wire, raw, list);
     resize(output->walls);
     for (WallOutput& wall : output->walls) raw(wall.readings), list(wall.displacement), list(wall.stress);

@@ -33,6 +33,8 @@ struct SavedState {
     std::shared_ptr<const Output> output;
 };
 
+/// In a child that was forked after OpenCL had been started.
+[[nodiscard]] bool forked();
 /// @throws Error NoDevice in a child that was forked after OpenCL had been started: its threads are not there
 void check_process();
 
@@ -41,6 +43,10 @@ public:
     /// @param text  of the scene   @param file  names it in messages; relative paths start at its folder
     /// @param overrides  per system, texts of --set: as many systems as lists
     Handle(const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides, int device);
+
+    ~Handle();
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
 
     void close();
     /// @throws Error BadScene when closed; NoDevice after a fork
@@ -56,12 +62,15 @@ public:
     /// Of the present state; the same object until something changes.
     std::shared_ptr<const Output> output();
     SavedState save(int system);
+    [[nodiscard]] std::string state_hash(int system) const;
     /// @param into  a state of one system: which of them becomes it, -1: the one that it was saved of
     void restore(const SavedState& state, int into = -1);
 
     std::mutex& lock() const { return lock_; }
-    /// Renderers and the like, kept with the world.
-    std::shared_ptr<void> companion;
+    /// @throws Error BadScene: there is no such system
+    void check_system(int system) const;
+    /// A renderer and a fluoroscope, kept with the world.
+    std::shared_ptr<void> companion, fluoroscope;
 
 private:
     StepReport one_step(const std::vector<HubTarget>* targets, const std::vector<HubTarget>& start, double share, double dt);

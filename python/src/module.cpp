@@ -1,4 +1,5 @@
 // The extension seldinger._engine: worlds, states, studies and pictures for the package's own Python, which checks and documents.
+#include "fluoro.h"
 #include "handle.h"
 #include "navigate.h"
 #include "studies.h"
@@ -27,6 +28,7 @@ void raise(const Error& error)
 template <class Body>
 auto alone(Handle& handle, const Body& body)
 {
+    check_process();  // before the lock, which a thread that a forked child does not have may hold
     const py::gil_scoped_release others;
     const std::lock_guard hold(handle.lock());
     return body();
@@ -108,9 +110,12 @@ void bind_world(py::module_& module)
     c.def(
         "restore", [](Handle& h, const SavedState& s, int into) { alone(h, [&] { h.restore(s, into); }); }, py::arg("state"),
         py::arg("into") = -1);
-    c.def("close", [](Handle& h) { alone(h, [&] { h.close(); }); });
+    c.def("close", [](Handle& h) {
+        if (forked()) h.close();
+        else alone(h, [&] { h.close(); });
+    });
     c.def("state_hash", [](Handle& h, int system) {
-        return alone(h, [&] { return system < 0 ? h.world().state_hash() : h.world().state_hash(system); });
+        return alone(h, [&] { return h.state_hash(system); });
     });
     c.def("time", [](Handle& h) { return alone(h, [&] { return h.world().time(); }); });
     c.def("at_rest", [](Handle& h) { return alone(h, [&] { return h.world().at_rest(); }); });
@@ -173,10 +178,23 @@ void bind_navigator(py::module_& module)
         });
 }
 
+/// Debian 12's pybind11 takes NumPy 2's arrays apart as if they were NumPy 1's: wrong numbers, then a crash.
+void check_numpy()
+{
+#if PYBIND11_VERSION_HEX < 0x020C0000
+    const auto found = py::module_::import("numpy").attr("__version__").cast<std::string>();
+    if (std::stoi(found) >= 2)
+        throw py::import_error("seldinger was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+                                   PYBIND11_VERSION_MINOR) ", which knows NumPy 1 alone, and this is NumPy " + found +
+                               "; install it here with `pip install .`, which brings a newer one, or numpy<2");
+#endif
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_engine, module)
 {
+    check_numpy();
     module.doc() = "Private to the package: see seldinger.World.";
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {
@@ -198,6 +216,7 @@ PYBIND11_MODULE(_engine, module)
     bind_world(module);
     bind_navigator(module);
     bind_studies(module);
+    bind_fluoroscopy(module);
 }
 
 }  // namespace seldinger::python

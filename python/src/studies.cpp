@@ -15,8 +15,6 @@
     #include "view/renderer.h"
 #endif
 
-#include <thread>
-
 namespace seldinger::python {
 
 namespace py = pybind11;
@@ -122,13 +120,29 @@ std::pair<std::string, std::string> chart(const Texts& scenes, const std::string
 
 #ifdef SEL_WITH_VIEW
 
-/// A renderer and what it was made for. OpenGL's context stays with the thread that made it.
+/// A renderer and what it was made for.
 struct Picture {
     Renderer renderer;
     int width, height;
-    bool legend;
-    std::thread::id thread;
+    bool legend, looked_elsewhere = false;  // a camera was given last time
 };
+
+/// Leaves no thread with OpenGL's context, whatever happens: the next to draw, or to close the world, may be another.
+struct Drawing {
+    Renderer& renderer;
+    ~Drawing() { renderer.release(); }
+};
+
+void aim(Picture& picture, const WireFrame& frame, const std::optional<std::array<Vec3, 3>>& camera)
+{
+    if (camera) picture.renderer.set_camera({(*camera)[0], (*camera)[1], (*camera)[2]});
+    else if (picture.looked_elsewhere) {
+        std::vector<Vec3> points;
+        for (const WireLine& wire : frame.wires) points.insert(points.end(), wire.nodes.begin(), wire.nodes.end());
+        picture.renderer.aim(points);
+    }
+    picture.looked_elsewhere = camera.has_value();
+}
 
 WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
 {
@@ -138,10 +152,12 @@ WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
         frame.wires.push_back(std::move(line));
     }
     for (const ContactRow& row : output.contacts)
-        if (row.b.kind == BodyKind::Wall) frame.contacts.push_back({row.point, row.normal, row.normal_force});
+        if (row.b.kind == BodyKind::Wall) frame.contacts.push_back({row.point, row.normal, row.normal_force, row.per_length, row.region + 1'000'000 * row.a.body});
     frame.time = output.time;
     frame.inserted = output.wires.front().readings.inserted;
     frame.hand_force = output.wires.front().readings.hand_force;
+    frame.per_length = 0;
+    for (const WireOutput& wire : output.wires) frame.per_length = std::max(frame.per_length, wire.on_wall.per_length_max);
     return frame;
 }
 
@@ -149,32 +165,33 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
                  const std::optional<std::array<Vec3, 3>>& camera)
 {
     py::array_t<std::uint8_t> pixels;
-    const std::vector<std::uint8_t>* drawn = nullptr;
+    std::vector<std::uint8_t> drawn;  // a copy: once the lock is gone another thread may draw, or close the world
+    check_process();
     {
         const py::gil_scoped_release others;
         const std::lock_guard hold(handle.lock());
         const World& world = handle.world();
         auto picture = std::static_pointer_cast<Picture>(handle.companion);
-        if (!picture || picture->width != width || picture->height != height || picture->legend != legend ||
-            picture->thread != std::this_thread::get_id()) {
+        if (!picture || picture->width != width || picture->height != height || picture->legend != legend) {
             Look look;
             look.legend = legend, look.inset = legend;
             handle.companion.reset();
-            picture = std::make_shared<Picture>(
-                Picture{Renderer(width, height, look), width, height, legend, std::this_thread::get_id()});
+            picture = std::make_shared<Picture>(Picture{Renderer(width, height, look), width, height, legend});
+            const Drawing drawing{picture->renderer};
             picture->renderer.set_wall(world.setup().mesh);
             handle.companion = picture;
         }
+        const Drawing drawing{picture->renderer};
         std::vector<std::string> names;
         for (const WireSetup& wire : world.setup().wires) names.push_back(wire.name);
         const WireFrame frame = frame_of(*handle.output(), names);
-        if (camera) picture->renderer.set_camera({(*camera)[0], (*camera)[1], (*camera)[2]});
-        if (force_scale > 0) picture->renderer.set_force_scale(force_scale);
+        aim(*picture, frame, camera);
+        picture->renderer.set_force_scale(force_scale);
         picture->renderer.draw(frame);
-        drawn = &picture->renderer.pixels();
+        drawn = picture->renderer.pixels();
     }
     pixels.resize({height, width, 3});
-    std::copy(drawn->begin(), drawn->end(), pixels.mutable_data());
+    std::copy(drawn.begin(), drawn.end(), pixels.mutable_data());
     return pixels;
 }
 

@@ -51,9 +51,13 @@ py::dtype contact_type()
     field("friction", "(3,)<f8", offsetof(ContactRow, friction));
     field("rolling_moment", "<f8", offsetof(ContactRow, rolling_moment));
     field("stuck", "?", offsetof(ContactRow, stuck));
+    field("along", "<f8", offsetof(ContactRow, along_a));
+    field("along_other", "<f8", offsetof(ContactRow, along_b));
     field("length", "<f8", offsetof(ContactRow, length));
     field("area", "<f8", offsetof(ContactRow, area));
     field("pressure", "<f8", offsetof(ContactRow, pressure));
+    field("force_per_length", "<f8", offsetof(ContactRow, per_length));
+    field("region", "<i4", offsetof(ContactRow, region));
     return py::dtype(names, formats, offsets, sizeof(ContactRow));
 }
 
@@ -124,6 +128,18 @@ void add_wire(py::class_<View>& c, Get get)
     number("force_residual", &WireReadings::force_residual, "float, N: largest left on a free node.");
     c.def_property_readonly(
         "contact_count", [get](const View& v) { return get(v).readings.contacts; }, "int.");
+    const auto along = [&](const char* name, double ContactAlong::*value, const char* doc) {
+        c.def_property_readonly(name, [get, value](const View& v) { return get(v).on_wall.*value; }, doc);
+    };
+    along("force_per_length", &ContactAlong::per_length_max,
+          "float, N/m: largest load of the wall per length of wire, over `force_window` (docs/readings.md).");
+    along("force_window", &ContactAlong::window, "float, m: that force_per_length is taken over.");
+    along("patch_force", &ContactAlong::patch_force, "float, N: largest load of the wall on one patch of `force_patch`.");
+    along("force_patch", &ContactAlong::patch, "float, m: length of the patch.");
+    along("contact_extent", &ContactAlong::extent, "float, m: lengths of the places with contact, gaps up to one window closed.");
+    c.def_property_readonly(
+        "contact_regions", [get](const View& v) { return get(v).on_wall.regions; },
+        "int: places in contact with the wall, apart by more than one window.");
     c.def_property_readonly(
         "energy", [get](const View& v) { return ledger(get(v).readings.energy); },
         "dict of float, J: where energy came from and went.");

@@ -89,7 +89,8 @@ TEST_SUITE("apps/batch")
         CHECK(slurp(folder.path / "three/results.csv") == csv);
         CHECK(slurp(folder.path / "three/results.npz") == npz);
 
-        // a limit that is over at once lets one step through: that is the first world's only one, then the second's first
+        // a limit that is over at once lets one step through. Under a limit worlds begin with one run and double: those of one step
+        // are done after five (1, 2, 4, 8 and the 5 left), and the sixth call stops within the first of the others
         const std::string parts = "batch t.toml --vary s.toml -o parts --quiet ";
         const auto stops_after = [&](const std::string& arguments) {
             const AppResult part = run_app(folder, parts + arguments);
@@ -99,12 +100,13 @@ TEST_SUITE("apps/batch")
             CHECK(part.err.find("--resume") != std::string::npos);
         };
         stops_after("--time-limit 1e-6");
-        stops_after("--time-limit 1e-6 --resume");
-        CHECK(summary_of(folder.path / "parts")["wire_steps"] == 2 * 20);
+        for (int call = 1; call < 6; ++call) stops_after("--time-limit 1e-6 --resume");
+        CHECK(summary_of(folder.path / "parts")["wire_steps"] == 20 + 1);
+        CHECK(summary_of(folder.path / "parts")["done"] == 20);
         REQUIRE(run_app(folder, parts + "--resume").code == 0);
         CHECK(slurp(folder.path / "parts/results.csv") == csv);
         CHECK(slurp(folder.path / "parts/results.npz") == npz);
-        CHECK(summary_of(folder.path / "parts")["resumes"] == 2);
+        CHECK(summary_of(folder.path / "parts")["resumes"] == 6);
         // what is done is not run again
         const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
         CHECK(again.code == 0);

@@ -72,7 +72,7 @@ TEST_SUITE("coaxial/merged contact")
             go(world, at, next, 800);
             at = next;
             const WireReadings outer = world.readings(0), inner = world.readings(1);
-            CHECK(std::abs(outer.energy.open()) < 0.02 * turned_over(outer.energy));
+            CHECK(std::abs(outer.energy.open()) < 0.004 * turned_over(outer.energy));
             CHECK(outer.outside == 0);
             CHECK(inner.outside == 0);
             CHECK(outer.momentum.error().norm() < 1e-6);

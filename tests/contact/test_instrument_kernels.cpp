@@ -101,12 +101,12 @@ bool same(const T& a, const T& b)
 }
 
 /// Of what is meant to be read: points that push, and friction where it acts.
-bool same_force(const InstrumentForce& a, const InstrumentForce& b)
+bool same_force(const InstrumentForce& a, const InstrumentForce& b, const InstrumentPoint* points_a, const InstrumentPoint* points_b)
 {
     if (a.count != b.count || a.flags != b.flags || a.depth != b.depth || a.normal_sum != b.normal_sum || a.stored != b.stored)
         return false;
     for (uint k = 0; k < a.count; ++k)
-        if (!same(a.points[k], b.points[k])) return false;
+        if (!same(points_a[k], points_b[k])) return false;
     if (!(a.flags & SEL_FORCE_COUPLE)) return true;
     return same(a.force, b.force) && same(a.along, b.along) && same(a.across, b.across) && a.stiff_along == b.stiff_along &&
            a.skew == b.skew && a.friction_work == b.friction_work && a.edge_a == b.edge_a && a.edge_b == b.edge_b &&
@@ -162,13 +162,15 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Scene& s,
     std::vector<InstrumentState> states(s.states.size());
     std::memset(states.data(), 0, states.size() * sizeof(InstrumentState));
     std::vector<InstrumentForce> forces;
+    std::vector<InstrumentPoint> points(list.size() * SEL_INSTRUMENT_POINTS);
     Counts counts;
     Guarded<InstrumentState> device_states(context, queue, states), states_t0(context, queue, s.states);
     for (const uint k : list) {
         InstrumentState now = no_instrument_state();
         const uint cell = k / SEL_INSTRUMENT_SLOTS;
         forces.push_back(instrument_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
-                                          s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now));
+                                          s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now,
+                                          points.data() + SEL_INSTRUMENT_POINTS * forces.size()));
         states[k] = now;
         const InstrumentForce& f = forces.back();
         (slots[k].touch == SEL_TOUCH_INSIDE ? counts.inside : slots[k].touch == SEL_TOUCH_SELF ? counts.self : counts.outside)++;
@@ -180,12 +182,17 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Scene& s,
     Guarded<uint> device_list(context, queue, list);
     Guarded<InstrumentSlot> device_slots(context, queue, slots);
     Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
+    Guarded<InstrumentPoint> device_points(context, queue, std::vector<InstrumentPoint>(points.size()));
     kernel.launch(queue, list.size(), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
                   on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
                   on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
-                  device_forces.buffer());
+                  device_forces.buffer(), device_points.buffer());
     const std::vector<InstrumentForce> by_device = device_forces.read();
-    for (std::size_t k = 0; k < list.size(); ++k) CHECK(same_force(by_device[k], forces[k]));
+    const std::vector<InstrumentPoint> points_by_device = device_points.read();
+    for (std::size_t k = 0; k < list.size(); ++k) {
+        const std::size_t first = k * SEL_INSTRUMENT_POINTS;
+        CHECK(same_force(by_device[k], forces[k], points_by_device.data() + first, points.data() + first));
+    }
     CHECK(first_difference(device_states.read(), states) == -1);
     s.states = states;
     return counts;

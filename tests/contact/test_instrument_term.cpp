@@ -154,7 +154,9 @@ TEST_SUITE("contact/instrument_term")
         double sum = 0;
         for (const double r : ply.residual(0)) sum += std::abs(r);
         REQUIRE(sum > 1);
-        for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(ply, 0, seed) < 2e-6);
+        // cuts between pieces move with the knots of the other rod, and Gauss points with them: what four of them miss of a smooth
+        // force per metre, some millionths, changes
+        for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(ply, 0, seed) < 1e-5);
         Term nested(in_lumen, true);
         for (unsigned seed = 1; seed <= 5; ++seed)
             CHECK(tangent_error(nested, 0, seed) < 5e-2);  // its ends, and the mouth that turns

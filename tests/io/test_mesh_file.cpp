@@ -248,7 +248,9 @@ TEST_SUITE("scene/mesh_file")
             {"little.ply", "ply\nformat binary_little_endian 1.0\n" + head + binary(little)},
             {"big.ply", "ply\nformat binary_big_endian 1.0\n" + head + binary(big)},
         };
-        for (const auto& [name, bytes] : files) {
+        for (const auto& file : files) {
+            const char* const name = file.first;
+            const std::string& bytes = file.second;
             CAPTURE(name);
             double rounding = -1;
             const WallMesh mesh = read_mesh(folder.write(name, bytes), "m", nullptr, &rounding);

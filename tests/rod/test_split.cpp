@@ -221,7 +221,7 @@ TEST_SUITE("rod/split")
         }
         CAPTURE(curvature[0]);
         CHECK(curvature[0] < 0.01);
-        CHECK(curvature[1] < 0.15 * curvature[0]);
+        CHECK(curvature[1] <= 0.15 * curvature[0]);  // both none where the new node is bent less than its neighbours
     }
 
     TEST_CASE("property: many turns stored between tip and clamp survive a split")

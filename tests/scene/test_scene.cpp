@@ -230,6 +230,7 @@ void check_same_drives(const Scene& a, const Scene& b)
 {
     CHECK(a.feed.on == b.feed.on);
     CHECK(a.feed.inlet_auto == b.feed.inlet_auto);
+    CHECK(a.feed.inlet_number == b.feed.inlet_number);
     CHECK(a.feed.point == b.feed.point);
     CHECK(a.feed.direction == b.feed.direction);
     REQUIRE(a.feed.keys.size() == b.feed.keys.size());

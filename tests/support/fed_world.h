@@ -49,7 +49,8 @@ struct TestSetup {
 
     operator WorldSetup() const
     {
-        WorldSetup made{gravity, start_settled, {}, systems, integrator, vessel, mesh, centreline, device_index};
+        WorldSetup made{gravity, start_settled, {}, systems, integrator, vessel, mesh, centreline};
+        made.device_index = device_index;
         for (const TestWire& wire : wires) made.wires.push_back(wire.setup());
         return made;
     }

@@ -120,4 +120,18 @@ TEST_SUITE("vessel/shared_vessels")
         CHECK((inlet.point - Vec3(-0.01709, -0.17932, 0.04236)).norm() < 0.005);
         CHECK(inlet.direction.dot(Vec3(-0.19, 0.952, 0.241)) > 0.98);
     }
+
+    TEST_CASE("regression: an aortic root with coronaries is entered where it is wide, not by a coronary's tip")
+    {
+        const auto shared = shared_folder_or_skip();
+        if (!shared) return;
+        VesselSpec spec;
+        spec.shape = VesselShape::Mesh;
+        spec.mesh = *shared / "vessels" / "tha016-root-coronary" / "marfan_ao.obj";
+        const LoadedVessel vessel = load_vessel(spec);
+        // the coronaries' tips have 0.8 to 0.9 mm, the root 12
+        CHECK(pick_inlet(vessel.report.loops, vessel.centreline).radius > 0.010);
+        const std::vector<Inlet> all = find_inlets(vessel.report.loops, vessel.centreline);
+        for (std::size_t k = 2; k < all.size(); ++k) CHECK(all[k].radius <= all[k - 1].radius);
+    }
 }

@@ -102,33 +102,14 @@ double Bolus::concentration(double tau, double t) const
     return std::max(0.0, sum);
 }
 
-BolusMoment::BolusMoment(const Bolus& bolus, double t) : step_(std::max(bolus.longest(), 1e-9) / (moments - 1))
+BolusMoment::BolusMoment(const Bolus& bolus, double t)
+    : step_(std::max(bolus.longest(), 1e-9) / (moments - 1)), per_step_(1 / step_), table_(moments)
 {
-    value_.resize(moments);
-    integral_.resize(moments);
     for (int k = 0; k < moments; ++k) {
-        value_[k] = bolus.concentration(k * step_, t);
-        empty_ &= value_[k] <= 0;
-        integral_[k] = k == 0 ? 0 : integral_[k - 1] + 0.5 * step_ * (value_[k] + value_[k - 1]);
+        table_[k].value = bolus.concentration(k * step_, t);
+        empty_ &= table_[k].value <= 0;
+        table_[k].integral = k == 0 ? 0 : table_[k - 1].integral + 0.5 * step_ * (table_[k].value + table_[k - 1].value);
     }
-}
-
-double BolusMoment::integral(double tau) const
-{
-    const double at = std::clamp(tau / step_, 0.0, moments - 1.0);
-    const int k = std::min(static_cast<int>(at), moments - 2);
-    const double s = at - k, here = value_[k] + s * (value_[k + 1] - value_[k]);
-    return integral_[k] + 0.5 * s * step_ * (value_[k] + here);
-}
-
-double BolusMoment::mean(double tau_a, double tau_b) const
-{
-    const bool a = tau_a < never, b = tau_b < never;
-    if (!a && !b) return 0;
-    // half of a stretch that ends upstream is filled
-    if (!a || !b) return 0.5 * mean(a ? tau_a : tau_b, a ? tau_a : tau_b);
-    const double low = std::min(tau_a, tau_b), high = std::max(low + 1e-3 * step_, std::max(tau_a, tau_b));
-    return (integral(high) - integral(low)) / (high - low);
 }
 
 }  // namespace seldinger

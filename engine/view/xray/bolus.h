@@ -10,6 +10,7 @@
 
 #include "vessel/centreline.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -59,13 +60,32 @@ class BolusMoment {
 public:
     BolusMoment(const Bolus& bolus, double t);
     /// Mean concentration where the time of travel goes evenly from one value to the other [kg/m^3].
-    [[nodiscard]] double mean(double tau_a, double tau_b) const;
+    [[nodiscard]] double mean(double tau_a, double tau_b) const
+    {
+        const bool a = tau_a < never, b = tau_b < never;
+        if (!a && !b) return 0;
+        // half of a stretch that ends upstream is filled
+        if (!a || !b) return 0.5 * mean(a ? tau_a : tau_b, a ? tau_a : tau_b);
+        const double low = std::min(tau_a, tau_b), high = std::max(low + 1e-3 * step_, std::max(tau_a, tau_b));
+        return (integral(high) - integral(low)) / (high - low);
+    }
     [[nodiscard]] bool empty() const { return empty_; }
 
 private:
-    [[nodiscard]] double integral(double tau) const;
-    double step_ = 1;
-    std::vector<double> value_, integral_;
+    struct Entry {
+        double value, integral;
+    };
+    // here and not in the source, since each ray asks for it
+    [[nodiscard]] double integral(double tau) const
+    {
+        const double at = std::min(std::max(tau * per_step_, 0.0), static_cast<double>(table_.size() - 1));
+        const auto k = std::min(static_cast<int>(at), static_cast<int>(table_.size()) - 2);
+        const Entry *e = table_.data() + k;
+        const double s = at - k, here = e[0].value + s * (e[1].value - e[0].value);
+        return e[0].integral + 0.5 * s * step_ * (e[0].value + here);
+    }
+    double step_ = 1, per_step_ = 1;
+    std::vector<Entry> table_;
     bool empty_ = true;
 };
 

@@ -26,19 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Range {
-    std::size_t first, last;
-};
-
-Range frames_asked(const FluoroOptions& options, std::size_t count)
-{
-    if (options.first < 0 && options.last < 0) return {count - 1, count - 1};
-    if (options.first < 0 || options.last < options.first || static_cast<std::size_t>(options.last) >= count)
-        throw Error(ExitCode::BadScene, fmt::format("--frames {}:{}: expected A:B with 0 <= A <= B <= {}, the run has {} frame{}",
-                                                    options.first, options.last, count - 1, count, count == 1 ? "" : "s"));
-    return {static_cast<std::size_t>(options.first), static_cast<std::size_t>(options.last)};
-}
-
 Vec3 middle_of(const RunFolder& run)
 {
     Eigen::AlignedBox3d box;
@@ -54,11 +41,7 @@ Bolus find_bolus(const RunFolder& run, const FluoroOptions::Injection& injection
     if (run.wall.triangles.empty()) throw Error(ExitCode::BadScene, "contrast: the run has no vessel for it to flow in");
     const RepairReport report = describe(run.wall);
     const Centreline centreline = extract_centreline(run.wall, report.loops, LumenQuery(run.wall, report.loops));
-    BolusSpec spec = injection.bolus;
-    const auto root = std::find(centreline.parent.begin(), centreline.parent.end(), -1);
-    if (injection.at_auto && root != centreline.parent.end()) spec.at = centreline.points[root - centreline.parent.begin()];
-    if (injection.inflow_auto) spec.inflow = spec.at;
-    return Bolus(centreline, spec);
+    return make_bolus(centreline, injection);
 }
 
 /// One run as it is looked at, frame by frame.
@@ -69,23 +52,15 @@ public:
           run_(read_run_folder(dir)),
           arm_(options.arm),
           contrast_(contrast && options.contrast),
+          matter_(materials_of(options.instruments)),
           scope_(options.kev > 0 ? single_energy(options.kev) : tube_spectrum(options.kvp)),
           walls_(std::any_of(run_.frames.begin(), run_.frames.end(), [](const FrameFile& f) { return fs::exists(f.wall); }))
     {
         if (options.auto_isocentre) arm_.isocentre = middle_of(run_);
-        for (const InstrumentMatter& i : options.instruments) {
-            matter_.push_back(i.shaft);
-            for (const auto& s : i.stretches) matter_.push_back(s.material);
-        }
-        if (matter_.empty()) matter_.push_back(materials::stainless_steel());
         if (contrast_) scope_.set_bolus(find_bolus(run_, *options.contrast));
         scope_.set_wall(run_.wall);
         if (!options.body.isZero()) scope_.set_body(options.body);
-        if (!options.bone.empty()) {
-            WallMesh bone = read_mesh(options.bone, options.bone_units);
-            (void)repair(bone);
-            scope_.set_bone(bone);
-        }
+        if (!options.bone.empty()) scope_.set_bone(load_bone(options));
     }
 
     [[nodiscard]] const RunFolder& run() const { return run_; }
@@ -99,7 +74,7 @@ public:
         if (walls_) scope_.set_wall(wall_of(index));
         std::vector<Device> devices;
         for (const WireLine& wire : read_frame(run_, index).wires)
-            if (wire.nodes.size() > 1) devices.push_back(device_of(wire));
+            if (wire.nodes.size() > 1) devices.push_back(device_of(wire, options_.instruments));
         scope_.look(std::move(devices), matter_, contrast_ ? std::optional<double>(time) : std::nullopt);
     }
 
@@ -116,14 +91,7 @@ private:
     void aim(double time)
     {
         CArm arm = arm_;
-        const auto& keys = options_.turning;
-        if (!keys.empty()) {
-            const auto next = std::find_if(keys.begin(), keys.end(), [&](const AngleKey& k) { return k.t > time; });
-            const AngleKey &a = next == keys.begin() ? *next : next[-1], &b = next == keys.end() ? keys.back() : *next;
-            const double s = b.t > a.t ? std::clamp((time - a.t) / (b.t - a.t), 0.0, 1.0) : 0.0;
-            arm.primary = a.primary + s * (b.primary - a.primary);
-            arm.secondary = a.secondary + s * (b.secondary - a.secondary);
-        }
+        turn_arm(arm, options_.turning, time);
         if (aimed_ && arm.primary == arm_.primary && arm.secondary == arm_.secondary) return;
         arm_ = arm;
         scope_.set_view(arm_);
@@ -138,54 +106,14 @@ private:
         return wall;
     }
 
-    Device device_of(const WireLine& wire) const
-    {
-        const InstrumentMatter* what = nullptr;
-        int first = 0, at = 0;  // of its materials in matter_
-        for (const InstrumentMatter& i : options_.instruments) {
-            if (i.name == wire.name) what = &i, first = at;
-            at += 1 + static_cast<int>(i.stretches.size());
-        }
-        Device device;
-        double from_tip = 0;
-        for (const TubeStation& s : smooth_line(wire.nodes, wire.radius)) {
-            if (!device.empty()) from_tip += (s.position - device.back().place).norm();
-            int material = first;
-            for (std::size_t k = 0; what && k < what->stretches.size(); ++k)
-                if (from_tip >= what->stretches[k].from && from_tip < what->stretches[k].to)
-                    material = first + 1 + static_cast<int>(k);
-            device.push_back({s.position, s.radius, what ? std::min(what->lumen, s.radius) : 0.0, material, 0});
-        }
-        return device;
-    }
-
     const FluoroOptions& options_;
     RunFolder run_;
     CArm arm_;
     bool contrast_;
+    std::vector<Material> matter_;
     Fluoroscope scope_;
     bool walls_, aimed_ = false;
-    std::vector<Material> matter_;
 };
-
-fs::path picture_name(const fs::path& dir, const FluoroOptions& options, std::size_t index)
-{
-    const fs::path whole = options.output.empty() ? dir / "fluoro.png" : options.output;
-    if (options.first < 0 || options.first == options.last) {
-        if (fs::is_directory(whole))
-            throw Error(ExitCode::BadFile, whole.string() + ": is a folder, expected the name of a picture, e.g. fluoro.png");
-        if (options.first < 0 || !options.output.empty()) return whole;
-    }
-    return whole.parent_path() / fmt::format("{}_{:06}.png", whole.stem().string(), index);
-}
-
-/// Frames per second that show the run as fast as it happened, 1 to 60.
-double film_rate(const FluoroOptions& options, const RunFolder& run, const Range& range)
-{
-    if (options.rate > 0) return options.rate;
-    const double span = run.frames[range.last].time - run.frames[range.first].time;
-    return span > 0 ? std::clamp(static_cast<double>(range.last - range.first) / span, 1.0, 60.0) : 15.0;
-}
 
 /// Everything that frames are gathered in.
 struct Gathered {
@@ -208,13 +136,13 @@ public:
                                                           film_rate(options, main_.run(), range_));
     }
 
-    std::vector<fs::path> draw(const std::function<void(std::size_t, std::size_t, double)>& progress)
+    std::vector<fs::path> draw(const FrameProgress& progress)
     {
         const auto start = std::chrono::steady_clock::now();
         for (std::size_t i = range_.first; i <= range_.last; ++i) {
             frame(i);
             const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-            if (progress) progress(i - range_.first + 1, range_.last - range_.first + 1, passed.count());
+            if (progress) progress(i - range_.first + 1, range_.count(), passed.count());
         }
         finish();
         return written_;
@@ -226,7 +154,7 @@ private:
         const bool gathers = !options_.raw.empty() || !options_.dicom.empty() || gathered_.film;
         // a film or DICOM file alone needs no pictures beside it
         const bool pictures = !options_.output.empty() || !gathers;
-        const fs::path file = pictures ? picture_name(dir_, options_, index) : fs::path();
+        const fs::path file = pictures ? picture_path(dir_, options_, "fluoro", "fluoro", index) : fs::path();
         if (pictures && options_.resume && fs::exists(file)) {
             if (!gathers) return;
         }
@@ -261,7 +189,7 @@ private:
     void finish()
     {
         const auto columns = static_cast<std::size_t>(options_.arm.columns), rows = static_cast<std::size_t>(options_.arm.rows);
-        const std::size_t frames = range_.last - range_.first + 1;
+        const std::size_t frames = range_.count();
         if (!options_.raw.empty()) {
             using Shape = std::vector<std::size_t>;
             write_npy(options_.raw, gathered_.raw, frames == 1 ? Shape{rows, columns} : Shape{frames, rows, columns});
@@ -297,15 +225,72 @@ private:
     const FluoroOptions& options_;
     Fluorography main_;
     std::unique_ptr<Fluorography> mask_;
-    Range range_;
+    FrameRange range_;
     Gathered gathered_;
     std::vector<fs::path> written_;
 };
 
 }  // namespace
 
+std::vector<Material> materials_of(const std::vector<InstrumentMatter>& instruments)
+{
+    std::vector<Material> all;
+    for (const InstrumentMatter& i : instruments) {
+        all.push_back(i.shaft);
+        for (const auto& s : i.stretches) all.push_back(s.material);
+    }
+    if (all.empty()) all.push_back(materials::stainless_steel());
+    return all;
+}
+
+Device device_of(const WireLine& wire, const std::vector<InstrumentMatter>& instruments)
+{
+    const InstrumentMatter* what = nullptr;
+    int first = 0, at = 0;  // of its materials
+    for (const InstrumentMatter& i : instruments) {
+        if (i.name == wire.name) what = &i, first = at;
+        at += 1 + static_cast<int>(i.stretches.size());
+    }
+    Device device;
+    double from_tip = 0;
+    for (const TubeStation& s : smooth_line(wire.nodes, wire.radius)) {
+        if (!device.empty()) from_tip += (s.position - device.back().place).norm();
+        int material = first;
+        for (std::size_t k = 0; what && k < what->stretches.size(); ++k)
+            if (from_tip >= what->stretches[k].from && from_tip < what->stretches[k].to) material = first + 1 + static_cast<int>(k);
+        device.push_back({s.position, s.radius, what ? std::min(what->lumen, s.radius) : 0.0, material, 0});
+    }
+    return device;
+}
+
+void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time)
+{
+    if (keys.empty()) return;
+    const auto next = std::find_if(keys.begin(), keys.end(), [&](const AngleKey& k) { return k.t > time; });
+    const AngleKey &a = next == keys.begin() ? *next : next[-1], &b = next == keys.end() ? keys.back() : *next;
+    const double s = b.t > a.t ? std::clamp((time - a.t) / (b.t - a.t), 0.0, 1.0) : 0.0;
+    arm.primary = a.primary + s * (b.primary - a.primary);
+    arm.secondary = a.secondary + s * (b.secondary - a.secondary);
+}
+
+Bolus make_bolus(const Centreline& centreline, const FluoroOptions::Injection& injection)
+{
+    BolusSpec spec = injection.bolus;
+    const auto root = std::find(centreline.parent.begin(), centreline.parent.end(), -1);
+    if (injection.at_auto && root != centreline.parent.end()) spec.at = centreline.points[root - centreline.parent.begin()];
+    if (injection.inflow_auto) spec.inflow = spec.at;
+    return Bolus(centreline, spec);
+}
+
+WallMesh load_bone(const FluoroOptions& options)
+{
+    WallMesh bone = read_mesh(options.bone, options.bone_units);
+    (void)repair(bone);
+    return bone;
+}
+
 std::vector<fs::path> render_fluoro(const fs::path& dir, const FluoroOptions& options,
-                                    const std::function<void(std::size_t, std::size_t, double)>& progress)
+                                    const FrameProgress& progress)
 {
     check(options.arm);
     return Session(dir, options).draw(progress);

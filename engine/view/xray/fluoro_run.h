@@ -1,14 +1,15 @@
 #pragma once
 // `seldinger render --view fluoro`: X-ray pictures of a run from the files that it wrote.
 
-#include "view/run_folder.h"
+#include "view/frame_range.h"
+#include "view/renderer.h"
 #include "view/xray/bolus.h"
 #include "view/xray/c_arm.h"
+#include "view/xray/device_paths.h"
 #include "view/xray/materials.h"
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,11 +28,18 @@ struct InstrumentMatter {
     std::vector<Stretch> stretches;  // a later one wins
 };
 
+/// All materials of the instruments, numbered as by device_of().
+[[nodiscard]] std::vector<Material> materials_of(const std::vector<InstrumentMatter>& instruments);
+
+/// One of them, by its name, as it lies; of another name, solid and of the first material.
+[[nodiscard]] Device device_of(const WireLine& wire, const std::vector<InstrumentMatter>& instruments);
+
 struct AngleKey {
     double t = 0, primary = 0, secondary = 0;  // [s], [rad]
 };
 
-struct FluoroOptions {
+/// Default names of pictures: DIR/fluoro.png, DIR/fluoro_######.png.
+struct FluoroOptions : FrameChoice {
     CArm arm;                       // isocentre: see auto_isocentre
     bool auto_isocentre = true;     // the middle of the vessel's box, or of the instruments'
     std::vector<AngleKey> turning;  // empty: the arm stands still
@@ -52,17 +60,22 @@ struct FluoroOptions {
     std::optional<std::filesystem::path>
         mask;  // run that is subtracted, without contrast, frame by frame (its last from there on)
 
-    int first = -1, last = -1;                       // frames A:B counted from 0; -1: the last one
-    std::filesystem::path output, raw, film, dicom;  // empty: none, but output: DIR/fluoro.png or DIR/fluoro_######.png
-    bool resume = false;                             // pictures that are there already stay
-    double rate = 0;                                 // of the film [1/s]; 0: as fast as it happened
+    std::filesystem::path raw, dicom;  // empty: none
 };
 
+/// The arm's angles at a time. No keys: as they are
+void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
+
+/// What is injected, in the vessel with this centreline.
+[[nodiscard]] Bolus make_bolus(const Centreline& centreline, const FluoroOptions::Injection& injection);
+
+/// The bones' mesh, mended. @throws Error BadFile
+[[nodiscard]] WallMesh load_bone(const FluoroOptions& options);
+
 /// Draws the frames asked for and writes what was asked for. Each frame depends on its own files, the options and the seed alone.
-/// @param progress  may be null: frames done, of how many, seconds since the start
 /// @return the paths written
 /// @throws Error BadFile, BadScene
 std::vector<std::filesystem::path> render_fluoro(const std::filesystem::path& dir, const FluoroOptions& options,
-                                                 const std::function<void(std::size_t, std::size_t, double)>& progress = {});
+                                                 const FrameProgress& progress = {});
 
 }  // namespace seldinger

@@ -109,6 +109,12 @@ void Fluoroscope::trace_still()
     reference_.reset();
     if (!body_half_.isZero()) find_body();
     if (!wall_.triangles.empty()) lumen_ = trace_mesh(view_, wall_, arrival_);
+    interval_row_.assign(view_.rows + 1, 0);
+    for (int row = 0; row < view_.rows; ++row)
+        interval_row_[row + 1] = static_cast<std::size_t>(
+            std::partition_point(lumen_.intervals.begin(), lumen_.intervals.end(),
+                                 [&](const PathInterval& i) { return i.pixel < (row + 1) * view_.columns; }) -
+            lumen_.intervals.begin());
     if (!bone_.triangles.empty()) {
         MeshPaths bone = trace_mesh(view_, bone_);
         mended_ += bone.mended;
@@ -126,8 +132,13 @@ void Fluoroscope::look(std::vector<Device> devices, const std::vector<Material>&
     const BolusMoment moment = contrast ? BolusMoment(*bolus_, *time) : BolusMoment(Bolus(), 0);
     if (contrast && !moment.empty()) {
         iodine_.assign(static_cast<std::size_t>(view_.rows) * view_.columns, 0.0f);
-        for (const PathInterval& i : lumen_.intervals)
-            iodine_[i.pixel] += static_cast<float>(i.length * moment.mean(i.from, i.to));
+        // ordered by pixel, so that rows are apart and each pixel's sum has its order
+        for_each_item(view_.rows, 4, [&](int row) {
+            for (std::size_t k = interval_row_[row]; k < interval_row_[row + 1]; ++k) {
+                const PathInterval& i = lumen_.intervals[k];
+                iodine_[i.pixel] += static_cast<float>(i.length * moment.mean(i.from, i.to));
+            }
+        });
         for (Device& device : devices) {
             std::vector<Vec3> places;
             for (const DeviceStation& s : device) places.push_back(s.place);
@@ -158,7 +169,8 @@ void Fluoroscope::fill_row(int row, bool full, Row& out) const
     part(body_path_, out.amount[Soft]);
     part(lumen_.length, out.amount[Blood]);
     part(bone_path_, out.amount[Bone]);
-    part(full ? iodine_ : std::vector<float>{}, out.amount[Iodine]);
+    static const std::vector<float> none;
+    part(full ? iodine_ : none, out.amount[Iodine]);  // by reference: a copy for each row is what a whole frame costs
     const bool body = !body_path_.empty(), vessel = !lumen_.length.empty();
     for (std::size_t x = 0; body && x < count; ++x) out.amount[Soft][x] -= out.amount[Blood][x] + out.amount[Bone][x];
     if (!full) return;

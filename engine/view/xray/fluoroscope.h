@@ -65,6 +65,7 @@ private:
     bool traced_ = false;
     std::vector<float> body_path_, bone_path_;
     MeshPaths lumen_;
+    std::vector<std::size_t> interval_row_;  // [rows + 1] where each row's intervals begin
     long mended_ = 0;
     std::optional<double> reference_;
     std::vector<float> iodine_;  // [kg/m^2]; empty: none

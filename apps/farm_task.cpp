@@ -1,0 +1,201 @@
+// Does a task of a sweep by the batch loop and one of frames by `render`, and says in the log what it took.
+#include "farm_task.h"
+
+#include "batch_loop.h"
+#include "core/file_io.h"
+#include "core/parallel.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+
+namespace seldinger::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Since this process began, its loading included [s]; in steps of 10 ms.
+double process_age()
+{
+    std::ifstream stat("/proc/self/stat"), uptime("/proc/uptime");
+    std::string text, word;
+    std::getline(stat, text);
+    std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 1)));
+    for (int k = 3; k <= 22; ++k) fields >> word;
+    double up = 0;
+    uptime >> up;
+    return up - std::strtod(word.c_str(), nullptr) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+fs::path task_folder(const fs::path& dir, std::size_t task) { return dir / "tasks" / fmt::format("{:06}", task); }
+
+void check_key(const fs::path& dir, const FarmPlan& plan, const std::string& now)
+{
+    if (now != plan.key)
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: {} or what it names has changed since the farm was made, or this is another version ({}); "
+                                "make a new farm",
+                                dir.string(), plan.source.string(), version()));
+}
+
+BatchPart run_part(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+{
+    std::string sweep_text;
+    const BatchSource source = farm_source(dir, plan, sweep_text);
+    check_key(dir, plan, sweep_key(source, sweep_text));
+    RunOptions what;
+    what.dir = task_folder(dir, task);
+    what.use = FolderUse::Resume;
+    what.device = options.device;
+    what.quiet = true;
+    const FarmPlan::Part part = plan.part(task);
+    try {
+        return run_batch_part(source, sweep_text, part.begin, part.end, what);
+    } catch (const Error& error) {
+        // a checkpoint that cannot be gone on from costs its task, not the farm
+        if (error.code() != ExitCode::BadFile || !fs::exists(what.dir / "checkpoint.bin")) throw;
+        what.use = FolderUse::Overwrite;
+        return run_batch_part(source, sweep_text, part.begin, part.end, what);
+    }
+}
+
+/// How a task ended, and the seconds of the work itself.
+struct Work {
+    ExitCode code = ExitCode::Done;
+    double seconds = 0;
+};
+
+Work do_runs(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+{
+    const BatchPart part = run_part(dir, plan, task, options);
+    // runs in which no step converged are results like the others
+    if (part.outcome.code != ExitCode::Done && part.outcome.code != ExitCode::Stopped) return {part.outcome.code, part.step_s};
+    write_rows(dir, plan, task, part.rows);
+    std::error_code ignored;
+    fs::remove_all(task_folder(dir, task), ignored);
+    return {ExitCode::Done, part.step_s};
+}
+
+Work do_frames(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+{
+    check_key(dir, plan, frames_key(plan.source, plan.first, plan.items, plan.render));
+    const auto begun = Clock::now();
+    try {
+        (void)render_command(plan, plan.part(task), dir)();
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::TimeLimit && error.code() != ExitCode::Interrupted) throw;
+        return {error.code(), seconds_since(begun)};
+    }
+    return {ExitCode::Done, seconds_since(begun)};
+}
+
+ExitCode work_on(TaskClaim& claim, const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+{
+    static bool first_of_process = true;
+    const double before = first_of_process ? process_age() : 0;
+    first_of_process = false;
+    const auto begun = Clock::now();
+    const std::string worker = farm_worker();
+    log_event(dir, task, worker, {claim.taken_over() ? "taken-over" : "began", before, 0, {}});
+    try {
+        const Work work = plan.kind == FarmKind::Sweep ? do_runs(dir, plan, task, options) : do_frames(dir, plan, task);
+        const bool done = work.code == ExitCode::Done;
+        log_event(dir, task, worker, {done ? "finished" : "stopped", before + seconds_since(begun), work.seconds, {}});
+        if (done) claim.finish();
+        else claim.give_back();
+        return work.code;
+    } catch (const Error& error) {
+        std::string line = error.what();
+        for (char& c : line) c = c == '\n' ? ' ' : c;
+        log_event(dir, task, worker, {"failed", before + seconds_since(begun), 0, line});
+        claim.give_back();
+        throw;
+    }
+}
+
+}  // namespace
+
+std::string sweep_key(const BatchSource& source, const std::string& sweep_text)
+{
+    std::vector<std::string> parts = {version(), source.scene_text, sweep_text};
+    parts.insert(parts.end(), source.overrides.begin(), source.overrides.end());
+    const Scene scene = source.scene(0);
+    if (!scene.vessel.mesh.empty()) parts.push_back(read_file(scene.vessel.mesh));
+    return farm_key(parts);
+}
+
+std::string frames_key(const fs::path& run, std::size_t first, std::size_t frames, const std::vector<std::string>& render)
+{
+    std::vector<std::string> parts = {version(), read_file(run / "wire.pvd"), fmt::format("{} {}", first, frames)};
+    parts.insert(parts.end(), render.begin(), render.end());
+    return farm_key(parts);
+}
+
+BatchSource farm_source(const fs::path& dir, const FarmPlan& plan, std::string& sweep_text)
+{
+    BatchSource source{read_file(dir / "farm-scene.toml"), plan.source, plan.overrides, {}};
+    sweep_text = read_file(dir / "farm-sweep.toml");
+    source.sweep =
+        read_sweep_text(sweep_text, plan.sweep, read_scene_text(source.scene_text, source.scene_file, source.overrides).seed);
+    return source;
+}
+
+Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path& dir)
+{
+    for (const std::string& word : plan.render)
+        for (const char* own : {"--raw", "--dicom", "--video", "--fps", "--resume", "--numbered"})
+            if (word == own || word.starts_with(std::string(own) + "="))
+                throw Error(ExitCode::BadScene,
+                            fmt::format("{}: a farm's tasks draw numbered pictures and nothing else; leave it "
+                                        "out (a film: farm merge DIR --video FILE.mp4)",
+                                        own));
+    CLI::App app;
+    Command chosen;
+    add_render(app, chosen);
+    std::vector<std::string> words = plan.render;
+    for (std::string word :
+         {std::string("render"), plan.source.string(), std::string("--frames"),
+          fmt::format("{}:{}", plan.first + part.begin, plan.first + part.end - 1), std::string("-o"),
+          (dir / "frame.png").string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
+        words.push_back(std::move(word));
+    std::rotate(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(plan.render.size()), words.end());
+    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    try {
+        app.parse(words);
+    } catch (const CLI::ParseError& error) {
+        throw Error(ExitCode::BadScene, std::string(error.what()) + "; see `seldinger render --help`");
+    }
+    return chosen;
+}
+
+ExitCode do_task(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+{
+    set_thread_count(options.threads);
+    reopen_if_lost(dir, plan, task);
+    std::optional<TaskClaim> claim = TaskClaim::take(dir, task, farm_worker());
+    return claim ? work_on(*claim, dir, plan, task, options) : ExitCode::Done;
+}
+
+ExitCode do_all_tasks(const fs::path& dir, const FarmPlan& plan, const TaskOptions& options)
+{
+    ExitCode worst = ExitCode::Done;
+    for (std::size_t task = 0; task < plan.tasks; ++task) {
+        try {
+            const ExitCode code = do_task(dir, plan, task, options);
+            if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted) return code;
+        } catch (const Error& error) {
+            fmt::print(stderr, "seldinger: task {}: {}\n", task, error.what());
+            worst = error.code();
+        }
+    }
+    return worst;
+}
+
+}  // namespace seldinger::apps

@@ -1,0 +1,80 @@
+// Reads the options that every view has, and follows the frames as they are drawn.
+#include "render_frames.h"
+
+#include "commands.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <charconv>
+#include <csignal>
+
+namespace seldinger::apps {
+
+void FrameArguments::declare(CLI::App& command)
+{
+    command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
+    command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");
+    command.add_option("--video", video, "film, by ffmpeg")->type_name("FILE.mp4");
+    command.add_option("--fps", fps, "frames per second of the film (default: as fast as it happened)")->type_name("N");
+    command.add_flag("--resume", resume, "skip pictures that exist already");
+    command.add_flag("--numbered", numbered, "NAME_######.png of a single frame too");
+    command.add_flag("--quiet", quiet, "no names of files");
+}
+
+std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form)
+{
+    int a = 0, b = 0;
+    const char* end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, a);
+    if (first.ec == std::errc() && first.ptr != end && *first.ptr == between) {
+        const auto second = std::from_chars(first.ptr + 1, end, b);
+        if (second.ec == std::errc() && second.ptr == end && a >= 0 && b >= 0) return {a, b};
+    }
+    throw Error(ExitCode::BadScene, fmt::format("{}: \"{}\" given, {} expected", option, text, form));
+}
+
+#ifdef SEL_WITH_VIEW
+FrameChoice FrameArguments::choice() const
+{
+    FrameChoice choice;
+    if (!frames.empty()) {
+        const auto [first, last] = two_numbers(frames, ':', "--frames", "FIRST:LAST, e.g. 0:99,");
+        choice.first = first, choice.last = last;
+    }
+    if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: of what? give --video FILE.mp4 with it");
+    if (fps && !(*fps >= 0.1 && *fps <= 240))
+        throw Error(ExitCode::BadScene, fmt::format("--fps: {} given, expected frames per second from 0.1 to 240", *fps));
+    choice.output = output, choice.film = video;
+    choice.rate = fps.value_or(0);
+    choice.resume = resume, choice.numbered = numbered;
+    return choice;
+}
+
+FrameWatch::FrameWatch() : shows_(isatty(STDERR_FILENO)) {}
+
+FrameProgress FrameWatch::progress() const
+{
+    return [shows = shows_](std::size_t done, std::size_t all, double seconds) {
+        const auto n = static_cast<double>(done);
+        if (shows)
+            fmt::print(stderr, "\r\033[Kframe {} of {}, {:.1f} frames/s, {:.0f} s left{}", done, all, n / seconds,
+                       seconds * static_cast<double>(all - done) / n, done == all ? "\r\033[K" : "");
+        const int signal = done < all ? stop_asked_for() : 0;
+        if (signal == 0) return;
+        if (shows) fmt::print(stderr, "\r\033[K");
+        throw Error(signal == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
+                    fmt::format("stopped after {} of {} frames; run again with --resume", done, all));
+    };
+}
+
+void print_paths(const std::vector<std::filesystem::path>& paths)
+{
+    std::string text;
+    for (const auto& path : paths) text += path.string() + "\n";
+    print(text);
+}
+#endif
+
+}  // namespace seldinger::apps

@@ -1,0 +1,53 @@
+#pragma once
+// What every view of `seldinger render` takes: frames, names, film; and the line that follows it.
+
+#include "core/error.h"
+#include "stop_signal.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#ifdef SEL_WITH_VIEW
+    #include "view/frame_range.h"
+#endif
+
+namespace CLI {
+class App;
+}
+
+namespace seldinger::apps {
+
+struct FrameArguments {
+    std::string frames, output, video;
+    std::optional<double> fps;
+    bool resume = false, numbered = false, quiet = false;
+
+    void declare(CLI::App& command);
+#ifdef SEL_WITH_VIEW
+    /// @throws Error BadScene
+    [[nodiscard]] FrameChoice choice() const;
+#endif
+};
+
+/// "AxB" or "A:B". @throws Error BadScene
+[[nodiscard]] std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form);
+
+#ifdef SEL_WITH_VIEW
+/// Frames done, frames per second and time left on a terminal's stderr; ends the drawing between two frames when a signal asks.
+class FrameWatch {
+public:
+    FrameWatch();
+    /// Throws Error TimeLimit or Interrupted after a signal.
+    [[nodiscard]] FrameProgress progress() const;
+
+private:
+    StopSignal listening_;
+    bool shows_;
+};
+
+void print_paths(const std::vector<std::filesystem::path>& paths);
+#endif
+
+}  // namespace seldinger::apps

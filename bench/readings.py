@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""Whether a run's readings depend on how its wire is sampled, and whether the band that it prints holds the true value.
+
+    bench/readings.py [--app build/seldinger] [-o readings.csv] [--duration 14]
+
+assets/scenes/aortic-arch.toml with 4, 8, 16 and 32 contact samples per edge and steps of 16.7, 4 and 1 ms; the true value of each
+sampling is that of steps of 0.25 ms. `--error-estimate off` runs are compared by hash: the twin leaves the bits alone.
+"""
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SAMPLES = (4, 8, 16, 32)
+STEPS = (1 / 60, 0.004, 0.001)
+TRUE_STEP = 0.00025
+BANDS = {"hand_force_peak_n": "hand_force_n", "friction_peak_n": "friction_n"}  # of the estimate: column of trace.csv
+MEAN = 0.02  # that peaks are of [s]
+
+
+def run(app, folder, samples, step, duration, estimate):
+    done = subprocess.run([app, "run", "assets/scenes/aortic-arch.toml", "-o", folder, "--overwrite", "--quiet", "--error-estimate", estimate,
+                           "--set", "contact.detection=capsule", "--set", f"contact.samples_per_edge={samples}", "--set", f"scene.dt_s={step}",
+                           "--set", f"scene.duration_s={duration}", "--set", "scene.record_every=1",
+                           "--set", "output.force_window_m=0.0015"])
+    if done.returncode:
+        sys.exit(f"readings.py: {samples} samples, {step} s: exit {done.returncode}")
+    summary = json.loads((pathlib.Path(folder) / "summary.json").read_text())
+    with open(pathlib.Path(folder) / "contacts.csv", newline="") as stream:
+        summary["largest_sample_n"] = max((float(row["normal_n"]) for row in csv.DictReader(stream)), default=0.0)
+    with open(pathlib.Path(folder) / "trace.csv", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    summary["last"] = rows[-1]
+    wide = max(1, round(MEAN / step))
+    for name, column in BANDS.items():
+        values = [abs(float(row[column])) for row in rows]
+        summary[name] = max(sum(values[k:k + wide]) / wide for k in range(len(values) - wide + 1))
+    return summary
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--app", default="build/seldinger")
+    parser.add_argument("-o", "--output", default="readings.csv")
+    parser.add_argument("--duration", type=float, default=14.0, help="of the runs [s]")
+    options = parser.parse_args()
+    inside = total = 0
+    with tempfile.TemporaryDirectory() as folder, open(options.output, "w", newline="") as stream:
+        table = csv.writer(stream)
+        table.writerow(["samples_per_edge", "dt_s", "largest_sample_n", "force_per_length_n_per_m", "patch_force_n", "contact_regions",
+                        "contacts"] + [part for name in BANDS for part in (name, name + "_band", name + "_true", name + "_inside")])
+        for samples in SAMPLES:
+            true = run(options.app, folder, samples, TRUE_STEP, options.duration, "off")
+            for step in STEPS:
+                told = run(options.app, folder, samples, step, options.duration, "on")
+                if run(options.app, folder, samples, step, options.duration, "off")["state_hash"] != told["state_hash"]:
+                    sys.exit("readings.py: the estimate has changed the run")
+                row = [samples, f"{step:.6g}", told["largest_sample_n"], told["last"]["force_per_length_max_n_per_m"],
+                       told["last"]["patch_force_max_n"], told["last"]["contact_regions"], told["last"]["contacts"]]
+                for name in BANDS:
+                    band = told["error_estimate"][name]
+                    holds = abs(told[name] - true[name]) <= band["band"]
+                    inside, total = inside + holds, total + 1
+                    row += [told[name], band["band"], true[name], int(holds)]
+                table.writerow(row)
+                stream.flush()
+    print(f"{inside} of {total} true values inside their bands; {options.output}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,10 @@
+// An error's text may quote a file: it is made printable here, once, for every way it can take to a person.
+#include "core/error.h"
+
+#include "core/printable.h"
+
+namespace seldinger {
+
+Error::Error(ExitCode code, const std::string& message) : std::runtime_error(printable(message)), code_(code) {}
+
+}  // namespace seldinger

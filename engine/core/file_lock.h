@@ -1,0 +1,41 @@
+#pragma once
+// One writer to a folder or to a file that grows: whoever comes second is refused in one line. The lock is the system's own
+// (flock), so that it ends with the process, however that ends. Who only reads takes none.
+
+#include <filesystem>
+#include <string>
+
+namespace seldinger {
+
+class FileLock {
+public:
+    FileLock() = default;
+    /// Locks a folder by a file ".lock" in it, makes the folder where it is missing, and removes what a killed process has left
+    /// half written there (name.PID.tmp). A folder that was made and stayed empty goes with the lock.
+    /// @throws Error BadFile: another process writes there, or the folder cannot be written to
+    [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
+    /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
+    [[nodiscard]] static FileLock of_file(const std::filesystem::path& file);
+    ~FileLock();
+    FileLock(const FileLock&) = delete;
+    FileLock& operator=(const FileLock&) = delete;
+    FileLock(FileLock&& other) noexcept { swap(other); }
+    FileLock& operator=(FileLock&& other) noexcept
+    {
+        swap(other);
+        return *this;
+    }
+
+private:
+    FileLock(std::filesystem::path what, std::filesystem::path lock);
+    void swap(FileLock& other) noexcept;
+
+    std::filesystem::path lock_, made_;  // made_: the first folder that there was not
+    std::filesystem::path folder_;
+    int fd_ = -1;
+};
+
+/// Removes files NAME.PID.tmp of processes that are no more.
+void remove_leftovers(const std::filesystem::path& dir);
+
+}  // namespace seldinger

@@ -1,0 +1,14 @@
+#pragma once
+// Makes text that came from a file fit for a terminal, a log and one line of an error.
+
+#include <string>
+#include <string_view>
+
+namespace seldinger {
+
+/// `text` with a '?' for whatever a terminal might obey or a reader not see: control characters (but a line's end stays), bytes
+/// that are no UTF-8, marks that turn the direction of writing, characters without width. Tabs become blanks. A text that is longer
+/// than `most` bytes ends in "...".
+[[nodiscard]] std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
+
+}  // namespace seldinger

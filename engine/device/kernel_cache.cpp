@@ -1,0 +1,155 @@
+// Tries the cache's folder by a file of some size, walks through its shared objects, and finds another folder where it must.
+#include "device/kernel_cache.h"
+
+#include "core/printable.h"
+
+#include <elf.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdio>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+#include <vector>
+
+namespace seldinger::device {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t room = 1 << 20;  // [bytes] what the kernels of a scene take, about
+
+/// @return 0, or errno of what cannot be done there
+int try_to_write(const fs::path& dir)
+{
+    std::error_code error;
+    fs::create_directories(dir, error);
+    if (error) return error.value();
+    std::string name = (dir / "seldinger-XXXXXX").string();
+    const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd < 0) return errno;
+    const std::vector<char> block(room);
+    const ssize_t written = ::write(fd, block.data(), block.size());
+    const int problem = written < 0 ? errno : static_cast<std::size_t>(written) < block.size() ? ENOSPC : 0;
+    ::close(fd);
+    ::unlink(name.c_str());
+    return problem;
+}
+
+/// Bitcode of LLVM whose blocks do not end where the file does: the compiler would end the process. [LLVM, bitstream format: a
+/// block is 2 bits "enter", 8 of its kind, 4 of its inner width, then, aligned, its length in words of 32 bits]
+bool is_cut_bitcode(const fs::path& file)
+{
+    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct stat status {};
+    if (fd < 0) return false;
+    std::uint32_t words[2] = {};
+    bool sound = ::fstat(fd, &status) == 0 && ::pread(fd, words, 4, 0) == 4 && words[0] == 0xdec04342u;
+    const off_t size = status.st_size;
+    for (off_t at = 4; sound && at < size; at += 8 + 4 * static_cast<off_t>(words[1]))
+        sound = ::pread(fd, words, 8, at) == 8 && (words[0] & 3u) == 1 && 8 + 4 * static_cast<off_t>(words[1]) <= size - at;
+    ::close(fd);
+    return !sound;
+}
+
+/// Shorter than its header says, or no shared object at all.
+bool is_cut_object(const fs::path& file)
+{
+    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0) return false;
+    Elf64_Ehdr header{};
+    struct stat status {};
+    const ssize_t got = ::pread(fd, &header, sizeof header, 0);
+    const bool known = ::fstat(fd, &status) == 0;
+    ::close(fd);
+    if (got != sizeof header || !known || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return true;
+    if (header.e_ident[EI_CLASS] != ELFCLASS64) return false;
+    const auto size = static_cast<std::uint64_t>(status.st_size);  // the table of sections is the last thing in it
+    const std::uint64_t table = std::uint64_t{header.e_shnum} * header.e_shentsize;
+    return header.e_shoff > size || table > size - header.e_shoff;
+}
+
+fs::path own_folder;
+
+void remove_own_folder()
+{
+    std::error_code ignored;
+    fs::remove_all(own_folder, ignored);
+}
+
+/// In the places for such things, the first that takes it.
+bool make_own_folder()
+{
+    const char* given = std::getenv("TMPDIR");
+    for (const char* place : {given, "/tmp", "/dev/shm"}) {
+        if (!place || !*place) continue;
+        std::string name = std::string(place) + "/seldinger-kernels-XXXXXX";
+        if (!::mkdtemp(name.data())) continue;
+        own_folder = name;
+        if (try_to_write(own_folder) == 0) return true;
+        remove_own_folder();
+    }
+    return false;
+}
+
+}  // namespace
+
+fs::path kernel_cache_folder()
+{
+    const auto variable = [](const char* name) -> std::string {
+        const char* value = std::getenv(name);
+        return value ? value : "";
+    };
+    if (const std::string given = variable("POCL_CACHE_DIR"); !given.empty()) return given;
+    if (const std::string caches = variable("XDG_CACHE_HOME"); !caches.empty()) return fs::path(caches) / "pocl/kcache";
+    const std::string home = variable("HOME");
+    return home.empty() ? fs::path("/tmp/pocl/kcache") : fs::path(home) / ".cache/pocl/kcache";
+}
+
+std::string kernel_cache_advice()
+{
+    return fmt::format("if the disk is full, or what is in the kernel cache {} was damaged: delete that folder, or set "
+                       "POCL_CACHE_DIR to another one",
+                       printable(kernel_cache_folder().string()));
+}
+
+int remove_cut_kernels(const fs::path& dir)
+{
+    int removed = 0;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) {
+        const fs::path& file = at->path();
+        // what the compiler is still writing has another name
+        if (file.filename().string().starts_with("temp")) continue;
+        const fs::path kind = file.extension();
+        if (!(kind == ".so" && is_cut_object(file)) && !(kind == ".bc" && is_cut_bitcode(file))) continue;
+        std::error_code ignored;
+        removed += fs::remove(file, ignored);
+    }
+    return removed;
+}
+
+void prepare_kernel_cache()
+{
+    const fs::path dir = kernel_cache_folder();
+    const int problem = try_to_write(dir);
+    if (problem == 0) {
+        (void)remove_cut_kernels(dir);
+        return;
+    }
+    const std::string what = fmt::format("seldinger: the kernel cache {} cannot be written to: {}", printable(dir.string()),
+                                         std::strerror(problem));
+    if (!make_own_folder()) {
+        fmt::print(stderr, "{}; set POCL_CACHE_DIR to a folder that can\n", what);
+        return;
+    }
+    ::setenv("POCL_CACHE_DIR", own_folder.c_str(), 1);
+    std::atexit(remove_own_folder);
+    fmt::print(stderr, "{}; kernels are built anew, for this run alone; set POCL_CACHE_DIR to a folder that can\n", what);
+}
+
+}  // namespace seldinger::device

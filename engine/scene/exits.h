@@ -1,0 +1,43 @@
+#pragma once
+// Which tip has left the vessel through which of its openings, and when: what goes out of a side branch has left the model, not
+// gone through its wall.
+//
+// A tip leaves through an opening when the way that it has gone since it was last looked at crosses the polygon of the opening's
+// rim from inside to outside, and comes back when it crosses it the other way. What comes in at an inlet has not left before.
+
+#include "engine.h"
+#include "vessel/repair.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace seldinger {
+
+struct Scene;
+
+/// Plain bytes, so that a checkpoint carries it as it is.
+struct ExitTally {
+    static constexpr int most_wires = 8, most_exits = 16;  // more are not watched
+    struct Exit {
+        std::int32_t wire = 0, opening = 0;
+        double left = 0, back = 0;  // [s]; back 0: it has not come back
+    };
+    double tip[most_wires][3] = {};  // where it was last seen [m]
+    std::uint8_t seen[most_wires] = {};
+    std::int32_t count = 0;
+    Exit exit[most_exits] = {};
+};
+static_assert(std::is_trivially_copyable_v<ExitTally>);
+
+/// @param openings  of `mesh`, before it has moved
+void watch_exits(ExitTally& tally, std::span<const WireOutput> wires, std::span<const BoundaryLoop> openings, const WallMesh& mesh,
+                 double time);
+
+/// One sentence for each, with place and time.
+[[nodiscard]] std::vector<std::string> exit_sentences(const ExitTally& tally, std::span<const BoundaryLoop> openings,
+                                                      const Scene& scene);
+
+}  // namespace seldinger

@@ -1,0 +1,235 @@
+// Sizes decide: a vessel's lumen is millimetres wide and its tree decimetres long, whatever numbers a file has.
+#include "scene/first_scene.h"
+
+#include "core/error.h"
+#include "io/mesh_file.h"
+#include "scene/instruments.h"
+#include "scene/scene_names.h"
+#include "scene/toml_table.h"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+namespace {
+
+constexpr double least_lumen = 0.3e-3, most_lumen = 20e-3, least_extent = 20e-3, most_extent = 1.0;  // [m]
+constexpr double usual_lumen = 3e-3, usual_extent = 0.25;                                           // [m]
+// A wire's diameter in lumen radii where it still turns and passes freely.
+constexpr double free_share = 0.7;
+constexpr double feed_speed = 0.02;  // [m/s], a steady hand's
+// What a hand has ready, thick before thin: a supple wire for any vessel, then for narrower ones.
+constexpr const char* usual_wires[] = {"terumo-angled-035", "control-018", "coronary-soft-014"};
+
+double median_lumen(const LoadedVessel& vessel)
+{
+    std::vector<double> radius = vessel.centreline.radius;
+    for (const BoundaryLoop& loop : vessel.report.loops)
+        if (vessel.centreline.empty()) radius.push_back(loop.radius);
+    if (radius.empty()) return 0;
+    std::nth_element(radius.begin(), radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2), radius.end());
+    return radius[radius.size() / 2];
+}
+
+double extent_of(const WallMesh& mesh)
+{
+    Eigen::AlignedBox3d box;
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+/// How far from the usual, by ratio; a habit weighs like a ratio, too.
+double misfit(const UnitGuess& guess)
+{
+    const double habit = guess.unit == "mm" ? 0 : guess.unit == "m" ? 1 : guess.unit == "cm" ? 2 : 3;
+    return std::abs(std::log(std::max(guess.lumen, 1e-12) / usual_lumen)) + std::abs(std::log(guess.extent / usual_extent)) + habit +
+           (guess.plausible ? 0 : 100);
+}
+
+std::vector<UnitGuess> guesses_of(double lumen_in_file, double extent_in_file)
+{
+    std::vector<UnitGuess> all;
+    for (const std::string_view word : unit_words) {
+        const double metre = metres_per_unit(std::string(word));
+        UnitGuess guess{std::string(word), lumen_in_file * metre, extent_in_file * metre, false};
+        guess.plausible = guess.lumen >= least_lumen && guess.lumen <= most_lumen && guess.extent >= least_extent &&
+                          guess.extent <= most_extent;
+        all.push_back(guess);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const UnitGuess& a, const UnitGuess& b) { return misfit(a) < misfit(b); });
+    return all;
+}
+
+}  // namespace
+
+std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel)
+{
+    // the axis takes no unit but for a vessel's usual size: so in the one in which the box is nearest to that
+    // (micrometres: a reader refuses what is kilometres away)
+    const double box = extent_of(read_mesh(mesh, "um")) / metres_per_unit("um");
+    if (!(box > 0)) throw Error(ExitCode::BadFile, mesh.string() + ": all of it is in one place");
+    VesselSpec spec;
+    spec.shape = VesselShape::Mesh;
+    spec.mesh = std::filesystem::absolute(mesh);
+    spec.units = guesses_of(box * usual_lumen / usual_extent, box).front().unit;
+    vessel = load_vessel(spec);
+    const double metre = metres_per_unit(spec.units);
+    std::vector<UnitGuess> all = guesses_of(median_lumen(vessel) / metre, extent_of(vessel.mesh) / metre);
+    if (all.front().unit != spec.units) {
+        spec.units = all.front().unit;
+        vessel = load_vessel(spec);
+    }
+    return all;
+}
+
+double WayThrough::reach(double diameter) const
+{
+    for (std::size_t i = 0; i < at.size(); ++i)
+        if (radius[i] * free_share < diameter) return at[i];
+    return length;
+}
+
+WayThrough way_through(const Centreline& line, const Inlet& inlet)
+{
+    WayThrough way;
+    const int start = line.nearest(inlet.point);
+    if (start < 0) return way;
+    const std::size_t count = line.points.size();
+    std::vector<std::vector<std::size_t>> links(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (line.parent[i] >= 0) {
+            links[i].push_back(static_cast<std::size_t>(line.parent[i]));
+            links[static_cast<std::size_t>(line.parent[i])].push_back(i);
+        }
+    std::vector<double> length(count, -1);
+    std::vector<std::size_t> order = {static_cast<std::size_t>(start)}, before(count, count);
+    length[order[0]] = 0;
+    std::size_t far = order[0];
+    for (std::size_t k = 0; k < order.size(); ++k)
+        for (const std::size_t next : links[order[k]]) {
+            if (length[next] >= 0) continue;
+            const Vec3 step = line.points[next] - line.points[order[k]];
+            // not back out of the end that lies behind the way in
+            if (order[k] == order[0] && step.dot(inlet.direction) < 0 && links[order[0]].size() > 1) continue;
+            length[next] = length[order[k]] + step.norm();
+            before[next] = order[k];
+            order.push_back(next);
+            if (length[next] > length[far]) far = next;
+        }
+    way.length = length[far];
+    for (std::size_t p = far; p < count; p = before[p]) {
+        const double left = way.length - length[p];
+        if (left < 2 * line.radius[p] && way.length > 4 * line.radius[p]) continue;  // a closed end narrows to nothing
+        way.at.push_back(length[p]);
+        way.radius.push_back(line.radius[p]);
+    }
+    std::reverse(way.at.begin(), way.at.end());
+    std::reverse(way.radius.begin(), way.radius.end());
+    // an opening's centre may lie on the rim's mean plane, nearer to the wall than the lumen is wide
+    if (!way.radius.empty()) way.radius.front() = std::max(way.radius.front(), inlet.radius);
+    if (!way.at.empty()) way.length = way.at.back();
+    way.narrowest = way.radius.empty() ? inlet.radius : *std::min_element(way.radius.begin(), way.radius.end());
+    return way;
+}
+
+WireChoice choose_wire(const WayThrough& way, const std::string& asked)
+{
+    const std::vector<Instrument> all = instruments();
+    const auto with = [&](const std::string& name) {
+        const auto at = std::find_if(all.begin(), all.end(), [&](const Instrument& i) { return i.name == name; });
+        if (at == all.end()) {
+            std::vector<std::string_view> names;
+            for (const Instrument& i : all) names.push_back(i.name);
+            throw Error(ExitCode::BadScene, fmt::format("--instrument {}: no such instrument; the nearest is {} (`seldinger instruments` "
+                                                        "lists them)",
+                                                        name, nearest_word(name, names)));
+        }
+        WireChoice choice;
+        choice.name = name;
+        choice.diameter = 2 * at->wire.shaft.radius;
+        choice.reach = way.reach(choice.diameter);
+        return choice;
+    };
+    const auto size = [](const WireChoice& c) { return fmt::format("{} is {:.2f} mm thick", c.name, 1e3 * c.diameter); };
+    const std::string lumen = fmt::format("the narrowest lumen on the longest way has a radius of {:.2g} mm", 1e3 * way.narrowest);
+    WireChoice choice;
+    if (!asked.empty()) {
+        choice = with(asked);
+        choice.why = fmt::format("asked for: {}, {}", size(choice), lumen);
+    } else {
+        std::string too_thick;
+        for (const char* name : usual_wires) {
+            choice = with(name);
+            const bool thinnest = name == *std::rbegin(usual_wires), passes = choice.reach >= 0.9 * way.length;
+            choice.why = fmt::format("{}{}, {}", size(choice), too_thick, lumen);
+            if (passes || thinnest) break;
+            too_thick = fmt::format(" (thicker ones, from {:.2f} mm on, do not pass)", 1e3 * choice.diameter);
+        }
+    }
+    if (choice.reach < 0.9 * way.length) choice.why += fmt::format("; it gets {:.0f} mm far before that is too narrow for it", 1e3 * choice.reach);
+    if (choice.reach < 0.002)
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: too thick for this vessel, {}; choose a thinner one with --instrument, or the right unit with --units",
+                                size(choice), lumen));
+    return choice;
+}
+
+namespace {
+
+std::string quoted(const std::string& text)
+{
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    return out + "\"";
+}
+
+std::string ways_in_comment(const FirstScene& first)
+{
+    std::string text;
+    for (std::size_t i = 0; i < first.inlets.size() && i < 20; ++i) {
+        const Inlet& inlet = first.inlets[i];
+        text += fmt::format("#   {}: [{:.1f}, {:.1f}, {:.1f}] mm, radius {:.2f} mm{}{}\n", i + 1, 1e3 * inlet.point.x(),
+                            1e3 * inlet.point.y(), 1e3 * inlet.point.z(), 1e3 * inlet.radius,
+                            inlet.opening >= 0 ? ", an opening" : ", a closed end",
+                            static_cast<int>(i) + 1 == first.inlet ? "  <- this one" : "");
+    }
+    if (first.inlets.size() > 20) text += fmt::format("#   and {} more (`seldinger vessel`)\n", first.inlets.size() - 20);
+    return text;
+}
+
+}  // namespace
+
+std::string first_scene_text(const FirstScene& first)
+{
+    // whole millimetres, a little short of where it would end
+    const double advance = std::max(1e-3, 1e-3 * std::floor(1e3 * 0.95 * std::min(first.wire.reach, first.way.length)));
+    const double duration = advance / feed_speed;
+    const double length = 0.01 * std::ceil(100 * (advance + 0.05));
+    std::error_code ignored;
+    const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(first.file), ignored).parent_path();
+    const auto mesh = std::filesystem::weakly_canonical(std::filesystem::absolute(first.mesh), ignored);
+    const std::string path = mesh.lexically_proximate(folder).generic_string();
+    std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
+                                   one_line(first.mesh.filename().string()));
+    text += fmt::format("[scene]\nname = {}\ngravity = [0.0, 0.0, -9.81]  # m/s^2: which way is down?\nduration_s = {:.2f}\ndt_s = 0.001\n\n",
+                        quoted(one_line(first.mesh.stem().string())), duration);
+    text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # \"elastic\": it yields (docs/wall.md)\n"
+                        "youngs_pa = 1.0e6  # of the wall: how stiff its surface is\nthickness_m = 0.001\n\n",
+                        quoted(path), first.unit, first.unit_why);
+    text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
+                        "nodes = \"adaptive\"\n\n",
+                        first.wire.why, first.wire.name, length);
+    text += fmt::format("# Ways in, numbered as `seldinger vessel` lists them:\n{}[feed]\ninlet = {}\n"
+                        "# Pushed at {:.0f} mm/s without turning; the longest way from here is {:.0f} mm.\n"
+                        "keys = [\n    {{ t_s = 0.0, advance_m = 0.0, turn_rad = 0.0 }},\n"
+                        "    {{ t_s = {:.2f}, advance_m = {:.3f}, turn_rad = 0.0 }},\n]\n",
+                        ways_in_comment(first), first.inlet, 1e3 * feed_speed, 1e3 * first.way.length, duration, advance);
+    return text;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,96 @@
+#pragma once
+// What the length of the step leaves in a run's forces and tip, estimated by the run itself.
+//
+// The run is cut into windows of window_steps steps. Some are taken again in a world of its own, from the state that the run had
+// at their beginning, with steps of half the length: every periodic-th one, the last, and those in which hand force and friction
+// were largest so far. With readings Q(h) and Q(h/2) of the same window the error of a first-order scheme is 2 (Q(h) - Q(h/2)),
+// and the band is
+//
+//     band = safety |Q(h) - Q(h/2)|,    safety = 3
+//
+// the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994, doi:10.1115/1.2910291; order 1,
+// ratio 2). The band of each reading is the largest that any window has shown: what one window of a run does another may. Compared
+// are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and where the tip is at its
+// end: single values of a wire that sticks, slips and strikes differ however short the step is, and a hand that starts at once
+// feels more the shorter the step.
+//
+// What it cannot see: a history that has gone another way before the window began (a branch missed, a slip that came earlier).
+// A reference for that is `seldinger plan` or a run with a shorter step.
+//
+// The twin is a world of its own: the run's bits are those of a run without it.
+
+#include "engine.h"
+#include "scene/key_frames.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seldinger {
+
+struct Scene;
+
+/// One reading with its band.
+struct ErrorBand {
+    double value = 0, twin = 0;  // with the run's step, with half of it
+    double band = 0;
+    bool resolved = true;  // the band is at most a fifth of the value, or below what is told apart
+};
+
+struct ErrorEstimate {
+    long windows = 0, failed = 0;  // compared; that found no state at half the step
+    long steps = 0, from_step = 0; // of the twin; of the run when it began (after --resume)
+    double seconds = 0;            // that it took
+    double dt = 0;                 // of the run [s]
+    ErrorBand hand, hand_peak, friction, friction_peak;  // means over the last window; largest 20 ms means of the run [N]
+    double tip = 0;                                      // [m]
+};
+
+/// One sentence for each reading that the step does not resolve.
+[[nodiscard]] std::vector<std::string> unresolved(const ErrorEstimate& estimate);
+
+class StepTwin {
+public:
+    static constexpr int window_steps = 50;
+    static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
+    static constexpr double safety = 3;
+    static constexpr double mean_time = 0.02;     // [s]
+    static constexpr double wanted = 0.2;         // band over value that counts as resolved
+    static constexpr double least_force = 1e-3;   // bands below are resolved: forces that no hand feels [N]
+
+    /// @param scene, run  outlive this   @param taken  steps of the run so far
+    StepTwin(const Scene& scene, const World& run, long taken);
+
+    /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
+    void stepped(const World& run, const WireReadings& readings, long taken);
+    /// Looks at what is left to look at. @return the estimate over all
+    [[nodiscard]] ErrorEstimate finish();
+
+private:
+    struct Window {
+        std::vector<std::uint8_t> state;  // at its beginning
+        long first = 0, steps = 0;
+        std::vector<double> hand, friction;       // of each step [N]
+        double hand_peak = 0, friction_peak = 0;  // largest means [N]
+        Vec3 tip = Vec3::Zero();                  // at its end [m]
+        bool examined = false;
+    };
+    struct Examined {
+        double hand, friction, hand_peak, friction_peak;  // of the twin [N]
+        bool found = false;
+    };
+    void open(const World& run, long taken);
+    void close();
+    Examined examine(const Window& window);
+
+    const Scene& scene_;
+    const World& run_;
+    KeyFrames key_frames_;
+    std::unique_ptr<World> world_;  // made when first needed
+    Window window_, last_, best_hand_, best_friction_;
+    long closed_ = 0;
+    double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
+    ErrorEstimate estimate_;
+};
+
+}  // namespace seldinger

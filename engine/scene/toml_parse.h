@@ -1,0 +1,25 @@
+#pragma once
+// TOML of files and of --set, whose authors may mean no good: size and depth are looked at before the parser, which calls itself
+// once for each level and ends the process where there are too many.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <toml++/toml.h>
+
+namespace seldinger {
+
+/// How deep brackets may stand in brackets, and how many parts a dotted key may have. A scene has five and two.
+inline constexpr int most_toml_depth = 32;
+
+/// Where `text` is nested deeper, as a byte; npos where it is not.
+[[nodiscard]] std::size_t too_deep(std::string_view text);
+
+/// @throws Error BadScene where it is not TOML, or nested too deep
+[[nodiscard]] toml::table parse_toml(const std::string& text, const std::filesystem::path& file);
+
+/// The text of a scene or a sweep. @throws Error BadFile: unreadable, no plain file, or above 16 MB
+[[nodiscard]] std::string read_scene_file(const std::filesystem::path& file);
+
+}  // namespace seldinger

@@ -1,0 +1,16 @@
+#pragma once
+// What a saved state must hold before anything is computed from it: bytes come from files that others may have made.
+
+#include "world.h"
+
+#include <cstdint>
+
+namespace seldinger {
+
+/// Numbers of one instrument as they were read, before they are used. @throws Error BadFile
+void check_saved_wire(const World::Impl& state, int wire);
+/// Its ledger and the time. @throws Error BadFile
+void check_saved_audit(const EnergyAudit& audit);
+void check_saved_time(double time, std::int64_t steps);
+
+}  // namespace seldinger

@@ -1,0 +1,258 @@
+// Plans, claims by rename and lock, and results of a farm's tasks.
+#include "study/farm.h"
+
+#include "core/bytes.h"
+#include "core/error.h"
+#include "core/file_io.h"
+#include "core/fnv1a.h"
+#include "core/sealed_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+namespace seldinger {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view rows_magic = "SELFARM1";
+
+std::string number(std::size_t task) { return fmt::format("{:06}", task); }
+
+std::string as_json(const FarmPlan& plan)
+{
+    Json out;
+    out["kind"] = plan.kind == FarmKind::Sweep ? "sweep" : "frames";
+    out["source"] = plan.source.string();
+    if (plan.kind == FarmKind::Sweep) out["sweep"] = plan.sweep.string(), out["set"] = plan.overrides;
+    else out["first"] = plan.first, out["render"] = plan.render;
+    out[plan.kind == FarmKind::Sweep ? "runs" : "frames"] = plan.items;
+    out["tasks"] = plan.tasks;
+    out["key"] = plan.key;
+    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Opened and locked, or -1: another living worker has the lock, or the file is not there (any more).
+int open_locked(const fs::path& file)
+{
+    const int fd = open(file.c_str(), O_RDWR | O_CLOEXEC);
+    if (fd < 0) return -1;
+    // a look at the farm holds the lock for a moment
+    for (int attempt = 0; attempt < 3; ++attempt) {
+        if (flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+        if (errno != EWOULDBLOCK && errno != EINTR) {
+            close(fd);
+            throw Error(ExitCode::BadFile,
+                        fmt::format("{}: this file system has no locks, so nobody can tell a dead worker from a living one; put "
+                                    "the farm's folder on one that has (NFS, Lustre mounted with flock)",
+                                    file.string()));
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    close(fd);
+    return -1;
+}
+
+bool renamed(const fs::path& from, const fs::path& to)
+{
+    std::error_code problem;
+    fs::rename(from, to, problem);
+    if (problem && problem != std::errc::no_such_file_or_directory)
+        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be renamed ({})", from.string(), problem.message()));
+    return !problem;
+}
+
+/// running/000012@W, or empty.
+fs::path running_file(const fs::path& dir, std::size_t task)
+{
+    const std::string start = number(task) + "@";
+    for (const auto& entry : fs::directory_iterator(dir / "running"))
+        if (entry.path().filename().string().starts_with(start)) return entry.path();
+    return {};
+}
+
+}  // namespace
+
+std::string farm_key(const std::vector<std::string>& texts)
+{
+    std::uint64_t hash = fnv1a_start;
+    for (const std::string& text : texts) {
+        const std::uint64_t size = text.size();  // so that "ab", "c" is not "a", "bc"
+        hash = fnv1a(text.data(), text.size(), fnv1a(&size, sizeof size, hash));
+    }
+    return fmt::format("{:016x}", hash);
+}
+
+void write_farm(const fs::path& dir, const FarmPlan& plan)
+{
+    if (fs::exists(dir / "farm.json")) {
+        const FarmPlan there = read_farm(dir);
+        if (there.key != plan.key || there.tasks != plan.tasks)
+            throw Error(
+                ExitCode::BadScene,
+                fmt::format("{}: holds a farm of another scene, sweep, options, version or number of tasks ({}); give the "
+                            "same again to go on with it, or another folder with -o",
+                            dir.string(), there.tasks));
+        return;
+    }
+    for (const char* folder : {"todo", "running", "done", "rows", "log", "tasks"}) make_folder(dir / folder);
+    for (std::size_t t = 0; t < plan.tasks; ++t) write_file(dir / "todo" / number(t), "");
+    write_file(dir / "farm.json", as_json(plan), Durable::Yes);  // last: a folder without it was never begun
+}
+
+FarmPlan read_farm(const fs::path& dir)
+{
+    const fs::path file = dir / "farm.json";
+    if (!fs::exists(file))
+        throw Error(ExitCode::BadFile, dir.string() + ": no farm.json in it; give the folder that `seldinger farm -o` made");
+    try {
+        const Json in = Json::parse(read_file(file));
+        FarmPlan plan;
+        plan.kind = in.at("kind") == "sweep" ? FarmKind::Sweep : FarmKind::Frames;
+        plan.source = in.at("source").get<std::string>();
+        if (plan.kind == FarmKind::Sweep) {
+            plan.sweep = in.at("sweep").get<std::string>();
+            plan.overrides = in.at("set").get<std::vector<std::string>>();
+        } else {
+            plan.first = in.at("first").get<std::size_t>();
+            plan.render = in.at("render").get<std::vector<std::string>>();
+        }
+        plan.items = in.at(plan.kind == FarmKind::Sweep ? "runs" : "frames").get<std::size_t>();
+        plan.tasks = in.at("tasks").get<std::size_t>();
+        plan.key = in.at("key").get<std::string>();
+        if (plan.tasks < 1 || plan.tasks > plan.items) throw Error(ExitCode::BadFile, file.string() + ": tasks out of range");
+        return plan;
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: is damaged ({}); make the farm again in another folder", file.string(), error.what()));
+    }
+}
+
+std::string farm_worker()
+{
+    const char *job = std::getenv("SLURM_ARRAY_JOB_ID"), *task = std::getenv("SLURM_ARRAY_TASK_ID");
+    if (job && task) return fmt::format("slurm-{}_{}", job, task);
+    char host[256] = "host";
+    (void)gethostname(host, sizeof host - 1);
+    return fmt::format("{}-{}", host, getpid());
+}
+
+// ---------------------------------------------------------------- claims
+
+std::optional<TaskClaim> TaskClaim::take(const fs::path& dir, std::size_t task, const std::string& worker)
+{
+    if (fs::exists(dir / "done" / number(task))) return std::nullopt;
+    const fs::path waiting = dir / "todo" / number(task), mine = dir / "running" / (number(task) + "@" + worker);
+    // the lock comes before the rename, so that a task in running/ without a lock has a dead worker
+    if (const int lock = open_locked(waiting); lock >= 0) {
+        if (renamed(waiting, mine)) return TaskClaim(dir, task, mine, lock, false);
+        close(lock);
+    }
+    const fs::path theirs = running_file(dir, task);
+    if (theirs.empty()) return std::nullopt;
+    const int lock = open_locked(theirs);
+    if (lock < 0) return std::nullopt;
+    if (renamed(theirs, mine)) return TaskClaim(dir, task, mine, lock, true);
+    close(lock);
+    return std::nullopt;
+}
+
+TaskClaim::TaskClaim(fs::path dir, std::size_t task, fs::path file, int lock, bool taken_over)
+    : dir_(std::move(dir)), file_(std::move(file)), task_(task), lock_(lock), taken_over_(taken_over)
+{
+}
+
+TaskClaim::TaskClaim(TaskClaim&& other) noexcept
+    : dir_(std::move(other.dir_)),
+      file_(std::move(other.file_)),
+      task_(other.task_),
+      lock_(other.lock_),
+      taken_over_(other.taken_over_)
+{
+    other.lock_ = -1;
+}
+
+TaskClaim::~TaskClaim()
+{
+    if (lock_ >= 0) close(lock_);
+}
+
+void TaskClaim::move_to(const char* folder)
+{
+    (void)renamed(file_, dir_ / folder / number(task_));
+    close(lock_);
+    lock_ = -1;
+}
+
+void TaskClaim::finish() { move_to("done"); }
+void TaskClaim::give_back() { move_to("todo"); }
+
+// ---------------------------------------------------------------- log and results
+
+void log_event(const fs::path& dir, std::size_t task, const std::string& worker, const TaskEvent& event)
+{
+    const fs::path file = dir / "log" / (number(task) + ".csv");
+    std::error_code absent;
+    const std::uintmax_t size = fs::file_size(file, absent);
+    AppendFile log(file, absent ? 0 : size);
+    if (absent) log.append("unix_s,event,worker,process_s,work_s,message\n");
+    const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    log.append(
+        fmt::format("{:.3f},{},{},{:.4f},{:.4f},{}\n", now, event.event, worker, event.process_s, event.work_s, event.message));
+}
+
+void write_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows)
+{
+    std::vector<std::uint8_t> bytes;
+    put_bytes(bytes, plan.key.data(), plan.key.size());
+    const std::uint64_t count = rows.size();
+    put_bytes(bytes, &count, 1);
+    put_bytes(bytes, rows.data(), rows.size());
+    write_sealed(dir / "rows" / (number(task) + ".rows"), rows_magic, bytes);
+}
+
+fs::path frame_file(const fs::path& dir, std::size_t frame) { return dir / fmt::format("frame_{:06}.png", frame); }
+
+bool has_result(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+{
+    if (plan.kind == FarmKind::Sweep) return fs::exists(dir / "rows" / (number(task) + ".rows"));
+    const FarmPlan::Part part = plan.part(task);
+    for (std::size_t i = part.begin; i < part.end; ++i)
+        if (!fs::exists(frame_file(dir, plan.first + i))) return false;
+    return true;
+}
+
+void reopen_if_lost(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+{
+    const fs::path done = dir / "done" / number(task);
+    if (fs::exists(done) && !has_result(dir, plan, task)) (void)renamed(done, dir / "todo" / number(task));
+}
+
+std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+{
+    const fs::path file = dir / "rows" / (number(task) + ".rows");
+    if (!fs::exists(file)) return std::nullopt;
+    const std::vector<std::uint8_t> bytes = read_sealed(file, rows_magic);
+    const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
+    std::string key(plan.key.size(), ' ');
+    std::uint64_t count = 0;
+    take_bytes(at, end, key.data(), key.size());
+    take_bytes(at, end, &count, 1);
+    const FarmPlan::Part part = plan.part(task);
+    if (key != plan.key || count != part.end - part.begin)
+        throw Error(ExitCode::BadFile, file.string() + ": is of another farm; remove it and do the task again");
+    std::vector<BatchRow> rows(count);
+    take_bytes(at, end, rows.data(), count);
+    return rows;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,39 @@
+#pragma once
+// Which frames of a run are drawn, what their pictures are called, and how fast a film of them runs.
+
+#include "view/run_folder.h"
+
+#include <filesystem>
+#include <functional>
+
+namespace seldinger {
+
+/// After each frame: frames done, of how many, seconds since the start. It may throw, to stop.
+using FrameProgress = std::function<void(std::size_t, std::size_t, double)>;
+
+/// What every kind of picture is asked for with.
+struct FrameChoice {
+    int first = -1, last = -1;     // frames A:B of wire.pvd, counted from 0, both included; -1: only the last frame
+    std::filesystem::path output;  // NAME.png: that, or NAME_######.png of several frames; empty: in the run's folder
+    bool numbered = false;         // NAME_######.png of one frame too
+    bool resume = false;           // pictures that are there already stay
+    std::filesystem::path film;    // empty: none
+    double rate = 0;               // of the film [1/s]; 0: as fast as it happened, 1 to 60
+};
+
+struct FrameRange {
+    std::size_t first = 0, last = 0;  // both included
+    [[nodiscard]] std::size_t count() const { return last - first + 1; }
+};
+
+/// @throws Error BadScene: frames that the run does not have
+[[nodiscard]] FrameRange frames_asked(const FrameChoice& choice, std::size_t count);
+
+/// @param alone,series  default names in the run's folder, without ending: "picture", "frame"
+/// @throws Error BadFile: a folder has that name
+[[nodiscard]] std::filesystem::path picture_path(const std::filesystem::path& dir, const FrameChoice& choice, const char* alone,
+                                                 const char* series, std::size_t index);
+
+[[nodiscard]] double film_rate(const FrameChoice& choice, const RunFolder& run, const FrameRange& range);
+
+}  // namespace seldinger

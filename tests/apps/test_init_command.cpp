@@ -1,0 +1,159 @@
+// `seldinger init`: a first scene for a mesh of one's own, in whatever unit it is, that `check` and `run` accept as it stands.
+
+#include "apps/app_fixture.h"
+
+#include <array>
+
+using namespace seldinger::test;
+
+namespace {
+
+/// A generated vessel in a file: `tube_scene`'s tube of 5 mm radius and 100 mm length, or a shape of one's own.
+fs::path made_mesh(const ScratchFolder& folder, const std::string& scene = tube_scene())
+{
+    folder.write("made.toml", scene);
+    REQUIRE(run_app(folder, "vessel made.toml -o V").code == 0);
+    fs::rename(folder.path / "V" / "vessel.stl", folder.path / "mm.stl");
+    return folder.path / "mm.stl";
+}
+
+/// The same mesh in other numbers: an OBJ of V/vessel.vtp's points times a factor would need a reader, so an STL's floats.
+fs::path scaled(const ScratchFolder& folder, const fs::path& stl, const std::string& name, float factor)
+{
+    std::string bytes = slurp(stl);
+    const auto at = [&](std::size_t k) { return bytes.data() + k; };
+    std::uint32_t triangles = 0;
+    std::copy_n(at(80), 4, reinterpret_cast<char*>(&triangles));
+    for (std::size_t t = 0; t < triangles; ++t)
+        for (std::size_t k = 0; k < 9; ++k) {
+            float value = 0;
+            char* place = at(84 + 50 * t + 12 + 4 * k);
+            std::copy_n(place, 4, reinterpret_cast<char*>(&value));
+            value *= factor;
+            std::copy_n(reinterpret_cast<char*>(&value), 4, place);
+        }
+    return folder.write(name, bytes);
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_SUITE("apps/init_command")
+{
+    TEST_CASE("property: a mesh in millimetres, centimetres or metres: the right unit, and a scene that is checked and runs")
+    {
+        const ScratchFolder folder;
+        const fs::path mm = made_mesh(folder);
+        scaled(folder, mm, "cm.stl", 0.1f);
+        scaled(folder, mm, "m.stl", 0.001f);
+        for (const std::string unit : {"mm", "cm", "m"}) {
+            CAPTURE(unit);
+            const AppResult made = run_app(folder, fmt::format("init {}.stl -o s-{}.toml", unit, unit));
+            CAPTURE(made.err);
+            REQUIRE(made.code == 0);
+            CHECK(has(made.out, fmt::format("units \"{}\"", unit)));
+            CHECK(has(made.out, "way in 1: "));
+            CHECK(has(made.out, "terumo-angled-035"));  // 0.89 mm in a lumen of 5 mm radius: the thickest of the usual passes
+            const std::string scene = slurp(folder.path / fmt::format("s-{}.toml", unit));
+            CHECK(has(scene, fmt::format("units = \"{}\"", unit)));
+            CHECK(has(scene, "inlet = 1\n"));
+            const AppResult checked = run_app(folder, fmt::format("check s-{}.toml", unit));
+            CAPTURE(checked.err);
+            CHECK(checked.code == 0);
+            CHECK(has(checked.out, "inlet 1 of 2: "));
+            CHECK(has(checked.out, "] m = ["));
+            const AppResult ran = run_app(folder, fmt::format("run s-{}.toml -o r-{} --set scene.duration_s=0.3", unit, unit));
+            CAPTURE(ran.err);
+            CHECK(ran.code == 0);
+            CHECK(has(ran.out, "entered at 1 of 2"));
+            // fed at 20 mm/s
+            CHECK(summary_of(folder.path / ("r-" + unit)).at("inserted_m").get<double>() == doctest::Approx(0.006).epsilon(1e-6));
+        }
+    }
+
+    TEST_CASE("property: a narrow lumen gets a thinner wire, and one that is asked for is taken")
+    {
+        const ScratchFolder folder;
+        std::string narrow = tube_scene();
+        narrow.replace(narrow.find("radius_m = 0.005"), 16, "radius_m = 0.0008");
+        narrow.replace(narrow.find("-0.0035]"), 8, "0.0]");
+        narrow.replace(narrow.find("triangles = 2000"), 16, "triangles = 20000");  // about as long as wide
+        const fs::path mm = made_mesh(folder, narrow);
+        const AppResult made = run_app(folder, "init mm.stl -o narrow.toml");
+        CAPTURE(made.err);
+        REQUIRE(made.code == 0);
+        // 0.7 of 0.8 mm is less than 0.89 mm and more than 0.46 mm
+        CHECK(has(made.out, "control-018"));
+        CHECK(has(slurp(folder.path / "narrow.toml"), "preset = \"control-018\""));
+        REQUIRE(run_app(folder, "init mm.stl -o asked.toml --instrument coronary-soft-014 --inlet 2").code == 0);
+        const std::string asked = slurp(folder.path / "asked.toml");
+        CHECK(has(asked, "preset = \"coronary-soft-014\""));
+        CHECK(has(asked, "inlet = 2\n"));
+        CHECK(run_app(folder, "check asked.toml").code == 0);
+    }
+
+    TEST_CASE("bad input: what is there stays, and each mistake is one line")
+    {
+        const ScratchFolder folder;
+        const fs::path mm = made_mesh(folder);
+        folder.write("mine.toml", "precious");
+        scaled(folder, mm, "huge.stl", 1e6f);
+        const auto refused = [&](const std::string& arguments, int code, const std::string& names) {
+            CAPTURE(arguments);
+            const AppResult result = run_app(folder, arguments);
+            CAPTURE(result.err);
+            CHECK(result.code == code);
+            CHECK(result.error_lines() == 1);
+            CHECK(has(result.err, names));
+        };
+        refused("init mm.stl -o mine.toml", 2, "--overwrite");
+        CHECK(slurp(folder.path / "mine.toml") == "precious");
+        refused("init mm.stl -o x.toml --instrument terumo-angled-35", 2, "terumo-angled-035");
+        refused("init mm.stl -o x.toml --inlet 3", 2, "2 ways in");
+        refused("init mm.stl -o x.toml --units furlong", 2, "furlong");
+        refused("init huge.stl -o x.toml", 2, "--units");
+        refused("init gone.stl -o x.toml", 3, "gone.stl");
+        refused("init made.toml -o x.toml", 2, "expected a mesh");
+        CHECK_FALSE(fs::exists(folder.path / "x.toml"));
+        REQUIRE(run_app(folder, "init mm.stl -o mine.toml --overwrite").code == 0);
+        CHECK(slurp(folder.path / "mine.toml") != "precious");
+    }
+
+    TEST_CASE("bad input: a unit that cannot be right, and a wire thicker than its lumen, stop in check")
+    {
+        const ScratchFolder folder;
+        made_mesh(folder);
+        REQUIRE(run_app(folder, "init mm.stl -o s.toml").code == 0);
+        const AppResult metres = run_app(folder, "check s.toml --set vessel.units=m");
+        CHECK(metres.code == 2);
+        CHECK(has(metres.err, "units = \"mm\" would fit"));
+        const AppResult thick = run_app(folder, "check s.toml --set wire.radius_m=0.006");
+        CHECK(thick.code == 2);
+        CHECK(has(thick.err, "the wire's 6 mm"));
+        const AppResult none = run_app(folder, "check s.toml --set feed.inlet=7");
+        CHECK(none.code == 2);
+        CHECK(has(none.err, "2 ways in"));
+        // what is wrong is named by its meaning
+        const AppResult diameter = run_app(folder, "check s.toml --set wire.diameter_in=0.035");
+        CHECK(diameter.code == 2);
+        CHECK(has(diameter.err, "wire.radius_m"));
+        const AppResult speed = run_app(folder, "check s.toml --set feed.speed=0.02");
+        CHECK(has(speed.err, "feed.keys"));
+        const AppResult friction = run_app(folder, "check s.toml --set wire.friction=0.1");
+        CHECK(has(friction.err, "wire.mu_static"));
+    }
+
+    TEST_CASE("property: who closes the pipe has read enough")
+    {
+        const ScratchFolder folder;
+        made_mesh(folder);
+        // the reader is gone before anything is written
+        const std::string command = fmt::format("cd '{}' && {{ sleep 0.5; '{}' instruments; echo $? >code; }} 2>err | true",
+                                                folder.path.string(), SEL_APP);
+        CHECK(std::system(command.c_str()) == 0);
+        for (int k = 0; k < 200 && slurp(folder.path / "code").empty(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        CHECK(slurp(folder.path / "code") == "0\n");
+        CHECK(slurp(folder.path / "err").empty());
+    }
+}

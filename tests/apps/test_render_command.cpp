@@ -1,0 +1,96 @@
+// seldinger render on the command line: views, exports, and what is wrong with them, in one line each and nothing half written.
+#include "app_fixture.h"
+#include "support/skip.h"
+
+using namespace seldinger::test;
+
+namespace {
+
+struct RunFolder : ScratchFolder {
+    bool draws = false;
+    RunFolder()
+    {
+        write("s.toml", free_scene(0.02) + "[output]\nwire_every = 2\n");
+        REQUIRE(run_app(*this, "run s.toml -o run --quiet").code == 0);
+        const AppResult first = run_app(*this, "render run --size 64x48");
+        draws = first.code == 0;
+        if (!draws) skip(first.err);
+    }
+};
+
+void check_refused(const ScratchFolder& folder, const std::string& words, int code, const std::string& part,
+                   const std::string& prefix = "")
+{
+    CAPTURE(words);
+    const AppResult result = run_app(folder, words, prefix);
+    CHECK(result.code == code);
+    CHECK(result.error_lines() == 1);
+    CHECK_MESSAGE(result.err.find(part) != std::string::npos, result.err);
+}
+
+std::vector<std::string> names_in(const fs::path& dir)
+{
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(dir)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+}  // namespace
+
+TEST_SUITE("apps/render_command")
+{
+    TEST_CASE("property: every view and move draws, and each frame alone as in its series")
+    {
+        const RunFolder folder;
+        if (!folder.draws) return;
+        for (const char* how :
+             {"--view front", "--view side --camera orbit", "--view endoscopic", "--camera \"follow 30mm\" --background white",
+              "--view top --camera \"0s 0 0; 0.02s 90 20 2\" --no-legend", "--background transparent --force-max 20mN/mm"}) {
+            CAPTURE(how);
+            REQUIRE(run_app(folder, fmt::format("render run --size 160x120 --frames 3:6 -o a.png {}", how)).code == 0);
+            REQUIRE(run_app(folder, fmt::format("render run --size 160x120 --frames 5:5 -o b.png {}", how)).code == 0);
+            CHECK(slurp(folder.path / "a_000005.png") == slurp(folder.path / "b.png"));
+        }
+        REQUIRE(run_app(folder, "render run --gltf m.glb --usd m.usda").code == 0);
+        CHECK(slurp(folder.path / "m.glb").substr(0, 4) == "glTF");
+        CHECK(slurp(folder.path / "m.usda").find("20: [") != std::string::npos);  // the last frame's time, in milliseconds
+    }
+
+    TEST_CASE("regression: bad input is one line and leaves no file")
+    {
+        const RunFolder folder;
+        if (!folder.draws) return;
+        fs::create_directory(folder.path / "folder.dcm");
+        fs::create_directory(folder.path / "folder.png");
+        const std::vector<std::string> before = names_in(folder.path);
+        check_refused(folder, "render run --frames 3:99", 2, "0 <= A <= B <= 10, the run has 11 frames");
+        check_refused(folder, "render run --view sideways", 2, "--view");
+        check_refused(folder, "render run --view endoscopic --camera orbit", 2, "leave one of the two out");
+        check_refused(folder, "render run --camera spin", 2, "orbit [DEGREES]");
+        check_refused(folder, "render run --view fluoro --camera orbit", 2, "not of an X-ray");
+        check_refused(folder, "render run --force-max 20", 2, "no unit");
+        check_refused(folder, "render run --fps 10", 2, "--video");
+        check_refused(folder, "render run -o folder.png", 3, "is a folder");
+        check_refused(folder, "render run --gltf folder.dcm", 3, "is a folder");
+        check_refused(folder, "render run --gltf m.obj", 3, ".glb");
+        check_refused(folder, "render run --view fluoro --size 64x64 --dicom folder.dcm", 3, "is a folder");
+        check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.avi", 3, ".mp4");
+        check_refused(folder, "render run --frames 0:9 --size 64x48 --video f.mp4", 3, "apt-get install ffmpeg", "PATH=/nowhere");
+        check_refused(folder, "render run --size 64x48", 5, "OpenGL", "__EGL_VENDOR_LIBRARY_FILENAMES=/nowhere/none.json");
+        CHECK(names_in(folder.path) == before);
+    }
+
+    TEST_CASE("regression: a disk that is full in mid-film leaves no film, and one line")
+    {
+        const RunFolder folder;
+        if (!folder.draws) return;
+        if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0) return skip("no ffmpeg");
+        // files of half a kilobyte at most: the film's header alone is larger
+        check_refused(folder, "render run --frames 0:10 --size 320x240 --video f.mp4", 3, "is the disk full", "ulimit -f 1;");
+        CHECK_FALSE(fs::exists(folder.path / "f.mp4"));
+        CHECK_FALSE(fs::exists(folder.path / "f.mp4.part"));
+        REQUIRE(run_app(folder, "render run --frames 0:10 --size 320x240 --video f.mp4").code == 0);
+        CHECK(fs::file_size(folder.path / "f.mp4") > 512);
+    }
+}

@@ -1,0 +1,59 @@
+// Text from files on its way to a terminal.
+#include "core/error.h"
+#include "core/file_io.h"
+#include "core/printable.h"
+#include "support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+using namespace seldinger;
+
+namespace {
+
+std::string reason_of(const std::filesystem::path& path)
+{
+    try {
+        (void)read_file(path);
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::BadFile);
+        return error.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_SUITE("core/printable")
+{
+    TEST_CASE("property: what a terminal would obey is shown as a question mark, what can be read stays")
+    {
+        CHECK(printable("aorta 5 mm\n\"f\"") == "aorta 5 mm\n\"f\"");
+        CHECK(printable("\x1b[31mred\x07\r\b") == "?[31mred???");
+        CHECK(printable("a\tb") == "a b");
+        CHECK(printable("Gef\xc3\xa4\xc3\x9f \xe8\xa1\x80\xe7\xae\xa1") == "Gef\xc3\xa4\xc3\x9f \xe8\xa1\x80\xe7\xae\xa1");
+        CHECK(printable("\xc2\x9b"
+                        "31m") == "?31m");  // the one-character form of ESC [
+        CHECK(printable("a\xe2\x80\xae"
+                        "b") == "a?b");             // writing turned round
+        CHECK(printable("\xff\xc3") == "??");       // no UTF-8, and cut short
+        CHECK(printable("\xc0\x8a") == "??");       // a line's end, written too long
+        CHECK(printable("\xed\xa0\x80") == "???");  // half of a pair
+        CHECK(printable(std::string("a\0b", 3)) == "a?b");
+    }
+
+    TEST_CASE("property: every error is printable, whoever made it")
+    {
+        CHECK(std::string(Error(ExitCode::BadFile, "x\x1b]0;owned\x07.vtk").what()) == "x?]0;owned?.vtk");
+    }
+
+    TEST_CASE("property: pipes and devices are refused at once, with or without a writer")
+    {
+        const TemporaryFolder folder;
+        const auto pipe = folder.path() / "pipe.stl";
+        REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+        CHECK(reason_of(pipe).find("a pipe or a device") != std::string::npos);
+        CHECK(reason_of("/dev/zero").find("a pipe or a device") != std::string::npos);
+        CHECK(reason_of(folder.path()).find("directory") != std::string::npos);
+    }
+}

@@ -1,0 +1,66 @@
+// The folder of compiled kernels: cut-off files are taken out, whole ones stay.
+
+#include "core/file_io.h"
+#include "device/kernel_cache.h"
+#include "support/temporary_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <elf.h>
+#include <cstring>
+
+using namespace seldinger;
+
+namespace {
+
+/// A shared object of so many bytes as its header says.
+std::string object(std::size_t bytes)
+{
+    Elf64_Ehdr header{};
+    std::memcpy(header.e_ident, ELFMAG, SELFMAG);
+    header.e_ident[EI_CLASS] = ELFCLASS64;
+    header.e_shentsize = 64;
+    header.e_shnum = 2;
+    header.e_shoff = bytes - 128;
+    std::string file(bytes, '\0');
+    std::memcpy(file.data(), &header, sizeof header);
+    return file;
+}
+
+/// Bitcode of one block of so many words.
+std::string bitcode(std::uint32_t words)
+{
+    const std::uint32_t head[] = {0xdec04342u, 1u | 8u << 2 | 3u << 10, words};
+    std::string file(sizeof head + 4 * words, 'x');
+    std::memcpy(file.data(), head, sizeof head);
+    return file;
+}
+
+}  // namespace
+
+TEST_SUITE("device/kernel cache")
+{
+    TEST_CASE("property: of kernels cut anywhere none is left, and whole ones are")
+    {
+        const TemporaryFolder folder;
+        const auto dir = folder.path() / "AB/HASH/kernel";
+        std::filesystem::create_directories(dir);
+        write_file(dir / "whole.so", object(1000));
+        write_file(dir / "program.bc", bitcode(25));
+        CHECK(device::remove_cut_kernels(folder.path()) == 0);
+        for (const std::size_t size : {0, 1, 3, 40, 63, 64, 900, 999}) {
+            CAPTURE(size);
+            write_file(dir / "cut.so", object(1000).substr(0, size));
+            CHECK(device::remove_cut_kernels(folder.path()) == 1);
+        }
+        const std::string code = bitcode(25);
+        for (std::size_t size = 0; size < code.size(); ++size) {
+            if (size == 4) continue;  // the mark alone is a file of no block
+            CAPTURE(size);
+            write_file(dir / "cut.bc", code.substr(0, size));
+            CHECK(device::remove_cut_kernels(folder.path()) == 1);
+        }
+        CHECK(std::filesystem::exists(dir / "whole.so"));
+        CHECK(std::filesystem::exists(dir / "program.bc"));
+    }
+}

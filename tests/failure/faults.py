@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""Faults x commands: what is done to a run or a batch, and whether it goes on to the bits of one that was left alone.
+
+faults.py SELDINGER [--long] [--seed N]: prints the table; exit 1 where something was not survived. Survived: no end by a signal that
+was not sent, an error of one line, nothing half written left after the next run, and the same hash once resumed.
+"""
+import argparse, os, random, resource, shutil, signal, subprocess, sys, tempfile, time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SCENE = """[scene]
+name = "faults"
+duration_s = 0.4
+dt_s = 0.001
+record_every = 5
+[wire]
+length_m = 0.1
+radius_m = 0.0004445
+density = 7900.0
+bend_nm2 = 1.0e-5
+twist_nm2 = 8.0e-6
+stretch_n = 1.0e4
+nodes = 41
+[vessel]
+shape = "tube"
+radius_m = 0.005
+length_m = 0.1
+axis = [1.0, 0.0, 0.0]
+triangles = 2000
+[contact]
+detection = "capsule"
+[feed]
+point = [0.0, 0.0, -0.0035]
+direction = [1.0, 0.0, -0.2]
+keys = [ {t_s = 0.0, advance_m = 0.004, turn_rad = 0.0}, {t_s = 1.0, advance_m = 0.084, turn_rad = 1.0} ]
+[output]
+wire_every = 20
+contacts_every = 20
+"""
+SWEEP = '[vary]\n"contact.mu_sliding" = [0.05, 0.1, 0.15]\n'
+CODES = {0, 2, 3, 4, 5, 75, 130}
+
+
+class Bench:
+    def __init__(self, app, folder, rng):
+        self.app, self.folder, self.rng = app, folder, rng
+        (folder / "s.toml").write_text(SCENE)
+        (folder / "v.toml").write_text(SWEEP)
+        self.commands = {"run": ["run", "s.toml"], "batch": ["batch", "s.toml", "--vary", "v.toml"]}
+        self.truth, self.seconds = {}, {}
+        for name in self.commands:
+            for again in range(2):  # the first one builds kernels
+                start = time.monotonic()
+                done = self.call(name, "whole-" + name, "--overwrite")
+                self.seconds[name] = time.monotonic() - start
+            assert done.returncode == 0, done.stderr
+            self.truth[name] = self.result(name, "whole-" + name)
+
+    def words(self, name, dir, *more):
+        return [self.app, *self.commands[name], "-o", dir, "--quiet", *more]
+
+    def call(self, name, dir, *more, env=None, limit=None):
+        return subprocess.run(self.words(name, dir, *more), cwd=self.folder, env={**os.environ, **(env or {})}, preexec_fn=limit,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+
+    def result(self, name, dir):
+        import json
+        if name == "run":
+            return json.loads((self.folder / dir / "summary.json").read_text())["state_hash"]
+        return (self.folder / dir / "results.csv").read_text()
+
+    def clean(self, done):
+        return done.returncode in CODES and done.stderr.count("\n") <= 2
+
+    def goes_on(self, name, dir):
+        """Resumed, it ends with the bits of a run in one piece, and nothing half written is left."""
+        done = self.call(name, dir, "--resume")
+        left = list((self.folder / dir).glob("*.tmp"))
+        return done.returncode == 0 and not left and self.result(name, dir) == self.truth[name]
+
+    def fresh(self, label):
+        dir = "d-" + label
+        shutil.rmtree(self.folder / dir, ignore_errors=True)
+        return dir
+
+    def signalled(self, name, which):
+        dir = self.fresh(name)
+        child = subprocess.Popen(self.words(name, dir), cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        time.sleep(self.rng.uniform(0, 1.1 * self.seconds[name]))
+        child.send_signal(which)
+        try:
+            _, err = child.communicate(timeout=60)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            return False
+        ok = child.returncode in ({0, -9} if which == signal.SIGKILL else {0, 75 if which == signal.SIGTERM else 130, -which})
+        return ok and err.count("\n") <= 1 and self.goes_on(name, dir)
+
+    def full(self, name, n, shim):
+        dir = self.fresh(name)
+        done = self.call(name, dir, env={"LD_PRELOAD": str(shim), "FAULT_DIR": str(self.folder / dir), "FAULT_WRITE": str(n)})
+        return done, done.returncode in (0, 3) and self.clean(done) and self.goes_on(name, dir)
+
+    def limited(self, name, what, value):
+        dir = self.fresh(name)
+        done = self.call(name, dir, limit=lambda: resource.setrlimit(what, (value, value)))
+        return self.clean(done) and self.goes_on(name, dir)
+
+    def two(self, name):
+        dir = self.fresh(name)
+        pair = [subprocess.Popen(self.words(name, dir), cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                for _ in range(2)]
+        codes = sorted(one.wait(timeout=300) for one in pair)
+        for one in pair: one.stderr.close()
+        return codes[0] == 0 and codes[1] in (2, 3) and self.result(name, dir) == self.truth[name]
+
+    def no_cache(self, name):
+        (self.folder / "file").write_text("")
+        dir = self.fresh(name)
+        done = self.call(name, dir, env={"POCL_CACHE_DIR": str(self.folder / "file/cache")})
+        return done.returncode == 0 and self.result(name, dir) == self.truth[name]
+
+
+def main():
+    options = argparse.ArgumentParser()
+    options.add_argument("app")
+    options.add_argument("--long", action="store_true")
+    options.add_argument("--seed", type=int, default=1)
+    given = options.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="seldinger-faults-"))
+    table, bad = [], 0
+    try:
+        shim = folder / "fail_write.so"
+        compiler = shutil.which("cc") or shutil.which("gcc")
+        if not compiler:
+            print("no C compiler for the shim")
+            return 77
+        subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", shim, HERE.parent / "support/fail_write.c", "-ldl"], check=True)
+        bench = Bench(os.path.abspath(given.app), folder, random.Random(given.seed))
+        mega = 1 << 20
+        for name in bench.commands:
+            share = 1 if name == "run" else 3
+            kills, others = (500 // share, 100 // share) if given.long else (30 // share, 6 // share)
+            rows = [("kill -9 at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGKILL)] * kills),
+                    ("SIGTERM at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGTERM)] * others),
+                    ("SIGINT at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGINT)] * others),
+                    ("descriptors: 3 ... 64", [lambda n=n: bench.limited(name, resource.RLIMIT_NOFILE, n)
+                                               for n in (range(3, 65) if given.long else (4, 6, 8, 10, 14, 20))]),
+                    ("address space: 64 MB ... 4 GB", [lambda n=n: bench.limited(name, resource.RLIMIT_AS, n * mega)
+                                                      for n in ((64, 128, 192, 256, 384, 512, 768, 1024, 2048, 4096) if given.long
+                                                                else (128, 512, 2048))]),
+                    ("two at once in one folder", [lambda: bench.two(name)] * (20 if given.long else 2)),
+                    ("kernel cache not writable", [lambda: bench.no_cache(name)])]
+            for what, tries in rows:
+                survived = sum(bool(one()) for one in tries)
+                table.append((what, name, len(tries), survived))
+            tried = survived = 0
+            n, step = 1, 1 if given.long else 7
+            while True:  # until a run no longer notices
+                done, ok = bench.full(name, n, shim)
+                tried, survived, n = tried + 1, survived + ok, n + step
+                if done.returncode == 0: break
+            table.append(("disk full from the n-th write on, every n" + ("" if given.long else " of 7"), name, tried, survived))
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print("| fault | command | tried | survived |\n|---|---|---|---|")
+    for what, name, tried, survived in table:
+        print(f"| {what} | `{name}` | {tried} | {survived} |")
+        bad += tried != survived
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

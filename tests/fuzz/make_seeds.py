@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""Small files to begin fuzzing with, a folder for each target: make_seeds.py DIR. Every encoding that a reader knows, once."""
+import base64
+import math
+import pathlib
+import struct
+import sys
+import zlib
+
+
+def tube(sides=6, rings=4, radius=3.0, length=12.0):
+    points, faces = [], []
+    for i in range(rings):
+        for k in range(sides):
+            a = 2 * math.pi * k / sides
+            points.append((i * length / (rings - 1), round(radius * math.cos(a), 3), round(radius * math.sin(a), 3)))
+    for i in range(rings - 1):
+        for k in range(sides):
+            a, b = i * sides + k, i * sides + (k + 1) % sides
+            faces += [(a, b, a + sides), (b, b + sides, a + sides)]
+    return points, faces
+
+
+TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+
+
+def flat(rows):
+    return [value for row in rows for value in row]
+
+
+def obj(points, faces):
+    lines = ['v ' + ' '.join(map(str, p)) for p in points] + ['f ' + ' '.join(str(i + 1) for i in f) for f in faces]
+    return ('\n'.join(lines) + '\n').encode()
+
+
+def stl(points, faces):
+    records = b''.join(struct.pack('<12fH', 0, 0, 0, *flat(points[i] for i in f), 0) for f in faces)
+    return b' ' * 80 + struct.pack('<I', len(faces)) + records
+
+
+def stl_text(points, faces):
+    lines = ['solid s']
+    for f in faces:
+        lines += ['facet normal 0 0 0', 'outer loop'] + ['vertex %g %g %g' % points[i] for i in f] + ['endloop', 'endfacet']
+    return '\n'.join(lines + ['endsolid s', '']).encode()
+
+
+def ply(points, faces, form):
+    head = ['ply', f'format {form} 1.0', 'comment seed', f'element vertex {len(points)}', 'property float x',
+            'property double y', 'property float z', f'element face {len(faces)}', 'property uchar flag',
+            'property list uchar int vertex_indices', 'element edge 1', 'property list ushort short more', 'end_header', '']
+    text = '\n'.join(head).encode()
+    if form == 'ascii':
+        body = [' '.join(map(str, p)) for p in points] + [f'0 {len(f)} ' + ' '.join(map(str, f)) for f in faces] + ['2 1 2', '']
+        return text + '\n'.join(body).encode()
+    order = '<' if 'little' in form else '>'
+    for p in points:
+        text += struct.pack(order + 'fdf', *p)
+    for f in faces:
+        text += struct.pack(f'{order}BB{len(f)}i', 0, len(f), *f)
+    return text + struct.pack(order + 'Hhh', 2, 1, 2)
+
+
+def vtk(points, faces, binary, modern):
+    head = f'# vtk DataFile Version 4.2\nseed\n{"BINARY" if binary else "ASCII"}\nDATASET POLYDATA\nPOINTS {len(points)} float\n'
+
+    def numbers(form, values):
+        return struct.pack(f'>{len(values)}{form}', *values) + b'\n' if binary else ' '.join(map(str, values)).encode() + b'\n'
+    text = head.encode() + numbers('f', flat(points))
+    if modern:
+        offsets = list(range(0, 3 * len(faces) + 1, 3))
+        text += f'POLYGONS {len(offsets)} {3 * len(faces)}\nOFFSETS vtktypeint64\n'.encode() + numbers('q', offsets)
+        return text + b'CONNECTIVITY vtktypeint64\n' + numbers('q', flat(faces))
+    return text + f'POLYGONS {len(faces)} {4 * len(faces)}\n'.encode() + numbers('i', flat((3, *f) for f in faces))
+
+
+def block(raw, packed):
+    if not packed:
+        return struct.pack('<I', len(raw)), raw
+    data = zlib.compress(raw)
+    return struct.pack('<4I', 1, len(raw), len(raw), len(data)), data
+
+
+def vtp(points, faces, form, packed, lines=False):
+    """form: ascii, binary (base64 in place), raw or base64 (appended)"""
+    kind, cells = ('Lines', [range(len(points))]) if lines else ('Polys', faces)
+    offsets, end = [], 0
+    for c in cells:
+        end += len(c)
+        offsets.append(end)
+    arrays = [('Points', 'Float32', 'f', flat(points)), ('connectivity', 'Int32', 'i', flat(cells)), ('offsets', 'Int32', 'i', offsets)]
+    if lines:
+        arrays.append(('MaximumInscribedSphereRadius', 'Float32', 'f', [1.5] * len(points)))
+    tags, appended = [], b''
+    for name, type_, code, values in arrays:
+        tag = f'<DataArray type="{type_}" Name="{name}" NumberOfComponents="{3 if name == "Points" else 1}" format='
+        head, data = block(struct.pack(f'<{len(values)}{code}', *values), packed)
+        coded = base64.b64encode(head) + base64.b64encode(data)
+        if form == 'ascii':
+            tags.append(f'{tag}"ascii">{" ".join(map(str, values))}</DataArray>')
+        elif form == 'binary':
+            tags.append(f'{tag}"binary">{coded.decode()}</DataArray>')
+        else:
+            tags.append(f'{tag}"appended" offset="{len(appended)}"/>')
+            appended += head + data if form == 'raw' else coded
+    text = '<VTKFile type="PolyData" byte_order="LittleEndian"'
+    text += ' compressor="vtkZLibDataCompressor"' if packed else ''
+    text += f'><PolyData><Piece NumberOfPoints="{len(points)}" NumberOf{kind}="{len(cells)}">'
+    text += f'<Points>{tags[0]}</Points><{kind}>{tags[1]}{tags[2]}</{kind}>'
+    text += f'<PointData>{tags[3]}</PointData>' if lines else ''
+    text = (text + '</Piece></PolyData>').encode()
+    if form in ('raw', 'base64'):
+        text += f'<AppendedData encoding="{form}">_'.encode() + appended + b'</AppendedData>'
+    return text + b'</VTKFile>'
+
+
+def raw(points, faces):
+    data = bytes([len(points) - 3, 0]) + bytes(int(128 + 8 * c) % 256 for c in flat(points))
+    return data + bytes(flat(faces))
+
+
+def main():
+    seeds = {name: {} for name in ('stl', 'obj', 'ply', 'vtp', 'vtk', 'centreline', 'pipeline', 'pipeline_raw')}
+    for label, mesh in (('tetrahedron', TETRAHEDRON), ('tube', tube(5, 3))):
+        seeds['stl'][label] = stl(*mesh)
+        seeds['stl'][label + '_text'] = stl_text(*mesh)
+        seeds['obj'][label] = obj(*mesh)
+        for form in ('ascii', 'binary_little_endian', 'binary_big_endian'):
+            seeds['ply'][f'{label}_{form}'] = ply(*mesh, form)
+        for binary in (False, True):
+            for modern in (False, True):
+                seeds['vtk'][f'{label}_{binary}_{modern}'] = vtk(*mesh, binary, modern)
+        for form in ('ascii', 'binary', 'raw', 'base64'):
+            for packed in (False, True):
+                seeds['vtp'][f'{label}_{form}_{packed}'] = vtp(*mesh, form, packed)
+                seeds['centreline'][f'{label}_{form}_{packed}'] = vtp(*mesh, form, packed, lines=True)
+    seeds['obj']['rich'] = b'# rich\nv 0 0 0\nv 1 0 0\\\n\nv 1 1 0\nv 0 1 1e-3\nvn 0 0 1\nf -4//1 -3/1 -2/1/1 4\n'
+    seeds['pipeline_raw']['two'] = raw(TETRAHEDRON[0] + tube(5, 3)[0], TETRAHEDRON[1] + [tuple(i + 4 for i in f) for f in tube(5, 3)[1]])
+    for sides, rings in ((4, 3), (6, 4), (8, 6)):
+        mesh = tube(sides, rings)
+        seeds['pipeline'][f'tube{sides}'] = obj(*mesh)
+        seeds['pipeline'][f'torn{sides}'] = obj(mesh[0], mesh[1][:-3] + mesh[1][:2])
+        seeds['pipeline_raw'][f'tube{sides}'] = raw(*mesh)
+    for target, files in seeds.items():
+        folder = pathlib.Path(sys.argv[1]) / target
+        folder.mkdir(parents=True, exist_ok=True)
+        for label, data in files.items():
+            (folder / label).write_bytes(data)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,57 @@
+// Worlds of a batch that a limit may stop: the first runs are finished early, whatever a run takes.
+
+#include "apps/app_fixture.h"
+#include "study/batch.h"
+
+#include <numeric>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+TEST_SUITE("study/batch_ramp")
+{
+    TEST_CASE("property: worlds double from one run, in order and without a gap, up to the size that they have without a limit")
+    {
+        BatchSource source{free_scene(), "free.toml", {}, {}};
+        source.sweep = read_sweep_text("[vary]\n\"wire.bend_nm2\" = {min = 1e-5, max = 1e-4, n = 400}\n", "sweep.toml", 0);
+        const auto worlds = plan_worlds(source, 0, source.sweep.run_count(), true);
+        std::vector<std::size_t> all;
+        std::size_t size = 1;
+        for (std::size_t w = 0; w < worlds.size(); ++w) {
+            if (w + 1 < worlds.size()) CHECK(worlds[w].size() == size);
+            // what is finished before a world is begun is, but for the last size, as much as it holds less one
+            if (size < most_wires) CHECK(all.size() + 1 >= size);
+            all.insert(all.end(), worlds[w].begin(), worlds[w].end());
+            size = std::min(2 * size, most_wires);
+        }
+        std::vector<std::size_t> expected(400);
+        std::iota(expected.begin(), expected.end(), std::size_t{0});
+        CHECK(all == expected);
+        CHECK(plan_worlds(source).front().size() == most_wires);
+    }
+
+    TEST_CASE("property: a limit leaves finished runs, and the rest comes with --resume, to the bits of a batch without one")
+    {
+        const ScratchFolder folder;
+        folder.write("f.toml", free_scene(0.3));
+        folder.write("v.toml", "[vary]\n\"wire.bend_nm2\" = {min = 1e-5, max = 1e-4, n = 40}\n");
+        // limits that grow from less than a run takes: some call ends with runs done
+        REQUIRE(run_app(folder, "batch f.toml --vary v.toml -o whole --quiet").code == 0);
+        int calls = 0;
+        const auto done = [&] { return csv_rows(folder.path / "part" / "results.csv").size() - 1; };
+        for (double limit = 0.02; calls < 200; ++calls, limit *= 1.2) {
+            const AppResult part = run_app(folder, fmt::format("batch f.toml --vary v.toml -o part --quiet --resume --time-limit {}", limit));
+            CAPTURE(part.err);
+            REQUIRE((part.code == 75 || part.code == 0));
+            if (done() > 0) break;
+        }
+        CHECK(done() > 0);
+        REQUIRE(run_app(folder, "batch f.toml --vary v.toml -o part --quiet --resume").code == 0);
+        const auto hashes = [&](const char* dir) {
+            std::vector<std::string> list;
+            for (const auto& row : csv_rows(folder.path / dir / "results.csv")) list.push_back(row.front() + " " + row.back());
+            return list;
+        };
+        CHECK(hashes("part") == hashes("whole"));
+    }
+}
