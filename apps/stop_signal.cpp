@@ -47,9 +47,11 @@ sigset_t both_signals()
     ::_exit(listeners == 0 ? 128 + signal : static_cast<int>(code));
 }
 
+/// Not once a loop has heard: what it is doing then, up to the return from main, is the orderly end that was asked for.
 bool nobody_asks(Clock::time_point since)
 {
-    return listeners == 0 || deaf > 0 || device::building() > 0 || (!heard && Clock::now() - since > patience);
+    if (heard) return false;
+    return listeners == 0 || deaf > 0 || device::building() > 0 || Clock::now() - since > patience;
 }
 
 [[noreturn]] void wait_for_signals()

@@ -5,7 +5,7 @@
 // driver sets never run, and nothing has to be safe inside a handler. While a StopSignal lives, the first signal is a request. The
 // process ends at once at a second one; while a kernel is being built or a NoPolling lives (a vessel is repaired, a batch is
 // planned: seconds in which nobody looks, and in which nothing is being written); where no loop has looked for eight seconds (a
-// driver compiles as a kernel first runs); and where no StopSignal lives.
+// driver compiles as a kernel first runs); and where no StopSignal lives and none has answered.
 
 #include <csignal>
 

@@ -83,9 +83,10 @@ class Bench:
         shutil.rmtree(self.folder / dir, ignore_errors=True)
         return dir
 
-    def signalled(self, name, which):
+    def signalled(self, name, which, env=None):
         dir = self.fresh(name)
-        child = subprocess.Popen(self.words(name, dir), cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        child = subprocess.Popen(self.words(name, dir), cwd=self.folder, env={**os.environ, **(env or {})},
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         time.sleep(self.rng.uniform(0, 1.1 * self.seconds[name]))
         child.send_signal(which)
         try:
@@ -93,8 +94,10 @@ class Bench:
         except subprocess.TimeoutExpired:
             child.kill()
             return False
-        ok = child.returncode in ({0, -9} if which == signal.SIGKILL else {0, 75 if which == signal.SIGTERM else 130, -which})
-        return ok and err.count("\n") <= 1 and self.goes_on(name, dir)
+        ok = child.returncode in ({0, -9} if which == signal.SIGKILL else {0, 75 if which == signal.SIGTERM else 130, 128 + which, -which})
+        survived = ok and err.count("\n") <= 1 and self.goes_on(name, dir)
+        if not survived: print(f"{name}, {which.name}: exit {child.returncode}, stderr {err!r}", file=sys.stderr)
+        return survived
 
     def full(self, name, n, shim):
         dir = self.fresh(name)
@@ -138,12 +141,14 @@ def main():
         subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", shim, HERE.parent / "support/fail_write.c", "-ldl"], check=True)
         bench = Bench(os.path.abspath(given.app), folder, random.Random(given.seed))
         mega = 1 << 20
+        slow_end = {"LD_PRELOAD": str(shim), "FAULT_EXIT_MS": "60"}  # a driver that takes its time to close
         for name in bench.commands:
             share = 1 if name == "run" else 3
             kills, others = (500 // share, 100 // share) if given.long else (30 // share, 6 // share)
             rows = [("kill -9 at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGKILL)] * kills),
                     ("SIGTERM at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGTERM)] * others),
                     ("SIGINT at a random moment, resumed", [lambda: bench.signalled(name, signal.SIGINT)] * others),
+                    ("SIGTERM, and a process slow to end", [lambda: bench.signalled(name, signal.SIGTERM, slow_end)] * others),
                     ("descriptors: 3 ... 64", [lambda n=n: bench.limited(name, resource.RLIMIT_NOFILE, n)
                                                for n in (range(3, 65) if given.long else (4, 6, 8, 10, 14, 20))]),
                     ("address space: 64 MB ... 4 GB", [lambda n=n: bench.limited(name, resource.RLIMIT_AS, n * mega)

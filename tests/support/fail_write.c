@@ -1,4 +1,5 @@
 // Preloaded: from the FAULT_WRITE-th write, rename or fsync under FAULT_DIR on, each fails as on a full disk.
+// The process takes FAULT_EXIT_MS longer to end, as where a driver closes slowly.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -50,4 +51,10 @@ int rename(const char* from, const char* to)
     if (!real) *(void**)&real = dlsym(RTLD_NEXT, "rename");
     if (is_full(to)) return errno = ENOSPC, -1;
     return real(from, to);
+}
+
+__attribute__((destructor)) static void linger(void)
+{
+    const char* ms = getenv("FAULT_EXIT_MS");
+    if (ms) usleep(1000 * atoi(ms));
 }
