@@ -5,6 +5,7 @@
 #include "core/file_lock.h"
 #include "core/parallel.h"
 #include "core/sealed_file.h"
+#include "elapsed.h"
 #include "progress.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
@@ -12,7 +13,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -20,15 +20,12 @@ namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
 constexpr std::string_view magic = "SELBATC3";
 constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
 struct Totals {

@@ -94,7 +94,8 @@ FarmPlan plan_frames(const Options& options)
 #endif
 }
 
-FarmPlan make_plan(const Options& options)
+/// What the words alone can get wrong, before anything is looked for or written.
+void check_words(const Options& options)
 {
     if (options.source.empty())
         throw Error(ExitCode::BadScene,
@@ -102,13 +103,17 @@ FarmPlan make_plan(const Options& options)
     if (options.dir.empty()) throw Error(ExitCode::BadScene, "farm: give a folder that all machines share with -o DIR");
     if (options.submit && options.backend != "slurm")
         throw Error(ExitCode::BadScene, "--submit: to whom? give --backend slurm with it");
-    const bool sweep = !options.sweep.empty(), frames = !options.frames.empty();
+    const bool frames = !options.frames.empty();
     if (!frames && !options.render.empty())
         throw Error(ExitCode::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
-    if (sweep == frames)
+    if (frames == !options.sweep.empty())
         throw Error(ExitCode::BadScene,
                     "farm: give either --vary SWEEP.toml (runs of a scene) or --frames A:B (pictures of a run)");
-    if (!sweep) return plan_frames(options);
+}
+
+FarmPlan make_plan(const Options& options)
+{
+    if (!options.frames.empty()) return plan_frames(options);
     std::string scene_text, sweep_text;
     FarmPlan plan = plan_sweep(options, scene_text, sweep_text);
     make_folder(options.dir);
@@ -159,6 +164,7 @@ Json status_json(const FarmPlan& plan, const FarmReport& r)
 
 ExitCode farm(Options& options)
 {
+    check_words(options);
     if (options.submit) need_slurm();
     const FarmPlan plan = make_plan(options);
     options.dir = fs::absolute(options.dir).lexically_normal();

@@ -1,11 +1,12 @@
 // Starts worker processes, or writes and submits Slurm's array jobs.
 #include "farm_backend.h"
 
+#include "core/child_process.h"
 #include "core/file_io.h"
+#include "core/printable.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,8 +17,6 @@
 #include <sstream>
 #include <thread>
 
-extern char** environ;
-
 namespace seldinger::apps {
 namespace {
 
@@ -27,26 +26,12 @@ constexpr std::size_t default_array_size = 1001;  // Slurm's MaxArraySize unless
 
 fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
 
-pid_t start(const std::vector<std::string>& words)
+pid_t start_worker(const std::vector<std::string>& words)
 {
-    std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    // signals are off in this thread so that it can pass them on; not in what it starts
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    pid_t process = -1;
-    const int problem = posix_spawn(&process, words.front().c_str(), nullptr, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    if (problem != 0) throw Error(ExitCode::BadFile, words.front() + ": cannot be started as a worker");
+    const pid_t process = start_program(words);
+    if (process < 0) throw Error(ExitCode::BadFile, words.front() + ": cannot be started as a worker");
     return process;
 }
-
-int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
 struct Said {
     int code;
@@ -60,7 +45,7 @@ Said ask(const std::string& command)
     if (!pipe) return {127, {}};
     char part[4096];
     for (std::size_t got = 0; (got = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, got);
-    const int code = code_of(pclose(pipe));
+    const int code = exit_code(pclose(pipe));
     while (!text.empty() && text.back() == '\n') text.pop_back();
     return {code, text};
 }
@@ -139,7 +124,7 @@ ExitCode run_here(const fs::path& dir, const FarmPlan& plan, const LocalBackend&
     if (backend.threads > 0) words.insert(words.end(), {"--threads", std::to_string(backend.threads)});
     if (backend.device >= 0) words.insert(words.end(), {"--device", std::to_string(backend.device)});
     std::vector<pid_t> workers;
-    for (int k = 0; k < backend.jobs; ++k) workers.push_back(start(words));
+    for (int k = 0; k < backend.jobs; ++k) workers.push_back(start_worker(words));
     const bool shows = !backend.quiet && isatty(STDERR_FILENO);
     int worst = 0, asked = 0;
     while (!workers.empty()) {
@@ -150,7 +135,7 @@ ExitCode run_here(const fs::path& dir, const FarmPlan& plan, const LocalBackend&
         for (std::size_t k = workers.size(); k-- > 0;) {
             int status = 0;
             if (waitpid(workers[k], &status, WNOHANG) != workers[k]) continue;
-            worst = std::max(worst, code_of(status));
+            worst = std::max(worst, exit_code(status));
             workers.erase(workers.begin() + static_cast<std::ptrdiff_t>(k));
         }
         if (shows) {
@@ -196,10 +181,8 @@ std::string submit(const fs::path& dir, const std::vector<std::vector<std::strin
         const Said said = ask(shell_text(words));
         const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
         if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos) {
-            std::string line = said.text;
-            std::replace(line.begin(), line.end(), '\n', ' ');
-            throw Error(ExitCode::BadFile,
-                        fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch", shell_text(words), line));
+            throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch", shell_text(words),
+                                                       one_line(said.text)));
         }
         return job;
     };

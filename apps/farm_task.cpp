@@ -4,12 +4,13 @@
 #include "batch_loop.h"
 #include "core/file_io.h"
 #include "core/parallel.h"
+#include "core/printable.h"
+#include "elapsed.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
-#include <chrono>
 #include <fstream>
 #include <sstream>
 
@@ -17,9 +18,6 @@ namespace seldinger::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Since this process began, its loading included [s]; in steps of 10 ms.
 double process_age()
@@ -112,9 +110,7 @@ ExitCode work_on(TaskClaim& claim, const fs::path& dir, const FarmPlan& plan, st
         else claim.give_back();
         return work.code;
     } catch (const Error& error) {
-        std::string line = error.what();
-        for (char& c : line) c = c == '\n' ? ' ' : c;
-        log_event(dir, task, worker, {"failed", before + seconds_since(begun), 0, line});
+        log_event(dir, task, worker, {"failed", before + seconds_since(begun), 0, one_line(error.what())});
         claim.give_back();
         throw;
     }

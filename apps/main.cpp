@@ -23,8 +23,7 @@ constexpr std::size_t longest_line = 4000;
 /// One line, whatever an exception's text holds: names and texts in it are others'.
 int complain(std::string message, ExitCode code)
 {
-    message = printable(message, longest_line);  // an argument or another library's exception may quote a file, too
-    std::replace(message.begin(), message.end(), '\n', ' ');
+    message = one_line(printable(message, longest_line));  // an argument or another library's exception may quote a file, too
     while (!message.empty() && message.back() == ' ') message.pop_back();
     fmt::print(stderr, "seldinger: {}\n", message);
     return static_cast<int>(code);

@@ -3,6 +3,7 @@
 
 #include "core/file_io.h"
 #include "core/file_lock.h"
+#include "elapsed.h"
 #include "progress.h"
 #include "replay.h"
 #include "scene/key_frames.h"
@@ -10,18 +11,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 namespace seldinger::apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 bool is_finite(const WireReadings& r)
 {

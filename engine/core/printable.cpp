@@ -56,4 +56,11 @@ std::string printable(std::string_view text, std::size_t most)
     return shown;
 }
 
+std::string one_line(std::string text)
+{
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    return text;
+}
+
 }  // namespace seldinger

@@ -11,4 +11,7 @@ namespace seldinger {
 /// than `most` bytes ends in "...".
 [[nodiscard]] std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
+/// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.
+[[nodiscard]] std::string one_line(std::string text);
+
 }  // namespace seldinger

@@ -1,21 +1,18 @@
 // Starts ffmpeg, feeds it pixels and renames what it wrote.
 #include "io/film_write.h"
 
+#include "core/child_process.h"
 #include "core/error.h"
 
 #include <fmt/format.h>
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <string>
-
-extern char** environ;
 
 namespace seldinger {
 namespace {
@@ -62,40 +59,14 @@ std::string first_line(int& said)
     return all.substr(0, all.find('\n'));
 }
 
-/// @param input  its standard input, or -1: nothing. @param said  its standard error. @throws Error BadFile: there is no ffmpeg
-pid_t start(const std::filesystem::path& film, std::vector<std::string> words, int input, int said)
+/// @param input, said  its standard input and error. @throws Error BadFile: there is no ffmpeg
+pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said)
 {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-    else posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    if (said >= 0) posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
-    posix_spawnattr_t how;  // signals that this process keeps off its threads it hears as usual
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_init(&how);
-    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK);
-    posix_spawnattr_setsigmask(&how, &none);
-    pid_t process = -1;
-    const int problem = posix_spawnp(&process, "ffmpeg", &actions, &how, arguments.data(), environ);
-    posix_spawnattr_destroy(&how);
-    posix_spawn_file_actions_destroy(&actions);
-    if (problem != 0)
+    const pid_t process = start_program(words, input, said);
+    if (process < 0)
         throw Error(ExitCode::BadFile,
                     film.string() + ": a film needs ffmpeg, which is not installed (Debian: apt-get install ffmpeg)");
     return process;
-}
-
-/// @return its exit status
-int wait_for(pid_t process)
-{
-    int status = -1;
-    while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-    }
-    return status;
 }
 
 void put_in_place(const std::filesystem::path& partial, const std::filesystem::path& film)
@@ -133,7 +104,7 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height,
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": no pipe to ffmpeg could be opened");
     pipe_ = ends[1];
     try {
-        encoder_ = start(path, command_line(partial_, width, height, rate, pixels, container), ends[0], said_ = memory_file());
+        encoder_ = start_ffmpeg(path, command_line(partial_, width, height, rate, pixels, container), ends[0], said_ = memory_file());
     } catch (...) {
         close(ends[0]);
         close(pipe_);
@@ -157,7 +128,7 @@ int FilmWriter::wait_for_end()
     if (pipe_ >= 0) close(pipe_);
     pipe_ = -1;
     int status = -1;
-    if (encoder_ >= 0) status = wait_for(encoder_);
+    if (encoder_ >= 0) status = wait_for_program(encoder_);
     encoder_ = -1;
     return status;
 }
@@ -223,7 +194,7 @@ void write_film_of(const std::filesystem::path& pattern, std::size_t first, std:
                                       std::to_string(count)};
     for (std::string& word : output_words(partial, container)) words.push_back(std::move(word));
     int errors = memory_file();
-    const int status = wait_for(start(path, std::move(words), -1, errors));
+    const int status = wait_for_program(start_ffmpeg(path, words, no_descriptor, errors));
     const std::string said = first_line(errors);
     if (status != 0 || !said.empty()) {
         std::error_code ignored;

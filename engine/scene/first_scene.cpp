@@ -2,10 +2,12 @@
 #include "scene/first_scene.h"
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "io/mesh_file.h"
 #include "scene/instruments.h"
 #include "scene/scene_names.h"
 #include "scene/toml_table.h"
+#include "scene/toml_text.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -178,16 +180,6 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
 
 namespace {
 
-std::string quoted(const std::string& text)
-{
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;
-    }
-    return out + "\"";
-}
-
 std::string ways_in_comment(const FirstScene& first)
 {
     std::string text;
@@ -217,10 +209,10 @@ std::string first_scene_text(const FirstScene& first)
     std::string text = fmt::format("# {}: a first scene, as `seldinger init` proposes it. Every key: docs/scene-file.md.\n\n",
                                    one_line(first.mesh.filename().string()));
     text += fmt::format("[scene]\nname = {}\ngravity = [0.0, 0.0, -9.81]  # m/s^2: which way is down?\nduration_s = {:.2f}\ndt_s = 0.001\n\n",
-                        quoted(one_line(first.mesh.stem().string())), duration);
+                        toml_quoted(one_line(first.mesh.stem().string())), duration);
     text += fmt::format("[vessel]\nmesh = {}\nunits = \"{}\"  # {}\nwall = \"rigid\"  # \"elastic\": it yields (docs/wall.md)\n"
                         "youngs_pa = 1.0e6  # of the wall: how stiff its surface is\nthickness_m = 0.001\n\n",
-                        quoted(path), first.unit, first.unit_why);
+                        toml_quoted(path), first.unit, first.unit_why);
     text += fmt::format("# {}.\n# Another one: `seldinger instruments` lists them.\n[wire]\npreset = \"{}\"\nlength_m = {:.2f}\n"
                         "nodes = \"adaptive\"\n\n",
                         first.wire.why, first.wire.name, length);

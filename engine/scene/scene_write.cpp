@@ -1,5 +1,6 @@
 // A Scene as TOML. Doubles are printed as the shortest text that reads back to the same bits.
 #include "scene/scene_names.h"
+#include "scene/toml_text.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -20,17 +21,6 @@ std::string real(double v)
 
 std::string vec(const Vec3& v) { return fmt::format("[{}, {}, {}]", real(v.x()), real(v.y()), real(v.z())); }
 
-std::string quoted(std::string_view text)
-{
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\', out += c;
-        else if (static_cast<unsigned char>(c) < 32 || c == 127) out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
-        else out += c;
-    }
-    return out + '"';
-}
-
 /// Lines "key = value" of one table.
 class TableText {
 public:
@@ -46,7 +36,7 @@ public:
     TableText& num(std::string_view key, double v) { return raw(key, real(v)); }
     TableText& whole(std::string_view key, std::int64_t v) { return raw(key, fmt::format("{}", v)); }
     TableText& flag(std::string_view key, bool v) { return raw(key, v ? "true" : "false"); }
-    TableText& word(std::string_view key, std::string_view v) { return raw(key, quoted(v)); }
+    TableText& word(std::string_view key, std::string_view v) { return raw(key, toml_quoted(v)); }
     TableText& vector(std::string_view key, const Vec3& v) { return raw(key, vec(v)); }
     /// Where 0 stands for "chosen by the engine" there is nothing to write.
     TableText& num_unless_zero(std::string_view key, double v) { return v == 0 ? *this : num(key, v); }
@@ -95,7 +85,7 @@ void write_properties(TableText& t, const WireSection& s, bool inherits_material
 
 std::string place_text(const WirePlacement& p)
 {
-    std::string out = fmt::format("{{ shape = {}", quoted(word_of(place_words, p.shape)));
+    std::string out = fmt::format("{{ shape = {}", toml_quoted(word_of(place_words, p.shape)));
     if (p.shape != PlaceShape::Points && p.shape != PlaceShape::Centreline)
         out += fmt::format(", base = {}, direction = {}", vec(p.base), vec(p.direction));
     out += fmt::format(", normal = {}", vec(p.normal));
@@ -233,7 +223,7 @@ void write_instruments(std::string& out, const Scene& scene)
     TableText t(out, "[coaxial]");
     std::string names;
     for (const int k : scene.coaxial->order)
-        names += (names.empty() ? "" : ", ") + quoted(std::string_view(scene.instrument(k).label));
+        names += (names.empty() ? "" : ", ") + toml_quoted(std::string_view(scene.instrument(k).label));
     t.raw("order", "[" + names + "]").word("model", word_of(coaxial_words, scene.coaxial->model));
     t.num("mu_static", scene.coaxial->mu_static).num("mu_sliding", scene.coaxial->mu_sliding);
     t.num_unless_zero("stiffness", scene.coaxial->stiffness);

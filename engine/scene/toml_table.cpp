@@ -2,6 +2,7 @@
 #include "scene/toml_table.h"
 
 #include "core/error.h"
+#include "core/printable.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -132,13 +133,6 @@ double largest(std::string_view key)
     for (const std::string_view place : {"point", "at", "anchor", "isocentre", "inflow", "base", "tip"})
         if (key == place) return 1e4;
     return 1e18;
-}
-
-std::string one_line(std::string text)
-{
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-    return text;
 }
 
 int edit_distance(std::string_view a, std::string_view b)

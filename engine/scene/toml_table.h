@@ -32,9 +32,6 @@ inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio abo
 /// gravity 1e6 m/s^2, speeds any, anything else 1e18 in its unit. Beyond that nothing can be computed, and an index would overflow.
 [[nodiscard]] double largest(std::string_view key);
 
-/// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.
-[[nodiscard]] std::string one_line(std::string text);
-
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
 /// The word of `known` with the fewest edits from `word`.

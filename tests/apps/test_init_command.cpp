@@ -72,6 +72,18 @@ TEST_SUITE("apps/init_command")
         }
     }
 
+    TEST_CASE("property: a mesh in a folder of an odd name: the scene that is written reads it")
+    {
+        const ScratchFolder folder;
+        const fs::path odd = folder.path / "a \"b\"\n\tc\\d";
+        fs::create_directory(odd);
+        fs::rename(made_mesh(folder), odd / "mm.stl");
+        REQUIRE(run_app(folder, "init a*/mm.stl -o s.toml").code == 0);
+        const AppResult checked = run_app(folder, "check s.toml");
+        CAPTURE(checked.err);
+        CHECK(checked.code == 0);
+    }
+
     TEST_CASE("property: a narrow lumen gets a thinner wire, and one that is asked for is taken")
     {
         const ScratchFolder folder;

@@ -1,0 +1,64 @@
+#include "core/child_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+
+extern char** environ;
+
+namespace seldinger {
+namespace {
+
+/// POSIX's two lists of what happens between fork and exec.
+struct HowToStart {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t attributes;
+
+    HowToStart()
+    {
+        posix_spawn_file_actions_init(&files);
+        posix_spawnattr_init(&attributes);
+    }
+    ~HowToStart()
+    {
+        posix_spawn_file_actions_destroy(&files);
+        posix_spawnattr_destroy(&attributes);
+    }
+    HowToStart(const HowToStart&) = delete;
+    HowToStart& operator=(const HowToStart&) = delete;
+};
+
+}  // namespace
+
+pid_t start_program(const std::vector<std::string>& words, int input, int error)
+{
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    HowToStart how;
+    if (input >= 0) posix_spawn_file_actions_adddup2(&how.files, input, STDIN_FILENO);
+    else posix_spawn_file_actions_addopen(&how.files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (error >= 0) posix_spawn_file_actions_adddup2(&how.files, error, STDERR_FILENO);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setflags(&how.attributes, POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setsigmask(&how.attributes, &none);
+    pid_t process = -1;
+    return posix_spawnp(&process, arguments[0], &how.files, &how.attributes, arguments.data(), environ) == 0 ? process : -1;
+}
+
+int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+int wait_for_program(pid_t process)
+{
+    int status = 0;
+    while (waitpid(process, &status, 0) < 0)
+        if (errno != EINTR) return -1;
+    return exit_code(status);
+}
+
+}  // namespace seldinger

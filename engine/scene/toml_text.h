@@ -1,0 +1,12 @@
+#pragma once
+// Text as TOML writes it.
+
+#include <string>
+#include <string_view>
+
+namespace seldinger {
+
+/// A basic string of TOML with its quotes; what a basic string may not hold (quotes, backslashes, control characters) is escaped.
+[[nodiscard]] std::string toml_quoted(std::string_view text);
+
+}  // namespace seldinger
