@@ -181,8 +181,8 @@ std::string submit(const fs::path& dir, const std::vector<std::vector<std::strin
         const Said said = ask(shell_text(words));
         const std::string job = said.text.substr(0, said.text.find_first_of(";\n"));
         if (said.code != 0 || job.empty() || job.find_first_not_of("0123456789") != std::string::npos) {
-            throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch", shell_text(words),
-                                                       one_line(said.text)));
+            throw Error(ExitCode::BadFile, fmt::format("{}: Slurm refuses it ({}); change the job with --sbatch",
+                                                       shell_text(words), one_line(said.text)));
         }
         return job;
     };

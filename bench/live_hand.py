@@ -4,6 +4,7 @@
     bench/live_hand.py run  --app build/seldinger SCENE.toml [--seconds 10] [...]     latency, lateness and what was felt
     bench/live_hand.py map  --app build/seldinger SCENE.toml -o stability.csv        stable or not, over stiffness x delay
     bench/live_hand.py plot stability.csv -o stability.png
+    bench/live_hand.py wild --app build/seldinger SCENE.toml [--seconds 300] [--kill]   push, pull and turn at random, then replay it
 
 The hand is integrated in 20 parts of a millisecond, the force held for a period and `delay` periods old, as a device holds it. A cell of the map is
 unstable where, pressed against what the wire has met, the hand swings by more than the tremor alone makes it (0.2 mm). Colgate's line,
@@ -14,6 +15,7 @@ import csv
 import json
 import math
 import os
+import random
 import re
 import select
 import socket
@@ -39,7 +41,7 @@ class Session:
 
     def end(self):
         self.process.terminate()
-        self.process.communicate()
+        self.said = self.process.communicate()[1]
         with open(self.record + ".summary.json") as file:
             return json.load(file)
 
@@ -115,6 +117,47 @@ def run(options):
                                                        "scheduling", "packets", "coupling")}}, indent=2))
 
 
+def replay(app, scene, record, threads):
+    """@return exit code, state hash, steps and halved steps of the record run again on `threads` threads"""
+    folder = tempfile.mkdtemp(prefix="seldinger-replay-")
+    done = subprocess.run([app, "run", scene, "--replay", record, "-o", folder, "--overwrite", "--quiet", "--set", "scene.record_every=1000"],
+                          env={**os.environ, "POCL_MAX_PTHREAD_COUNT": str(threads)}, capture_output=True, text=True)
+    with open(os.path.join(folder, "summary.json")) as file:
+        summary = json.load(file)
+    return {"threads": threads, "exit": done.returncode, "said": done.stderr.strip(),
+            **{key: summary[key] for key in ("state_hash", "steps", "halved_steps", "outside_m", "energy") if key in summary}}
+
+
+def wild(options):
+    """Every half second another speed up to 0.3 m/s and another rate of turning up to 15 rad/s, each way; a hand that is held, not felt."""
+    session = Session(options.app, options.scene, options.live)
+    hand = Hand(session.port)
+    time.sleep(1)
+    chance = random.Random(options.seed)
+    begin, period, k, speed, rate = time.perf_counter(), hand.period, 0, 0.0, 0.0
+    while k * period < options.seconds and session.process.poll() is None:
+        if k % 500 == 0:
+            speed, rate = chance.uniform(-0.3, 0.3), chance.uniform(-15, 15)
+        hand.x = min(max(hand.x + speed * period, 0.0), options.reach)
+        hand.turn += rate * period
+        hand.sequence += 1
+        hand.receive()
+        try:
+            hand.socket.send(REQUEST.pack(0x484C4553, 1, 0, hand.sequence, k * period, hand.x, hand.turn, 0, 0))
+        except ConnectionRefusedError:
+            break
+        k += 1
+        time.sleep(max(0.0, begin + k * period - time.perf_counter()))
+    told = {"seconds": k * period, "flags": hand.answer[-1] if hand.answer else None}
+    if options.kill:
+        session.process.kill()
+        session.process.communicate()
+    else:
+        summary = session.end()
+        told.update({key: summary[key] for key in ("state_hash", "steps", "late_share", "coupling")}, said=session.said.strip())
+    print(json.dumps({"live": told, "replays": [replay(options.app, options.scene, session.record, threads) for threads in (1, 2)]}, indent=2))
+
+
 def swing(app, scene, stiffness, delay, options):
     """How far the hand swings in the last second of three, pressed with options.press against what it has met."""
     session = Session(app, scene, ["--coupling-stiffness", str(stiffness), *options.live])
@@ -170,7 +213,7 @@ def plot(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
-    for name in ("run", "map"):
+    for name in ("run", "map", "wild"):
         command = commands.add_parser(name)
         command.add_argument("scene")
         command.add_argument("--app", required=True)
@@ -185,11 +228,16 @@ def main():
     command.add_argument("--press", type=float, default=0.6, help="and how it presses on [N]")
     command.add_argument("--stiffnesses", type=float, nargs="+", default=[125, 250, 500, 1000, 2000, 4000, 8000, 16000])
     command.add_argument("--delays", type=int, nargs="+", default=[0, 2, 5, 10, 20])
+    command = commands.choices["wild"]
+    command.add_argument("--seconds", type=float, default=300)
+    command.add_argument("--reach", type=float, default=0.4, help="the farthest that the hand goes [m]")
+    command.add_argument("--seed", type=int, default=1)
+    command.add_argument("--kill", action="store_true", help="end the session by SIGKILL; the record is replayed all the same")
     command = commands.add_parser("plot")
     command.add_argument("table")
     command.add_argument("-o", dest="output", required=True)
     options = parser.parse_args()
-    {"run": run, "map": stability, "plot": plot}[options.command](options)
+    {"run": run, "map": stability, "plot": plot, "wild": wild}[options.command](options)
 
 
 if __name__ == "__main__":
