@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""What `merged` leaves out at a real clearance: a scene of catheter and wire run in both models, tip, hand forces and whip compared.
+
+    bench/coaxial_models.py --app build/seldinger [--scene assets/scenes/catheter-over-wire.toml] [-o table.csv]
+
+After the scene's own end the outer instrument's hub is turned once in --turn-s seconds. Whip: over that turn, the share of its way round
+that the tip has gone less the share that the hub has turned, largest less smallest, of 360 degrees; 0 where the tip follows the hub.
+"""
+import argparse, csv, json, math, pathlib, subprocess, sys, tempfile
+
+try:
+    import tomllib
+except ImportError:
+    sys.exit("coaxial_models: needs Python 3.11 (Debian 12's python3)")
+
+
+def trace(folder, name):
+    with open(folder / f"trace_{name}.csv") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def tip(row):
+    return [row[f"tip_{axis}_m"] for axis in "xyz"]
+
+
+def whip(rows, start, seconds):
+    """@return [deg], and the length of the tip's way [m]"""
+    turn = [row for row in rows if row["time_s"] >= start]
+    way = [0.0]
+    for before, after in zip(turn, turn[1:]):
+        way.append(way[-1] + math.dist(tip(before), tip(after)))
+    ahead = [360 * (gone / way[-1] - min((row["time_s"] - start) / seconds, 1)) for gone, row in zip(way, turn)]
+    return max(ahead) - min(ahead), way[-1]
+
+
+def main():
+    here = pathlib.Path(__file__).resolve().parent.parent
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--app", required=True)
+    parser.add_argument("--scene", type=pathlib.Path, default=here / "assets/scenes/catheter-over-wire.toml")
+    parser.add_argument("--turn-s", type=float, default=4)
+    parser.add_argument("-o", dest="table", type=pathlib.Path)
+    given = parser.parse_args()
+    text = given.scene.read_text()
+    scene = tomllib.loads(text)
+    names = scene["coaxial"]["order"]
+    start = scene["scene"]["duration_s"]
+    last = scene["instrument"][0]["feed"]["keys"][-1]
+    text = text.replace(f"duration_s = {start}", f"duration_s = {start + given.turn_s}", 1)
+    key = f"    {{t_s = {last['t_s']}, advance_m = {last['advance_m']}}},\n"
+    if text.count(key) != 1:
+        sys.exit(f"coaxial_models: {given.scene}: expected one line {key!r}, the outer instrument's last key")
+    text = text.replace(key, key + f"    {{t_s = {start + given.turn_s}, advance_m = {last['advance_m']}, turn_rad = {2 * math.pi}}},\n")
+    traces, summary = {}, {}
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        (scratch / "scene.toml").write_text(text)
+        for model in ("merged", "separate"):
+            done = subprocess.run([given.app, "run", scratch / "scene.toml", "--set", f"coaxial.model={model}", "-o", scratch / model, "--quiet"])
+            if done.returncode:
+                sys.exit(f"coaxial_models: {model} ended with {done.returncode}")
+            traces[model] = {name: trace(scratch / model, name) for name in names}
+            summary[model] = json.loads((scratch / model / "summary.json").read_text())
+    rows = []
+    for name in names:
+        pairs = list(zip(traces["merged"][name], traces["separate"][name]))
+        apart = [1e3 * math.dist(tip(a), tip(b)) for a, b in pairs]
+        row = {"instrument": name, "tip_apart_mean_mm": sum(apart) / len(apart), "tip_apart_max_mm": max(apart)}
+        for model in ("merged", "separate"):
+            forces = [r["hand_force_n"] for r in traces[model][name] if r["time_s"] < start]
+            row[f"hand_mean_{model}_mn"] = 1e3 * sum(abs(f) for f in forces) / len(forces)
+            row[f"hand_max_{model}_mn"] = 1e3 * max(abs(f) for f in forces)
+            row[f"whip_{model}_deg"], row[f"tip_way_{model}_m"] = whip(traces[model][name], start, given.turn_s)
+        rows.append({key: round(value, 4) if isinstance(value, float) else value for key, value in row.items()})
+    for row in rows:
+        print(json.dumps(row, indent=2))
+    print(json.dumps({model: {key: one[key] for key in ("steps", "halved_steps", "outside_max_m", "friction_loss_j", "energy_open_j")}
+                      for model, one in summary.items()}, indent=2))
+    if given.table:
+        with open(given.table, "w", newline="") as file:
+            table = csv.DictWriter(file, rows[0].keys())
+            table.writeheader()
+            table.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
