@@ -28,6 +28,7 @@ struct WallStation {
     Mat3 back = Mat3::Identity();  // (1 + G)^-1
     Vec3 at = Vec3::Zero();        // x0 [m]
     Vec3 start = Vec3::Zero();     // U at the start of the step [m]
+    Vec3 shift = Vec3::Zero();     // of y, see WallEnd [m]
     double distance = 0;           // of x0 from the wall where that has gone [m]
     int row = -1;                  // among those that touch, or may
 };
@@ -38,6 +39,13 @@ struct WallFoot {
     double node[3] = {1e30, 1e30, 1e30};  // where the node was [m]
     double u = 0, v = 0;
     std::int64_t triangle = -1;
+};
+
+/// Where a node of the accepted state was and where it was carried to by the foot of that step. From its new foot it is carried to
+/// x - U, which differs by terms of second order in the slope and the way that it has gone: little, but as much as an overlap may
+/// have where a wire is drawn fast along a dent. y goes on from where it was, and by `most_made_good` radii a step to x - U.
+struct WallEnd {
+    double x[3] = {1e30, 1e30, 1e30}, y[3] = {};  // [m]
 };
 
 /// Nodes of one system.

@@ -51,13 +51,18 @@ struct YieldingWall::System {
         const WallStation& station = stations[node];
         if (!station.near) return x;
         const Vec3 u = station.row >= 0 ? Vec3(Eigen::Map<const Vec3>(&trial().u[3 * station.row])) : station.start;
-        return station.at - station.start + station.back * ((x - station.at) - (u - station.start));
+        return station.at - station.start + station.shift + station.back * ((x - station.at) - (u - station.start));
     }
+    /// Sets the shifts of a wire's nodes, now at `rod`. @param first  of them among the system's
+    void keep_carried(int first, const RodView& rod);
+    /// The accepted state's nodes, to go on from.
+    void note_ends(int first, int count);
     /// dy/dx = -dy/dU = (1 + G)^-1
     [[nodiscard]] Mat3 back(int node) const { return stations[node].near ? stations[node].back : Mat3(Mat3::Identity()); }
 
     std::vector<int> wires;
     WallStations stations;
+    std::vector<WallEnd> ends;  // [nodes] of the accepted state
     int first_node;  // of the system in the concatenated arrays
     double least_radius = std::numeric_limits<double>::infinity();
     WallDynamics dynamics;
@@ -75,6 +80,8 @@ struct YieldingWall::System {
     std::vector<WallDynamics::Push> pushed;
 
 private:
+    [[nodiscard]] const WallEnd* end_of(int first, int count, int node, const Vec3& x) const;
+
     WallTrial trials_[2];
     int now_ = 0, base_ = -1;
 };

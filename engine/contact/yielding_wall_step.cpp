@@ -16,7 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double may_touch = 2.5;  // radii of the axis from the wall: nearer nodes, and those beside them, move the wall
+constexpr double most_made_good = 0.02;  // radii in a step: what a wire's contact takes without notice
+constexpr int most_renumbered = 8;       // places by which changes of nodes may have moved one
+constexpr double may_touch = 2.5;        // radii of the axis from the wall: nearer nodes, and those beside them, move the wall
 
 }  // namespace
 
@@ -48,6 +50,52 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 
 // ---- start of a step ----
 
+/// Of the node that was at x; births and merges have renumbered it. Null: there was none.
+const WallEnd* YieldingWall::System::end_of(int first, int count, int node, const Vec3& x) const
+{
+    const auto is = [&](int i) { return i >= 0 && i < count && Eigen::Map<const Vec3>(ends[first + i].x) == x; };
+    for (int k = 0; k <= most_renumbered; ++k)
+        for (const int i : {node - k, node + k})
+            if (is(i)) return &ends[first + i];
+    return nullptr;
+}
+
+void YieldingWall::System::keep_carried(int first, const RodView& rod)
+{
+    const int capacity = static_cast<int>(rod.x.size());
+    thread_local std::vector<const WallEnd*> end;
+    end.resize(static_cast<std::size_t>(rod.n));
+    for (int i = 0; i < rod.n; ++i) end[i] = end_of(first, capacity, i, rod.pos(i));
+    for (int i = 0; i < rod.n; ++i) {
+        WallStation& station = stations[first + i];
+        station.shift.setZero();
+        if (!station.near) continue;
+        const Vec3 x = rod.pos(i);
+        Vec3 before;
+        if (end[i]) {
+            before = Eigen::Map<const Vec3>(end[i]->y);
+        } else if (i > 0 && i + 1 < rod.n && end[i - 1] && end[i + 1]) {  // born between two, where y was linear
+            const Eigen::Map<const Vec3> xa(end[i - 1]->x), xb(end[i + 1]->x), ya(end[i - 1]->y), yb(end[i + 1]->y);
+            const double t = std::clamp((x - xa).dot(xb - xa) / (xb - xa).squaredNorm(), 0.0, 1.0);
+            before = x + (1 - t) * (ya - xa) + t * (yb - xb);
+        } else {
+            continue;
+        }
+        const Vec3 missing = x - station.start - before;
+        const double size = missing.norm(), most = most_made_good * rod.radius[std::min(i, rod.n - 2)];
+        if (size > most) station.shift = (most / size - 1) * missing;
+    }
+}
+
+void YieldingWall::System::note_ends(int first, int count)
+{
+    const WallTrial& now = trial();
+    for (int i = first; i < first + count; ++i) {
+        std::copy_n(&now.q[4 * static_cast<std::size_t>(i)], 3, ends[i].x);
+        std::copy_n(&now.y[3 * static_cast<std::size_t>(i)], 3, ends[i].y);
+    }
+}
+
 void YieldingWall::carry_back(RodArrays& rods, int wire)
 {
     System& system = of(wire);
@@ -66,11 +114,13 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     auto to = unmoved_.arrays(wire);
     for (std::size_t k = 0; k < from.size(); ++k) std::copy(from[k].begin(), from[k].end(), to[k].begin());
     const RodView rod = rods.view(wire), carried = unmoved_.view(wire);
-    system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));
     for (int i = 0; i < n; ++i) {
         system.stations.place(first + i, rod.pos(i), system.dynamics, rod.radius[std::min(i, n - 2)]);
+    }
+    system.keep_carried(first, rod);
+    for (int i = 0; i < n; ++i) {
         const WallStation& station = system.stations[first + i];
-        if (station.near) carried.set_pos(i, rod.pos(i) - station.start);
+        if (station.near) carried.set_pos(i, rod.pos(i) - station.start + station.shift);
         Eigen::Map<Vec3>(&system.y_start[3 * static_cast<std::size_t>(first + i)]) = carried.pos(i);
     }
     system.stations.forget(first + n, first + rods.capacity(wire));
@@ -207,6 +257,7 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
             system.dynamics.work += f.dot(end - station.start);
         }
         system.dynamics.end_step(system.pushed, farthest);
+        for (const int w : system.wires) system.note_ends(rods_.node_begin(w) - system.first_node, rods_.node_count(w));
     });
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -275,7 +326,10 @@ void YieldingWall::put_feet(std::vector<std::uint8_t>& bytes, int wire) const
 {
     System& system = of(wire);
     const int first = rods_.node_begin(wire) - system.first_node;
-    for (int i = first; i < first + rods_.node_count(wire); ++i) put_bytes(bytes, &system.stations.foot(i), 1);
+    for (int i = first; i < first + rods_.node_count(wire); ++i) {
+        put_bytes(bytes, &system.stations.foot(i), 1);
+        put_bytes(bytes, &system.ends[i], 1);
+    }
 }
 
 void YieldingWall::save(std::vector<std::uint8_t>& bytes)
@@ -296,7 +350,7 @@ void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end
 {
     System& system = of(wire);
     const int first = rods_.node_begin(wire) - system.first_node;
-    for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {};
+    for (int i = first; i < first + rods_.capacity(wire); ++i) system.stations.foot(i) = {}, system.ends[i] = {};
     for (int i = first; i < first + rods_.node_count(wire); ++i) {
         WallFoot& foot = system.stations.foot(i);
         take_bytes(bytes, end, &foot, 1);
@@ -304,6 +358,11 @@ void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end
             !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9) ||
             !std::all_of(std::begin(foot.node), std::end(foot.node), [](double x) { return std::isfinite(x); }))
             throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
+        WallEnd& end_state = system.ends[i];
+        take_bytes(bytes, end, &end_state, 1);
+        const auto finite = [](double x) { return std::isfinite(x); };
+        if (!std::ranges::all_of(end_state.x, finite) || !std::ranges::all_of(end_state.y, finite))
+            throw Error(ExitCode::BadFile, "the saved state holds a place that is no number");
     }
 }
 
