@@ -97,6 +97,7 @@ Reading read(const World& world)
 /// Readings in the same phase of every cycle; the ledger's as they have changed since the cycle before.
 class Phase {
 public:
+    explicit Phase(std::size_t cycles) { cycles_.reserve(cycles); }
     void add(const World& world)
     {
         const Reading total = read(world);
@@ -161,7 +162,7 @@ TEST_SUITE("failure/soak")
         World world(wire_in_bend());
         Control control;
         const long cycles = soak(20);
-        Phase in, out;  // in the middle of each way
+        Phase in(static_cast<std::size_t>(cycles)), out(static_cast<std::size_t>(cycles));  // in the middle of each way
         Held before;
         unsigned flags = 0;
         for (long k = 0; k < cycles * cycle; ++k) {
