@@ -11,19 +11,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace seldinger::apps {
 namespace {
 
 constexpr double checkpoint_seconds = 5;  // a power cut costs this much at most
-
-bool is_finite(const WireReadings& r)
-{
-    const double all = r.hand_force + r.hand_torque + r.normal + r.friction + r.kinetic + r.elastic + r.gravitational;
-    return std::isfinite(all) && r.base_force.allFinite();
-}
 
 /// What to change where energy came from nowhere.
 std::string energy_advice(const IntegratorSpec& integrator)
@@ -109,7 +102,6 @@ private:
         else {
             world_.read(output_);
             recorder_.settled(output_, report);
-            if (!is_finite(recorder_.readings())) return fail_non_finite();
         }
         return !report.failed();
     }
@@ -126,20 +118,9 @@ private:
             const double seconds = seconds_since(start);
             world_.read(output_, recorder_.wants());
             recorder_.stepped(output_, report, seconds);
-            if (!is_finite(recorder_.readings())) return fail_non_finite();
             if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
         }
         return !report.failed();
-    }
-
-    /// A run whose readings are empty is not one that is done.
-    bool fail_non_finite()
-    {
-        StepReport report;
-        report.flags = StepNonFinite;
-        failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps, world_.time(),
-                               advice(report, false, scene_.integrator, 0));
-        return false;
     }
 
     void save_now_and_then()

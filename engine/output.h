@@ -19,7 +19,7 @@ enum StepFlag : unsigned {
     StepWallFar =
         1u << 2,  // the wall has moved by more than a fifth of the lumen's radius: beyond what linear theory is good for
     StepWallPenetration = 1u << 3,  // a point of the axis is beyond the wall: contact.detection = "swept"
-    StepNonFinite = 1u << 4,        // a value is not finite; the state before the step was kept
+    StepNonFinite = 1u << 4,        // not finite: the state (that before the step was kept), or a reading of it
     StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s

@@ -47,6 +47,20 @@ void audit_outside(World::Impl& state, int wire)
     }
 }
 
+bool is_finite(const RodView& rod)
+{
+    for (int i = 0; i < rod.n; ++i)
+        if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i])) return false;
+    return true;
+}
+
+/// What is read off a state can overflow where the state does not: whoever steps a world is told, and not by a NaN in a table.
+bool is_finite(const WireResult& r)
+{
+    const double all = r.hand_force + r.hand_torque + r.contact.normal + r.contact.friction + r.kinetic + r.elastic + r.gravitational;
+    return std::isfinite(all) && r.base_force.allFinite();
+}
+
 }  // namespace
 
 void check_state(World::Impl& state, double dt, StepReport& report)
@@ -54,10 +68,7 @@ void check_state(World::Impl& state, double dt, StepReport& report)
     state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
     for (int w = 0; w < state.wire_count(); ++w) {
         if (state.retired[w]) continue;
-        const RodView rod = state.rods.view(w);
-        for (int i = 0; i < rod.n; ++i)
-            if (!std::isfinite(rod.x[i] + rod.y[i] + rod.z[i] + rod.vx[i] + rod.vy[i] + rod.vz[i]))
-                note(state, report, w, StepNonFinite);
+        if (!is_finite(state.rods.view(w)) || !is_finite(state.results[w])) note(state, report, w, StepNonFinite);
         if (needs_audit(state, w, dt)) audit_outside(state, w);
         if (state.yielding && state.yielding->move_share(state.system_of[w]) > 1)
             note(state, report, w, StepWallFar);

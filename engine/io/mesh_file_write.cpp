@@ -142,7 +142,7 @@ Centreline parse_centreline_vtp(const std::string& bytes, const std::string& nam
     const auto radius = data.point_data.find("MaximumInscribedSphereRadius");
     if (radius == data.point_data.end() || radius->second.values.size() != data.points.size())
         fail("has no point array MaximumInscribedSphereRadius with a value for each point");
-    if (data.lines.offsets.empty()) fail("holds no line");
+    if (data.lines.connectivity.empty()) fail("holds no line");  // lines of no points are none
 
     Centreline result;
     std::map<std::array<double, 3>, int> known;  // coordinates -> point of the tree

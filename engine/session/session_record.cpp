@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace seldinger {
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::string_view magic = "SELLIVE1";
 constexpr std::uint32_t longest_header = 1 << 16;
+constexpr double most_asked = 1e9;  // [m] or [rad], as of a scene's keys
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what)
 {
@@ -48,7 +50,7 @@ RecordHeader header_from(const std::string& text)
     return h;
 }
 
-/// Entries of one block. @return false where they do not fill it exactly
+/// Entries of one block. @return false where they do not fill it exactly, or ask for what cannot be
 bool take_entries(std::string_view block, SessionRecord& record)
 {
     const std::size_t hubs = static_cast<std::size_t>(2 * record.header.instruments);
@@ -63,6 +65,8 @@ bool take_entries(std::string_view block, SessionRecord& record)
             if (block.size() < size) return false;
             entry.hubs.resize(hubs);
             std::memcpy(entry.hubs.data(), block.data(), size);
+            const auto is_asked = [](double value) { return std::abs(value) <= most_asked; };  // false of NaN
+            if (!std::all_of(entry.hubs.begin(), entry.hubs.end(), is_asked)) return false;
         } else if (entry.kind == RecordEntry::Kind::End) {
             size = 16;
             if (block.size() < size) return false;

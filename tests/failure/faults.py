@@ -104,6 +104,22 @@ class Bench:
         done = self.call(name, dir, env={"LD_PRELOAD": str(shim), "FAULT_DIR": str(self.folder / dir), "FAULT_WRITE": str(n)})
         return done, done.returncode in (0, 3) and self.clean(done) and self.goes_on(name, dir)
 
+    def clock_jumps(self, name, shim, every):
+        """The wall clock alone goes an hour back and forth: nobody looks at it, the run ends. The steady one: a time limit may end it."""
+        dir = self.fresh(name)
+        wall = self.call(name, dir, env={"LD_PRELOAD": str(shim), "FAULT_JUMP_EVERY": str(every)})
+        ok = wall.returncode == 0 and self.clean(wall) and self.result(name, dir) == self.truth[name]
+        dir = self.fresh(name)
+        steady = self.call(name, dir, "--time-limit", "600", env={"LD_PRELOAD": str(shim), "FAULT_JUMP_EVERY": str(every), "FAULT_JUMP_ALL": "1"})
+        return ok and steady.returncode in (0, 75) and self.clean(steady) and self.goes_on(name, dir)
+
+    def loses_device(self, name, n, shim):
+        """Every command to the device fails from the n-th on: exit 5, unless the run was over before."""
+        dir = self.fresh(name)
+        done = self.call(name, dir, env={"LD_PRELOAD": str(shim), "FAULT_DEVICE": str(n)})
+        said = done.returncode == 0 or "CL_DEVICE_NOT_AVAILABLE" in done.stderr
+        return done.returncode in (0, 5) and said and self.clean(done) and self.goes_on(name, dir)
+
     def limited(self, name, what, value):
         dir = self.fresh(name)
         done = self.call(name, dir, limit=lambda: resource.setrlimit(what, (value, value)))
@@ -133,12 +149,14 @@ def main():
     folder = Path(tempfile.mkdtemp(prefix="seldinger-faults-"))
     table, bad = [], 0
     try:
-        shim = folder / "fail_write.so"
+        shims = {name: folder / f"{name}.so" for name in ("fail_write", "jump_clock", "lose_device")}
         compiler = shutil.which("cc") or shutil.which("gcc")
         if not compiler:
             print("no C compiler for the shim")
             return 77
-        subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", shim, HERE.parent / "support/fail_write.c", "-ldl"], check=True)
+        for name, shim in shims.items():
+            subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", shim, HERE.parent / f"support/{name}.c", "-ldl"], check=True)
+        shim = shims["fail_write"]
         bench = Bench(os.path.abspath(given.app), folder, random.Random(given.seed))
         mega = 1 << 20
         slow_end = {"LD_PRELOAD": str(shim), "FAULT_EXIT_MS": "60"}  # a driver that takes its time to close
@@ -155,6 +173,10 @@ def main():
                                                       for n in ((64, 128, 192, 256, 384, 512, 768, 1024, 2048, 4096) if given.long
                                                                 else (128, 512, 2048))]),
                     ("two at once in one folder", [lambda: bench.two(name)] * (20 if given.long else 2)),
+                    ("clocks that jump by an hour", [lambda n=n: bench.clock_jumps(name, shims["jump_clock"], n)
+                                                     for n in ((1, 2, 3, 5, 10, 20, 50, 100, 200, 500) if given.long else (3, 50))]),
+                    ("device gone from its n-th command on", [lambda n=n: bench.loses_device(name, n, shims["lose_device"])
+                                                              for n in (range(1, 20000, 199) if given.long else (1, 40, 400, 1500, 4000, 8000))]),
                     ("kernel cache not writable", [lambda: bench.no_cache(name)])]
             for what, tries in rows:
                 survived = sum(bool(one()) for one in tries)

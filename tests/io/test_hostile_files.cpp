@@ -222,6 +222,20 @@ TEST_SUITE("io/hostile_files")
         CHECK(refusal("# vtk DataFile Version 3.0\nx\n" + std::string(100000, 'a') + "\n", "x.vtk").size() < 300);
     }
 
+    TEST_CASE("regression: lines of no points are no centreline")
+    {
+        const std::string said = refusal([] {
+            (void)parse_centreline_vtp(
+                "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"1\"><Points><DataArray type=\"Float64\" "
+                "format=\"ascii\">0 0 0</DataArray></Points><Lines><DataArray type=\"Int32\" Name=\"connectivity\" "
+                "format=\"ascii\"></DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">0 0</DataArray></Lines>"
+                "<PointData><DataArray type=\"Float64\" Name=\"MaximumInscribedSphereRadius\" format=\"ascii\">1</DataArray>"
+                "</PointData></Piece></PolyData></VTKFile>",
+                "x.vtp", "mm");
+        });
+        CHECK(has(said, "holds no line"));
+    }
+
     TEST_CASE("property: a centreline's places and radii are bounded, too")
     {
         const auto line = [](const char* place, const char* radius) {

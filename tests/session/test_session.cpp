@@ -10,7 +10,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <random>
 #include <thread>
 
 using namespace seldinger;
@@ -178,6 +180,54 @@ TEST_SUITE("session/session")
         CHECK(read_record(path).steps() == 10);
         write_file(path, "no record");
         CHECK_THROWS_WITH_AS(read_record(path), doctest::Contains("is no record"), Error);
+    }
+
+    TEST_CASE("property: a record that asks for what is no number, or no length, is refused although its blocks are sealed")
+    {
+        const TemporaryFolder folder;
+        const auto path = folder.path() / "odd.record";
+        for (const double odd : {std::nan(""), HUGE_VAL, -1e300}) {
+            RecordWriter writer(path, {version(), "n", "d", 1, 2, 1e-3, 1});
+            std::vector<std::uint8_t> bytes;
+            const double hubs[] = {0.1, odd};
+            put_step(bytes, 0, hubs, 1);
+            writer.append(bytes);
+            CHECK_THROWS_WITH_AS(read_record(path), doctest::Contains("has a block that cannot be read"), Error);
+        }
+    }
+
+    TEST_CASE("property: a record with any byte of it altered and sealed anew is refused in one line, or holds what can be asked")
+    {
+        const TemporaryFolder folder;
+        const auto path = folder.path() / "mutant.record";
+        std::mt19937 random(3);
+        const char* given = std::getenv("SELDINGER_MUTANTS");
+        for (long k = 0, n = given ? std::atol(given) : 2000; k < n; ++k) {
+            CAPTURE(k);
+            std::filesystem::remove(path);  // what is no record is not written over
+            RecordWriter writer(path, {version(), "n", "d", 1, 2, 1e-3, static_cast<int>(1 + random() % 3)});
+            std::vector<std::uint8_t> bytes;
+            const double hubs[] = {0.1, 0.2, 0, 0, 0, 0};
+            for (int step = 0; step < 4; ++step) put_step(bytes, 0, hubs, 1 + static_cast<int>(random() % 3));
+            put_reset(bytes);
+            for (unsigned times = random() % 4; times > 0; --times) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+            if (random() % 8 == 0) bytes.resize(random() % bytes.size());
+            writer.append(bytes);  // sealed
+            if (random() % 2) {    // and a byte anywhere, its head too
+                std::string text = read_file(path);
+                text[random() % text.size()] = static_cast<char>(random());
+                write_file(path, text);
+            }
+            try {
+                const SessionRecord record = read_record(path);
+                CHECK(record.header.dt > 0);
+                for (const RecordEntry& entry : record.entries)
+                    for (const double asked : entry.hubs) CHECK(std::abs(asked) <= 1e9);
+            } catch (const Error& error) {
+                CHECK(error.code() == ExitCode::BadFile);
+                CHECK(std::string(error.what()).find('\n') == std::string::npos);
+            }
+        }
     }
 
     TEST_CASE("derivative: hand_stiffness is how the hand's force grows with what is fed within a step")

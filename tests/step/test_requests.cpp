@@ -127,6 +127,21 @@ TEST_SUITE("step/requests")
         CHECK(world.state_hash() != before);
     }
 
+    // a turn whose energy is just a number and whose force is none
+    TEST_CASE("property: a step whose readings are no numbers has failed, and the report of that instrument says so")
+    {
+        TestSetup setup = two_wires();
+        setup.systems = {1, 1};
+        World world{WorldSetup(setup)};
+        for (int k = 0; k < 3; ++k) REQUIRE_FALSE(step(world, Control().move_to(0, 0.02 + 1e-4 * k, 0), 1e-3).failed());
+        const StepReport report = step(world, Control().move_to(0, 0.0203, 1e154), 1e-3);
+        CHECK(report.failed());
+        CHECK(world.report(0).failed());
+        CHECK_FALSE(world.report(1).failed());
+        CHECK_FALSE(std::isfinite(world.readings(0).hand_force));
+        CHECK(std::isfinite(world.readings(0).elastic));
+    }
+
     TEST_CASE("property: a state of another world is refused and changes nothing")
     {
         FedWorld world(two_wires());
