@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "scene/scene.h"
+#include "scene/vessel_load.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -23,6 +24,7 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     if (vessel.triangles > 0) text += fmt::format("; vessel of {} triangles, {} openings", vessel.triangles, vessel.loops.size());
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
+    if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);

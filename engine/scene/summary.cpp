@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "scene/frames.h"
+#include "scene/vessel_load.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -176,7 +177,8 @@ Json instruments_of(const World& world, const Scene& scene, std::vector<std::str
     return list;
 }
 
-std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes& notes, const std::vector<std::string>& lost)
+std::vector<std::string> all_warnings(const World& world, const RunTally& tally, const SummaryNotes& notes,
+                                      const std::vector<std::string>& lost)
 {
     std::vector<std::string> list = notes.scene->warnings;
     list.insert(list.end(), notes.warnings.begin(), notes.warnings.end());
@@ -203,6 +205,8 @@ std::vector<std::string> all_warnings(const RunTally& tally, const SummaryNotes&
             share(tally.outside_steps) +
             fmt::format(" had a point of the wire's axis beyond the wall (through it, not out of an opening), {:.3g} mm at most",
                         1e3 * tally.outside_max));
+    if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
+        list.push_back(thick);
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
                        " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
@@ -317,7 +321,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     out["version"] = version();
     out["resumes"] = tally.resumes;
     lost.insert(lost.begin(), number.lost().begin(), number.lost().end());
-    out["warnings"] = all_warnings(tally, notes, lost);
+    out["warnings"] = all_warnings(world, tally, notes, lost);
     // names may hold bytes that are not UTF-8: replaced, never a crash
     return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -5,6 +5,8 @@
 #include "vessel/vessel_spec.h"
 #include "vessel/wall_mesh.h"
 
+#include <string>
+
 namespace seldinger {
 
 struct LoadedVessel {
@@ -15,5 +17,8 @@ struct LoadedVessel {
 
 /// @throws Error BadFile (missing, unreadable, empty, no usable triangle), BadScene (impossible sizes)
 [[nodiscard]] LoadedVessel load_vessel(const VesselSpec& spec);
+
+/// Where a wall that yields is thicker than half of the lumen in it, and is no thin shell. @return a sentence; empty: nowhere
+[[nodiscard]] std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline);
 
 }  // namespace seldinger

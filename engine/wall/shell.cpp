@@ -40,8 +40,10 @@ Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surfa
     check(spec);
     spreads_.assign(surface.control().vertices.size(), Eigen::Matrix3d::Zero());
     find_spreads();
-    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t)
+    for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t) {
         for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8);
+        add_membrane(points_.size() - per_triangle);
+    }
 }
 
 /// @param share  of the point in the area of the (u, v) triangle, which is 1/2
@@ -174,15 +176,14 @@ Strain Shell::strain(const ShellPoint& q, std::span<const double> displacement) 
 Eigen::Vector3d Shell::strains_of(std::size_t first, std::span<const double> displacement,
                                   std::span<Strain, per_triangle> at) const
 {
-    const ShellPoint *q = points_.data() + first, &last = q[per_triangle - 1];
+    const ShellPoint* q = points_.data() + first;
+    for (std::size_t k = 0; k < per_triangle; ++k) at[k] = strain(q[k], displacement);
+    const auto w = weights(*q);
+    const auto per_displacement = membrane(first);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double area = 0;
-    for (std::size_t k = 0; k < per_triangle; ++k) {
-        at[k] = strain(q[k], displacement);
-        sum += q[k].area * (turn_strain(q[k], last) * at[k].head<3>());
-        area += q[k].area;
-    }
-    return sum / area;
+    for (std::size_t k = 0; k < w.size(); ++k)
+        sum += per_displacement[k] * Eigen::Map<const Vec3>(displacement.data() + 3 * w[k].vertex);
+    return sum;
 }
 
 }  // namespace seldinger

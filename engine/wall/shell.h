@@ -23,8 +23,16 @@
 // too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore
 // mended: what Loop's weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes
 // nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant moments.
-// Bending is summed over the barycentres of a triangle's four parts, the membrane's part uses their mean strain: four by
-// themselves lock thin shells.
+// Bending is summed over the barycentres of a triangle's four parts.
+//
+// The membrane has one strain per triangle, or thin shells would lock: eps = a mean + (1 - a) tied. `mean` is that over the four
+// points; `tied` is the constant strain that stretches the three edges as they are stretched on average, t . eps . t = t . u_,s
+// [Lee04]. A mean is the better strain where there is one, but bending without strain leaves it some part that grows
+// with l^2/(R h): at l^2 = 2.5 R h it stiffened a hemisphere by 3 %, at 10 R h by half. Tied strains are as many as unknowns (three
+// per vertex) and leave such bending free; where the membrane is what is bent, in its plane, they are too stiff. So
+//   a = 1 / (1 + (bow / 2h)^2),  bow = l^2/R, eight times the sagitta of the edge that bows most
+// which ends in the mean as the mesh is refined, and on a plane [as Arnold97 take a share of the membrane that grows so]. Either
+// strain is exact for rigid motion and for constant strain, so is the sum.
 
 #include "wall/loop_surface.h"
 
@@ -112,6 +120,7 @@ private:
     void add_point(std::int32_t triangle, double u, double v, double share);
     void find_spreads();
     void mend(const ShellPoint& q);
+    void add_membrane(std::size_t first);
 
     [[nodiscard]] std::span<const Weight> weights(const ShellPoint& q) const
     {
@@ -119,12 +128,14 @@ private:
     }
     /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
     [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    /// Of a triangle's stencil, whose points begin with `first`.
+    [[nodiscard]] std::span<const Eigen::Matrix3d> membrane(std::size_t first) const;
     /// Strains at the four points of a triangle, of which `first` is the first.
-    /// @return their mean membrane strain, in the frame of the last one
+    /// @return the triangle's membrane strain, in the frame of the last one
     Eigen::Vector3d strains_of(std::size_t first, std::span<const double> displacement,
                                std::span<Eigen::Matrix<double, 6, 1>, 4> at) const;
     template <class Add>
-    void add_elastic(std::span<const ShellPoint> points, const Add& add) const;
+    void add_elastic(std::size_t first, const Add& add) const;
     template <class Add>
     void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
@@ -134,6 +145,9 @@ private:
     ShellSpec spec_;
     std::vector<ShellPoint> points_;  // [Q]
     std::vector<Weight> weights_;
+    /// [Q/4 stencils] membrane strain (11, 22, 2 12) of a triangle per displacement of a control vertex [1/m], in the frame of its
+    /// last point
+    std::vector<Eigen::Matrix3d> membrane_;
     /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are
     /// made
     std::vector<Eigen::Matrix3d> spreads_;

@@ -63,32 +63,30 @@ struct TriangleBlocks {
 
 }  // namespace
 
-/// int C H eps eps + D H rho rho over a triangle: bending point by point, the membrane of the mean strain.
+/// int C H eps eps + D H rho rho over a triangle: bending point by point, the membrane of the triangle's strain.
 template <class Add>
-void Shell::add_elastic(std::span<const ShellPoint> points, const Add& add) const
+void Shell::add_elastic(std::size_t first, const Add& add) const
 {
     const Eigen::Matrix3d h = law();
     const double d = std::pow(spec_.thickness, 3) / 12;
-    const std::size_t count = weights(points[0]).size();
+    const auto eps = membrane(first);
+    const std::size_t count = eps.size();
     std::vector<Strains> strains(count);
-    std::vector<Eigen::Matrix3d> stress(count), mean(count, Eigen::Matrix3d::Zero());
+    std::vector<Eigen::Matrix3d> stress(count);
     double area = 0;
-    for (const ShellPoint& q : points) {
+    for (const ShellPoint& q : std::span(points_).subspan(first, per_triangle)) {
         const auto w = weights(q);
-        const Eigen::Matrix3d turn = q.area * turn_strain(q, points.back());
         for (std::size_t k = 0; k < count; ++k) {
-            for (int axis = 0; axis < 3; ++axis)
-                strains[k].col(axis) =
-                    join(q, {w[k].n_1 * q.e1[axis], w[k].n_2 * q.e2[axis], w[k].n_2 * q.e1[axis] + w[k].n_1 * q.e2[axis]},
-                         q.normal[axis] * Eigen::Vector3d(w[k].n_11, w[k].n_22, 2 * w[k].n_12));
-            mean[k] += turn * strains[k].topRows<3>();
+            const Eigen::Matrix3d stretched = stretch(q, w[k].n_1, w[k].n_2);
+            const Eigen::Vector3d bent(w[k].n_11, w[k].n_22, 2 * w[k].n_12);
+            for (int axis = 0; axis < 3; ++axis) strains[k].col(axis) = join(q, stretched.col(axis), q.normal[axis] * bent);
             stress[k] = q.area * d * h * strains[k].bottomRows<3>();
         }
         area += q.area;
         add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(strains[i].bottomRows<3>().transpose() * stress[j]); });
     }
-    for (std::size_t k = 0; k < count; ++k) stress[k] = spec_.thickness / area * h * mean[k];
-    add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(mean[i].transpose() * stress[j]); });
+    for (std::size_t k = 0; k < count; ++k) stress[k] = spec_.thickness * area * h * eps[k];
+    add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(eps[i].transpose() * stress[j]); });
 }
 
 /// Geometric stiffness of the pre-stress, and the load that follows the wall, at one point.
@@ -127,7 +125,7 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
         const std::span<const ShellPoint> points(points_.data() + first, per_triangle);
         const auto w = weights(points[0]);
         const TriangleBlocks blocks(pattern, w);
-        add_elastic(points, [&](const auto& block) { blocks.add<3>(elastic, w.size(), block); });
+        add_elastic(first, [&](const auto& block) { blocks.add<3>(elastic, w.size(), block); });
         for (const ShellPoint& q : points) {
             const auto n = weights(q);
             blocks.add<1>(area, n.size(),

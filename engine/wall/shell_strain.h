@@ -23,6 +23,14 @@ inline Strain join(const ShellPoint& q, const Eigen::Vector3d& eps, const Eigen:
     return s;
 }
 
+/// Membrane strain under unit displacements of a control vertex whose weight has the derivatives n_1, n_2 in the point's frame.
+inline Eigen::Matrix3d stretch(const ShellPoint& q, double n_1, double n_2)
+{
+    Eigen::Matrix3d m;
+    m << n_1 * q.e1.transpose(), n_2 * q.e2.transpose(), (n_2 * q.e1 + n_1 * q.e2).transpose();
+    return m;
+}
+
 /// What turns tangential strain (11, 22, 2 12) of one point into the frame of another one beside it: by the angle between the
 /// frames once one tangent plane is laid on the other (projecting alone would shrink it).
 inline Eigen::Matrix3d turn_strain(const ShellPoint& from, const ShellPoint& to)

@@ -27,10 +27,10 @@ Shell::Energy Shell::energy(std::span<const double> displacement) const
     Energy e;
     std::array<Strain, per_triangle> at;
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
-        const Eigen::Vector3d mean = strains_of(first, displacement, at);
+        const Eigen::Vector3d stretch = strains_of(first, displacement, at);
         for (std::size_t k = 0; k < per_triangle; ++k) {
             const Eigen::Vector3d bent = at[k].tail<3>();
-            e.membrane += 0.5 * points_[first + k].area * c * mean.dot(h * mean);
+            e.membrane += 0.5 * points_[first + k].area * c * stretch.dot(h * stretch);
             e.bending += 0.5 * points_[first + k].area * d * bent.dot(h * bent);
         }
     }
@@ -48,12 +48,12 @@ ShellStress Shell::stress(std::span<const double> displacement) const
     std::vector<double> area(vertices, 0);
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
         std::array<Strain, per_triangle> at;
-        const Eigen::Vector3d mean = strains_of(first, displacement, at);
+        const Eigen::Vector3d stretch = strains_of(first, displacement, at);
         const ShellPoint& last = points_[first + per_triangle - 1];
         const auto& corners = surface_.control().triangles[static_cast<std::size_t>(last.triangle)];
         for (std::size_t k = 0; k < per_triangle; ++k) {
             const ShellPoint& q = points_[first + k];
-            const Eigen::Vector3d membrane = h * (turn_strain(last, q) * mean),
+            const Eigen::Vector3d membrane = h * (turn_strain(last, q) * stretch),
                                   bending = spec_.thickness / 2 * (h * at[k].tail<3>());
             out.membrane[first + k] = membrane, out.bending[first + k] = bending;
             const double inner = mises(membrane - bending), outer = mises(membrane + bending);

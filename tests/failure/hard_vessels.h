@@ -1,7 +1,9 @@
 #pragma once
 // Vessels that are hard on contact: a box channel, a stenosis, a bifurcation with its carina, two channels side by side.
 
+#include "vessel/extract_centreline.h"
 #include "vessel/mesh_fixtures.h"
+#include "vessel/repair.h"
 #include "vessel/swept_lumen.h"
 
 #include "support/world_fixture.h"
@@ -115,11 +117,70 @@ inline TestSetup fed_into_bend(double speed, double length = 0.1, int nodes = 41
     return setup;
 }
 
+/// F8: a wire at rest on a plane of `size`, gravity turned by `angle` against it. @param at  x of its middle [m]
+inline TestSetup on_a_slope(double size, int triangles, double at, double angle)
+{
+    VesselSpec plane;
+    plane.shape = VesselShape::Plane;
+    plane.size = size;
+    plane.triangles = triangles;
+    TestSetup setup;
+    setup.start_settled = true;
+    setup.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
+    add_vessel(setup, make_plane(plane), plane);
+    setup.wires = {placed_wire(steel_wire(0.05, 6), {at, 0, 0.4445e-3 - 4.6e-7})};
+    setup.wires[0].contact.samples_per_edge = 4;
+    return setup;
+}
+
+/// F15: pushed 70 mm into the bend, then three times 8 mm back and forth.
+struct PushPull {
+    static constexpr double speed = 0.05, inside = 0.07, stroke = 0.008, half = stroke / speed, dt = 1e-3;
+    TestSetup setup = fed_into_bend(0, 0.12, 49);
+    int before = static_cast<int>(std::lround(inside / speed / dt)), cycle = static_cast<int>(std::lround(2 * half / dt));
+
+    PushPull()
+    {
+        std::vector<FeedKey>& keys = setup.wires[0].feed.keys;
+        keys = {{0, 0, 0}, {inside / speed, inside, 0}};
+        for (int k = 1; k <= 6; ++k) keys.push_back({inside / speed + k * half, inside - (k % 2 ? stroke : 0), 0});
+    }
+};
+
+/// F16: the base of a wire soft in torsion, on a tube's floor, is turned by 4 rad a step for 60 steps of a sixtieth of a second.
+struct Spun {
+    static constexpr double dt = 1.0 / 60, turn = 240;  // [s], [rad]
+    TestSetup setup;
+
+    Spun()
+    {
+        add_tube(setup, tube(0.003, 0.2, 4000));
+        TestWire wire = placed_wire(steel_wire(0.1, 21), {0.005, 0, -0.003 + 0.4445e-3});
+        wire.wire.shaft.twist_stiffness = 1e-8;
+        HoldSpec base;
+        base.position = base.direction = base.spin = true;
+        base.turn = {{0, 0}, {60 * dt, turn}};
+        wire.holds = {base};
+        setup.wires = {wire};
+    }
+};
+
 inline void use_mesh(TestSetup& setup, WallMesh mesh)
 {
     setup.vessel.shape = VesselShape::Mesh;
     setup.mesh = std::move(mesh);
     setup.centreline = {};
+}
+
+/// A wall of 0.8 mm in tissue; a mesh that comes without a centreline is given one.
+inline void make_elastic(TestSetup& setup, double youngs)
+{
+    setup.vessel.elastic = true;
+    setup.vessel.youngs = youngs;
+    setup.vessel.thickness = 8e-4;
+    if (setup.vessel.shape == VesselShape::Plane || !setup.centreline.points.empty()) return;
+    const RepairReport found = repair(setup.mesh);
+    setup.centreline = extract_centreline(setup.mesh, found.loops, LumenQuery(setup.mesh, found.loops));
 }
 
 }  // namespace seldinger::test

@@ -4,8 +4,6 @@
 
 #include "failure/hard_vessels.h"
 #include "failure/watched_run.h"
-#include "vessel/extract_centreline.h"
-#include "vessel/repair.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -25,18 +23,9 @@ struct Row {
     double dt;  // [s]
     int steps;
     bool thrown = false;    // its force alternates because its base does
+    bool spun = false;      // Spun: its work is the turning hand's
     double base_speed = 0;  // of a hold along the wire that moves for as long as the run [m/s]: its work is the hand's
 };
-
-void make_elastic(TestSetup& setup, double youngs)
-{
-    setup.vessel.elastic = true;
-    setup.vessel.youngs = youngs;
-    setup.vessel.thickness = 8e-4;
-    if (!setup.centreline.points.empty()) return;
-    const RepairReport found = repair(setup.mesh);
-    setup.centreline = extract_centreline(setup.mesh, found.loops, LumenQuery(setup.mesh, found.loops));
-}
 
 HoldSpec clamped_base()
 {
@@ -135,6 +124,26 @@ TestSetup thrown_base(double dt)
     return setup;
 }
 
+/// Laid down without speed, as deep as nothing: contact begins at no speed.
+TestSetup laid_down()
+{
+    TestSetup setup;
+    add_tube(setup, tube(0.003, 0.1, 6000));
+    setup.wires = {placed_wire(steel_wire(0.06, 25), {0.02, 0, -0.003 + radius + 1e-7})};
+    return setup;
+}
+
+/// The bend and the wire that is fed into it, `away` from the origin along each axis.
+TestSetup bend_away(double away)
+{
+    TestSetup setup = fed_into_bend(0.1);
+    const Vec3 shift(away, -away, away);
+    for (Vec3& v : setup.mesh.vertices) v += shift;
+    for (Vec3& v : setup.centreline.points) v += shift;
+    setup.wires[0].feed.point += shift;
+    return setup;
+}
+
 /// 60 mm into the bend, at most 0.17 mm in a step.
 Row fed_at(double speed, const char* name)
 {
@@ -156,9 +165,18 @@ std::vector<Row> all_rows()
                     fed_in(box_channel(0.1, -0.004, 0.004, -0.004, 0.004, 1), 0.08, 33, {0.002, 0, 0}, {1, 0.1, -0.2}, 0.1), 2e-3,
                     350});
     rows.push_back({"F5 bend tighter than the nodes", tight_bend(), 2e-3, 500});
-    rows.push_back({"F10 helix", pushed_helix(), 1e-3, 500, false, 0.02});
+    rows.push_back({"F7 laid down", laid_down(), 1e-3, 500});
+    TestSetup slope = on_a_slope(0.2, 2000, 0, std::atan(0.1));
+    slope.start_settled = false;  // it sinks in and stays
+    rows.push_back({"F8 ten minutes on a slope", slope, 0.25, 2400});
+    rows.push_back({"F10 helix", pushed_helix(), 1e-3, 500, false, false, 0.02});
     rows.push_back({"F11 soft tip", soft_tip(), 1e-3, 1600});
     rows.push_back({"F12 narrow neck", narrow_neck(), 1e-3, 1000});
+    rows.push_back({"F14 bend, 1 m away", bend_away(1), 2e-3, 400});
+    rows.push_back({"F14 bend, 10 m away", bend_away(10), 2e-3, 400});
+    const PushPull push_pull;
+    rows.push_back({"F15 push, pull", push_pull.setup, PushPull::dt, push_pull.before + 3 * push_pull.cycle});
+    rows.push_back({"F16 spin", Spun().setup, Spun::dt, 150, false, true});
     rows.push_back({"F16 fold", folded(), 1e-3, 300});
     rows.push_back({"F17 thrown base, 1 ms", thrown_base(1e-3), 1e-3, 200, true});
     rows.push_back({"F17 thrown base, 16.7 ms", thrown_base(1.0 / 60), 1.0 / 60, 200, true});
@@ -179,6 +197,7 @@ void count_work(WatchedRun& run, const Row& row)
             force = now, height = z;
             return work;
         };
+    else if (row.spun) count_turning(run, Spun::turn / 60, 60);
     else if (row.base_speed > 0)
         run.work = [force = 0.0, step = row.base_speed * row.dt](FedWorld& world) mutable {
             const double now = world.readings(0).hand_force, work = 0.5 * (force + now) * step;

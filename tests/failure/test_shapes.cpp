@@ -116,26 +116,10 @@ TEST_SUITE("failure/shapes")
 
     TEST_CASE("analytic: F16: 4 rad a step at the base of a wire soft in torsion arrive at its tip turn by turn")
     {
-        TestSetup setup;
-        add_tube(setup, tube(0.003, 0.2, 4000));
-        TestWire wire = placed_wire(steel_wire(0.1, 21), {0.005, 0, -0.003 + radius});
-        wire.wire.shaft.twist_stiffness = 1e-8;
-        HoldSpec base;
-        base.position = base.direction = base.spin = true;
-        const double dt = 1.0 / 60;
-        base.turn = {{0, 0}, {60 * dt, 240}};
-        wire.holds = {base};
-        setup.wires = {wire};
+        const Spun spun;
         for (const Method& method : {published, standard}) {
-            WatchedRun run(setup, method, dt);
-            double torque = 0, turned = 0;
-            run.work = [&](FedWorld& world) {
-                const double now = world.readings(0).hand_torque, angle = 4.0 * std::min<long>(world.step_count(), 60),
-                             work = 0.5 * (torque + now) * (angle - turned);  // as RunWatch
-                torque = now;
-                turned = angle;
-                return work;
-            };
+            WatchedRun run(spun.setup, method, Spun::dt);
+            count_turning(run, Spun::turn / 60, 60);
             run.run(150);
             const Outcomes o = run.outcomes();
             const ConstRodView rod = run.world.rod(0);

@@ -189,4 +189,14 @@ std::string tell(const Outcomes& o)
                               o.normal, o.friction, o.contacts, o.halved);
 }
 
+void count_turning(WatchedRun& run, double angle, long steps)
+{
+    run.work = [=, torque = 0.0, turned = 0.0](FedWorld& world) mutable {
+        const double now = world.readings(0).hand_torque, to = angle * static_cast<double>(std::min(world.step_count(), steps)),
+                     work = 0.5 * (torque + now) * (to - turned);
+        torque = now, turned = to;
+        return work;
+    };
+}
+
 }  // namespace seldinger::test

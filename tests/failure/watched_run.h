@@ -88,6 +88,10 @@ private:
 /// Runs, a linearised method until it jams, and says what came of it, for docs/failures.md. @param row  of design section 5, "F1"
 [[nodiscard]] Outcomes watch_row(const char* row, const TestSetup& setup, const Method& method, double dt, int steps);
 
+/// Makes the run count the work of a base that is turned, `angle` rad in each of the first `steps` steps, by the trapezoid as
+/// RunWatch does.
+void count_turning(WatchedRun& run, double angle, long steps);
+
 /// Wall whose bed is `factor` times as stiff as the nominal 1 MPa one.
 inline void stiffen_wall(TestSetup& setup, double factor) { setup.vessel.youngs *= factor; }
 

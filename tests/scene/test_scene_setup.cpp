@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"
+#include "scene/vessel_load.h"
 #include "vessel/inside.h"
 #include "vessel/shapes.h"
 
@@ -154,5 +155,18 @@ TEST_SUITE("scene/scene_setup")
                   .find("1 mm beyond the wall") != std::string::npos);
         // beside and below the plane's edge there is no wall
         CHECK(placed(plane, "{ shape = \"straight\", base = [0.2, 0.0, -0.01], direction = [1.0, 0.0, 0.0] }").empty());
+    }
+
+    TEST_CASE("property: a lumen that is narrower than its yielding wall is thick is told of, with place and sizes")
+    {
+        VesselSpec vessel;
+        vessel.thickness = 8e-4;
+        const Centreline axis{{{0, 0, 0}, {0.03, 0, 0}, {0.06, 0, 0}}, {0.003, 0.0003, 0.003}, {-1, 0, 1}};
+        CHECK(describe_thick_wall(vessel, axis).empty());  // rigid
+        vessel.elastic = true;
+        CHECK(describe_thick_wall(vessel, {}).empty());
+        CHECK(describe_thick_wall(vessel, axis).find("0.3 mm near [0.03, 0, 0] m, in a wall of 0.8 mm") != std::string::npos);
+        vessel.thickness = 2e-4;
+        CHECK(describe_thick_wall(vessel, axis).empty());
     }
 }

@@ -1,9 +1,11 @@
 // The shell obstacle course [Belytschko et al. 1985; MacNeal & Harder 1985], against converged series of the Koiter-Sanders shell
-// (the shared reference case 14b_shell_obstacles). Elements are counted per quarter side. Within 2 % at 16 of them, unless a line
-// says otherwise; what was measured stands beside each.
+// (the shared reference case 14b_shell_obstacles). Elements are counted per quarter side. Within 2 % at 16 of them on regular
+// meshes; on those of which three quarters of the vertices are irregular, and not relaxed, within what a line says. What was
+// measured stands beside each.
 #include "wall_problem.h"
 
 #include <doctest/doctest.h>
+#include <Eigen/Eigenvalues>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -88,6 +90,20 @@ double plate(int n, double flips, bool uniform)
     return wall.displacement(wall.solve(), {0, 0, 0}).z() / (uniform ? 0.0044360891054571585 : 0.012668115780396387);
 }
 
+/// K w = lambda A w of a sphere of radius 1 and E 1. @return [3V] lambda, from the least
+Eigen::VectorXd sphere_modes(double thickness, double flips, double poisson)
+{
+    WallMesh mesh = ball(1, 2);
+    flip_edges(mesh, flips, 3);
+    const WallProblem wall(mesh, elastic(1, poisson, thickness));
+    const auto vertices = Eigen::Index(mesh.vertices.size());
+    const Eigen::MatrixXd area(wall.matrices.area), stiffness(wall.matrices.elastic);
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(3 * vertices, 3 * vertices);
+    for (Eigen::Index i = 0; i < vertices; ++i)
+        for (Eigen::Index j = 0; j < vertices; ++j) mass.block<3, 3>(3 * i, 3 * j) = area(i, j) * Eigen::Matrix3d::Identity();
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 double order(double coarse, double fine) { return std::log2(std::abs(coarse - 1) / std::abs(fine - 1)); }
 
 }  // namespace
@@ -108,28 +124,48 @@ TEST_SUITE("wall/shell_obstacles")
         }
     }
 
-    TEST_CASE("analytic: Scordelis-Lo roof")  // 1.010, 1.005, 1.001 at 8, 16, 32
+    TEST_CASE("analytic: Scordelis-Lo roof")  // 1.0056, 1.0045, 1.0014 at 8, 16, 32; irregular 0.971, 1.000, 1.001
     {
         const double coarse = scordelis_lo(8, 0), fine = scordelis_lo(16, 0);
         CHECK(coarse == doctest::Approx(1).epsilon(0.02));
         CHECK(fine == doctest::Approx(1).epsilon(0.01));
         CHECK(scordelis_lo(16, 0.3) == doctest::Approx(1).epsilon(0.02));
-        CHECK(order(coarse, fine) > 0.9);
     }
 
-    TEST_CASE("analytic: pinched cylinder")  // 0.798, 0.992 at 8, 16; irregular 0.701, 0.928
+    TEST_CASE("analytic: pinched cylinder")  // 0.935, 0.996, 1.002 at 8, 16, 32; irregular 0.865, 0.935, 1.001
     {
         const double coarse = pinched_cylinder(8, 0), fine = pinched_cylinder(16, 0);
+        CHECK(coarse == doctest::Approx(1).epsilon(0.1));
         CHECK(fine == doctest::Approx(1).epsilon(0.02));
         CHECK(order(coarse, fine) > 2);
-        // a mesh of which three quarters of the vertices are irregular, and not relaxed
         CHECK(pinched_cylinder(16, 0.3) == doctest::Approx(1).epsilon(0.1));
     }
 
-    TEST_CASE("analytic: hemisphere with a hole")  // R/h = 250: 0.687, 0.973, 0.997 at 8, 16, 32
+    // R/h = 250, l^2/(R h) = 10 and 2.5. What is left is the rim's boundary layer, sqrt(R h) = 0.63 wide, of edges of 1: mean
+    // strains alone, which lock, gave 0.687, 0.973, 0.998 and on irregular meshes 0.335, 0.834, 0.984
+    TEST_CASE("analytic: hemisphere with a hole")  // 0.979, 0.982, 0.998 at 8, 16, 32; irregular 0.950, 0.965, 0.988
     {
-        const double coarse = hemisphere(8, 0), fine = hemisphere(16, 0);
-        CHECK(fine == doctest::Approx(1).epsilon(0.03));
-        CHECK(order(coarse, fine) > 2);
+        CHECK(hemisphere(8, 0) == doctest::Approx(1).epsilon(0.03));
+        CHECK(hemisphere(16, 0) == doctest::Approx(1).epsilon(0.02));
+        CHECK(hemisphere(8, 0.3) == doctest::Approx(1).epsilon(0.06));
+        CHECK(hemisphere(16, 0.3) == doctest::Approx(1).epsilon(0.04));
+    }
+
+    // of a thin sphere: rho omega^2 R^2 / E of its slowest motion, five modes of degree 2, bending aside [Lamb 1882]. Strains that
+    // leave out a motion would put one below it, and the thinner the shell, the lower
+    TEST_CASE("analytic: nothing moves more easily than a thin sphere does, its rigid motions aside")
+    {
+        constexpr double nu = 0.3;
+        const double b = 7 + 3 * nu, slowest = (b - std::sqrt(b * b - 16 * (1 - nu * nu))) / (2 * (1 - nu * nu));  // 0.540
+        for (const double thickness : {0.1, 0.01, 1e-4})
+            for (const double flips : {0.0, 0.2}) {
+                CAPTURE(thickness);
+                CAPTURE(flips);
+                const Eigen::VectorXd modes = sphere_modes(thickness, flips, nu) / thickness;
+                CHECK(std::abs(modes[5]) < 1e-9);
+                // 66 vertices: -3 to +1 %, irregular -10 to +1 %
+                for (int k = 6; k < 11; ++k) CHECK(modes[k] == doctest::Approx(slowest).epsilon(flips > 0 ? 0.11 : 0.05));
+                CHECK(modes[11] > 1.1 * slowest);
+            }
     }
 }

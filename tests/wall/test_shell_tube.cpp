@@ -56,7 +56,8 @@ void uniform_pressure(const ShellSpec& spec, double length, int along, const dou
             const Vec3 u = wall.displacement(w, Vec3(R * out.x(), R * out.y(), z));
             CAPTURE(z);
             CHECK(u.dot(out) == doctest::Approx(radial).epsilon(0.01));
-            CHECK(std::abs(u.z() - axial) < 0.02 * std::max(std::abs(axial), 7e-7));
+            // where hardly any is due, in parts of the outward one
+            CHECK(std::abs(u.z() - axial) < std::max(0.02 * std::abs(axial), 5e-4 * radial));
         }
 }
 
