@@ -1,5 +1,5 @@
-// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--rate 60] [--budget 120] [-o planned.toml] [--device N]
-// [--json] [--quiet]
+// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--budget 120]
+// [-o planned.toml] [--device N] [--json] [--quiet]
 
 #include "commands.h"
 #include "core/file_lock.h"
@@ -19,7 +19,7 @@ namespace {
 
 struct Options {
     std::filesystem::path scene, plan = "planned.toml";
-    std::string tolerance, force_tolerance;
+    std::string tolerance, force_tolerance, peak_tolerance;
     PlanOptions what;
     bool json = false, quiet = false;
 };
@@ -47,6 +47,11 @@ ExitCode plan_scene(Options& options)
         const ForceTolerance force = parse_force_tolerance("--force-tolerance", options.force_tolerance);
         what.goals.force_tolerance = force.value;
         what.goals.force_is_relative = force.relative;
+    }
+    if (!options.peak_tolerance.empty()) {
+        const ForceTolerance peak = parse_force_tolerance("--peak-force-tolerance", options.peak_tolerance);
+        what.goals.peaks.tolerance = peak.value;
+        what.goals.peaks.is_relative = peak.relative;
     }
     const PlanFiles files = plan_files(options.plan);
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
@@ -84,6 +89,10 @@ void add_plan(CLI::App& app, Command& chosen)
         ->required()
         ->type_name("LENGTH");
     command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")
+        ->type_name("SHARE|FORCE");
+    command
+        ->add_option("--peak-force-tolerance", options->peak_tolerance,
+                     "how far the largest hand force, friction and force per length (20 ms means) may be off: 10%, 5mN")
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")

@@ -28,6 +28,9 @@ std::string goals_text(const PlanGoals& goals)
     if (goals.force_tolerance > 0)
         text += goals.force_is_relative ? fmt::format(", hand force within {}", percent(goals.force_tolerance))
                                         : fmt::format(", hand force within {:.3g} mN", 1e3 * goals.force_tolerance);
+    if (goals.peaks.asked())
+        text += goals.peaks.is_relative ? fmt::format(", peaks of force within {}", percent(goals.peaks.tolerance))
+                                        : fmt::format(", peaks of force within {:.3g} mN", 1e3 * goals.peaks.tolerance);
     if (goals.rate > 0) text += fmt::format(", {:g} steps a second or more in real time", goals.rate);
     return text;
 }
@@ -55,6 +58,26 @@ std::string expected(const Plan& plan, const PlannedModel& m)
     const Band shape = shape_band(plan, m), force = force_band(plan, m);
     return fmt::format("shape {} ({} to {}), hand force {} ({} to {})", length(m.error), length(shape.low), length(shape.high),
                        percent(m.force_error / plan.reference.force_scale), percent(force.low), percent(force.high));
+}
+
+/// "hand force 101 mN to 1.2 % (± 0.5 %)": of each peak the reference's value, the model's error and what is uncertain of both.
+std::string peaks_text(const Plan& plan, const PlannedModel& m)
+{
+    std::string text;
+    for (std::size_t k = 0; k < peak_words.size(); ++k) {
+        const double right = plan.reference.values.peaks[k], share = right > 0 ? 1 / right : 0;
+        text += fmt::format("{}{} {:.3g} {} to {} (+- {})", k > 0 ? ", " : "", peak_words[k].says, k == 2 ? right : 1e3 * right,
+                            k == 2 ? "N/m" : "mN", percent(share * m.peak_error[k]),
+                            percent(share * plan.reference.peak_uncertainty[k]));
+    }
+    return text;
+}
+
+Json peaks_json(const Peaks& peaks)
+{
+    Json json;
+    for (std::size_t k = 0; k < peak_words.size(); ++k) json[std::string(peak_words[k].word)] = peaks[k];
+    return json;
 }
 
 std::string speed(const PlannedModel& m)
@@ -107,7 +130,7 @@ std::string wall_reason(const Plan& plan, const PlanGoals& goals)
     return text;
 }
 
-Json model_json(const Plan& plan, const PlannedModel& m, const std::filesystem::path& file)
+Json model_json(const Plan& plan, const PlanGoals& goals, const PlannedModel& m, const std::filesystem::path& file)
 {
     const Band shape = shape_band(plan, m), force = force_band(plan, m);
     const Scene& s = m.scene;
@@ -132,6 +155,7 @@ Json model_json(const Plan& plan, const PlannedModel& m, const std::filesystem::
     json["force_error"] = m.force_error / plan.reference.force_scale;
     json["force_error_low"] = force.low;
     json["force_error_high"] = force.high;
+    if (goals.peaks.asked()) json["peak_error"] = peaks_json(m.peak_error);
     json["outcome"] = name(m.outcome);
     json["seconds_per_second"] = m.seconds;
     json["slowest_seconds_per_second"] = m.slowest;
@@ -209,6 +233,7 @@ std::string plan_report(const Plan& plan, const PlanGoals& goals, const PlanFile
         text += fmt::format("{:<11}{}\n", what, label(m.model));
         text += fmt::format("  expected {}{}\n", expected(plan, m),
                             m.worst > 0 ? fmt::format("; worst moment {}", length(m.worst)) : "");
+        if (goals.peaks.asked()) text += fmt::format("  peaks    {}\n", peaks_text(plan, m));
         text += fmt::format("  speed    {}\n", speed(m));
         if (m.outcome == Outcome::Jitter) text += fmt::format("  hand     jitters by {} from step to step\n", percent(m.jitter));
         text += fmt::format("  written  {}\n", file.string());
@@ -239,12 +264,14 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     json["tolerance_m"] = goals.tolerance;
     if (goals.force_tolerance > 0)
         json[goals.force_is_relative ? "force_tolerance" : "force_tolerance_n"] = goals.force_tolerance;
+    if (goals.peaks.asked())
+        json[goals.peaks.is_relative ? "peak_force_tolerance" : "peak_force_tolerance_n"] = goals.peaks.tolerance;
     if (goals.rate > 0) json["rate"] = goals.rate;
-    if (plan.chosen) json["chosen"] = model_json(plan, *plan.chosen, files.plan);
+    if (plan.chosen) json["chosen"] = model_json(plan, goals, *plan.chosen, files.plan);
     if (plan.chosen && goals.rate > 0) json["head_room"] = 1 / plan.chosen->slowest;
     if (plan.status != PlanStatus::Planned) {
-        if (plan.accurate) json["accurate"] = model_json(plan, *plan.accurate, files.accurate);
-        if (plan.fast) json["fast"] = model_json(plan, *plan.fast, files.fast);
+        if (plan.accurate) json["accurate"] = model_json(plan, goals, *plan.accurate, files.accurate);
+        if (plan.fast) json["fast"] = model_json(plan, goals, *plan.fast, files.fast);
     }
     if (plan.wall) {
         const WallChoice& wall = *plan.wall;
@@ -271,9 +298,15 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
         json["reference"] = {
             {"model", label(plan.reference.model)},
             {"refinements", plan.reference.levels.size() - 1},
+            {"nodes", plan.reference.model.nodes.value_or(0)},
+            {"dt_s", plan.reference.model.dt.value_or(0)},
             {"uncertainty_m", at(plan.reference.uncertainty, Observable::Shape)},
             {"force_uncertainty", at(plan.reference.uncertainty, Observable::HandForce) / plan.reference.force_scale},
             {"hand_force_rms_n", plan.reference.force_scale}};
+        if (goals.peaks.asked()) {
+            json["reference"]["peaks"] = peaks_json(plan.reference.values.peaks);
+            json["reference"]["peak_uncertainty"] = peaks_json(plan.reference.peak_uncertainty);
+        }
     }
     json["touches"] = plan.touches;
     json["search_complete"] = plan.search_complete;

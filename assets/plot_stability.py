@@ -17,10 +17,12 @@ matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 from matplotlib.patches import Patch, Rectangle
 
-# Okabe and Ito's colours, which the colour-blind tell apart; the letter says the same. From harmless to hopeless.
-OUTCOMES = {"hold": ("#bfe3f5", "·", "holds"), "unfinished": ("#ffffff", "?", "not finished"), "jitter": ("#f0e442", "J", "jitter"),
-            "overlap": ("#e69f00", "O", "overlap"), "escape": ("#cc79a7", "E", "escape"), "gave-up": ("#999999", "G", "gave up"),
-            "blow-up": ("#d55e00", "B", "blow-up")}
+from plot_style import ORANGE, PURPLE, RED, SMALL, YELLOW, use_style
+
+# The letter says what the colour does. From harmless to hopeless.
+OUTCOMES = {"hold": ("#bfe3f5", "·", "holds"), "unfinished": ("#ffffff", "?", "not finished"), "jitter": (YELLOW, "J", "jitter"),
+            "overlap": (ORANGE, "O", "overlap"), "escape": (PURPLE, "E", "escape"), "gave-up": ("#999999", "G", "gave up"),
+            "blow-up": (RED, "B", "blow-up")}
 AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "triangles": "triangle leg / wire radius",
         "bending": "bending stiffness [N m²]", "friction": "sliding friction", "axial": "stretching stiffness [N]",
         "spacing": "edge / bend radius", "damage": "share of spoilt triangles", "approach": "approach speed [m/s]",
@@ -30,6 +32,14 @@ AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "
         "twist": "turning per edge [rad]", "alternating": "side load [N]",
         "soft-wall": "modulus / nominal", "snug": "bending stiffness / nominal"}
 SCALE = {"speed": 100.0}
+NAMES = 0.3  # width of the column with the maps' names, of a panel's
+
+
+def meaning(methods):
+    """What a reader who has the picture alone has to know of these methods."""
+    if not any("published" in method for method in methods):
+        return ""
+    return "published: the adaptive-layer contact method of a published training simulator, as printed (docs/published-method.md)"
 
 
 def read_table(path):
@@ -71,13 +81,13 @@ def draw_panel(axes, cells, far, name, method, values, steps):
             axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, edgecolor="white", linewidth=0.8))
             if (name, method, value, step) in far:
                 letter += "~"
-            axes.text(x, y, letter, ha="center", va="center", fontsize=7, color="#222222")
+            axes.text(x, y, letter, ha="center", va="center", fontsize=SMALL, color="#222222")
     axes.set_xlim(-0.5, len(values) - 0.5)
     axes.set_ylim(-0.5, len(steps) - 0.5)
     if not there:
         axes.text((len(values) - 1) / 2, (len(steps) - 1) / 2, "not run", ha="center", va="center", fontsize=7, color="#888888")
-    axes.set_xticks(range(len(values)), [short(v * SCALE.get(name, 1)) for v in values], rotation=90, fontsize=6)
-    axes.set_yticks(range(len(steps)), [f"{1e3 * s:.3g}" for s in steps], fontsize=6)
+    axes.set_xticks(range(len(values)), [short(v * SCALE.get(name, 1)) for v in values], rotation=90, fontsize=SMALL)
+    axes.set_yticks(range(len(steps)), [f"{1e3 * s:.3g}" for s in steps], fontsize=SMALL)
     axes.tick_params(length=0)
     for side in axes.spines.values():
         side.set_visible(False)
@@ -99,16 +109,20 @@ def main():
             if name not in known:
                 sys.exit(f"plot_stability.py: no {what} \"{name}\" in {options.table}; there are: {'; '.join(sorted(known))}")
 
-    figure, grid = plt.subplots(len(maps), len(methods), squeeze=False, figsize=(max(5.0, 1.0 + 1.75 * len(methods)), 0.8 + 1.75 * len(maps)))
+    use_style()
+    figure, grid = plt.subplots(len(maps), 1 + len(methods), squeeze=False, width_ratios=[NAMES] + [1] * len(methods),
+                                figsize=(max(5.0, 1.4 + 1.75 * len(methods)), 1.0 + 1.75 * len(maps)))
     for row, name in enumerate(maps):
         values = sorted({key[2] for key in cells if key[0] == name})
         steps = sorted({key[3] for key in cells if key[0] == name})
+        grid[row][0].set_axis_off()
+        grid[row][0].text(0.0, 0.5, name, fontweight="bold", rotation=90, va="center", ha="center", transform=grid[row][0].transAxes)
         for column, method in enumerate(methods):
-            axes = grid[row][column]
+            axes = grid[row][column + 1]
             draw_panel(axes, cells, far, name, method, values, steps)
             axes.set_xlabel(AXES.get(name, name), fontsize=7)
             if column == 0:
-                axes.set_ylabel(f"{name}\nstep [ms]", fontsize=7)
+                axes.set_ylabel("step [ms]", fontsize=7)
             else:
                 axes.set_yticks([])
             if row == 0:
@@ -119,11 +133,13 @@ def main():
     if any(key[0] in maps and key[1] in methods for key in far):
         legend.append(Patch(facecolor="white", edgecolor="#888888", label="~  wall beyond its linear theory"))
     figure.legend(handles=legend, loc="upper center", ncols=len(legend), fontsize=7, frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 1 - 0.3 / figure.get_figheight()))
+    said = meaning(methods)
+    figure.text(0.01, 0.05 / figure.get_figheight(), said, fontsize=SMALL, color="0.3", va="bottom")
+    figure.tight_layout(rect=(0, 0.2 / figure.get_figheight() if said else 0, 1, 1 - 0.3 / figure.get_figheight()))
     out = options.o or (options.table if options.table.is_dir() else options.table.parent)
     out.mkdir(parents=True, exist_ok=True)
     part = out / f".{options.name}.part.png"
-    figure.savefig(part, dpi=110)
+    figure.savefig(part, dpi=130)
     part.replace(out / f"{options.name}.png")
 
 

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 
+SCENE = "assets/scenes/aortic-arch.toml"
 SAMPLES = (4, 8, 16, 32)
 STEPS = (1 / 60, 0.004, 0.001)
 TRUE_STEP = 0.00025
@@ -21,24 +22,28 @@ BANDS = {"hand_force_peak_n": "hand_force_n", "friction_peak_n": "friction_n"}  
 MEAN = 0.02  # that peaks are of [s]
 
 
-def run(app, folder, samples, step, duration, estimate):
-    done = subprocess.run([app, "run", "assets/scenes/aortic-arch.toml", "-o", folder, "--overwrite", "--quiet", "--error-estimate", estimate,
-                           "--set", "contact.detection=capsule", "--set", f"contact.samples_per_edge={samples}", "--set", f"scene.dt_s={step}",
-                           "--set", f"scene.duration_s={duration}", "--set", "scene.record_every=1",
-                           "--set", "output.force_window_m=0.0015"])
+def run(app, scene, folder, step, estimate, settings=()):
+    """Summary of one run, with `last` (row of trace.csv), `largest_sample_n` and the 20 ms peaks of BANDS."""
+    options = [f"scene.dt_s={step}", "scene.record_every=1", *settings]
+    done = subprocess.run([app, "run", scene, "-o", folder, "--overwrite", "--quiet", "--error-estimate", estimate]
+                          + [word for option in options for word in ("--set", option)])
     if done.returncode:
-        sys.exit(f"readings.py: {samples} samples, {step} s: exit {done.returncode}")
+        sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {scene} at {step} s: exit {done.returncode}")
     summary = json.loads((pathlib.Path(folder) / "summary.json").read_text())
     with open(pathlib.Path(folder) / "contacts.csv", newline="") as stream:
         summary["largest_sample_n"] = max((float(row["normal_n"]) for row in csv.DictReader(stream)), default=0.0)
     with open(pathlib.Path(folder) / "trace.csv", newline="") as stream:
         rows = list(csv.DictReader(stream))
     summary["last"] = rows[-1]
-    wide = max(1, round(MEAN / step))
     for name, column in BANDS.items():
-        values = [abs(float(row[column])) for row in rows]
-        summary[name] = max(sum(values[k:k + wide]) / wide for k in range(len(values) - wide + 1))
+        summary[name] = largest_mean([abs(float(row[column])) for row in rows], step)
     return summary
+
+
+def largest_mean(values, step):
+    """The largest mean over 20 ms, of values of every step."""
+    wide = max(1, round(MEAN / step))
+    return max(sum(values[k:k + wide]) / wide for k in range(max(1, len(values) - wide + 1)))
 
 
 def main():
@@ -53,10 +58,16 @@ def main():
         table.writerow(["samples_per_edge", "dt_s", "largest_sample_n", "force_per_length_n_per_m", "patch_force_n", "contact_regions",
                         "contacts"] + [part for name in BANDS for part in (name, name + "_band", name + "_true", name + "_inside")])
         for samples in SAMPLES:
-            true = run(options.app, folder, samples, TRUE_STEP, options.duration, "off")
+            settings = ["contact.detection=capsule", f"contact.samples_per_edge={samples}", f"scene.duration_s={options.duration}",
+                        "output.force_window_m=0.0015"]
+
+            def run_at(step, estimate):
+                return run(options.app, SCENE, folder, step, estimate, settings)
+
+            true = run_at(TRUE_STEP, "off")
             for step in STEPS:
-                told = run(options.app, folder, samples, step, options.duration, "on")
-                if run(options.app, folder, samples, step, options.duration, "off")["state_hash"] != told["state_hash"]:
+                told = run_at(step, "on")
+                if run_at(step, "off")["state_hash"] != told["state_hash"]:
                     sys.exit("readings.py: the estimate has changed the run")
                 row = [samples, f"{step:.6g}", told["largest_sample_n"], told["last"]["force_per_length_max_n_per_m"],
                        told["last"]["patch_force_max_n"], told["last"]["contact_regions"], told["last"]["contacts"]]

@@ -27,7 +27,6 @@ ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactSt
     row.length = quadrature_.models[point].length;
     const ContactPatch patch = contact_patch(quadrature_.models[point], params_.normal_law, state.gap, state.normal_force);
     row.area = patch.area;
-    row.pressure = patch.pressure;
     return row;
 }
 

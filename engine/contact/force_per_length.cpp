@@ -81,6 +81,7 @@ namespace {
 /// One of the two sides of a row, on a wire.
 struct Touch {
     LoadSample sample;
+    double area;      // [m^2]
     ContactRow* row;  // whose reading it is; null: side b, told of by side a
 };
 
@@ -90,9 +91,12 @@ ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
     along.patch = spec.patch;
     along.window = std::max(spec.window, 2 * spec.spacing);
     along.widened = along.window > 1.01 * spec.window;  // a wire is divided into whole samples: a spacing of r is r to 0.1 %
-    std::vector<LoadSample> samples;
-    for (const Touch& touch : touches) samples.push_back(touch.sample);
-    const LoadAlong load(samples);
+    std::vector<LoadSample> samples, areas;
+    for (const Touch& touch : touches) {
+        samples.push_back(touch.sample);
+        areas.push_back({touch.sample.s, touch.sample.length, touch.area});
+    }
+    const LoadAlong load(samples), area(areas);
     const LoadAlong::Place peak = load.most_on(along.window), patch = load.most_on(spec.patch);
     along.per_length_max = peak.value / along.window;
     along.per_length_at = peak.at;
@@ -104,6 +108,8 @@ ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
     for (const Touch& touch : touches) {
         if (!touch.row) continue;
         touch.row->per_length = load.per_length(touch.sample.s, along.window);
+        const double lain_on = area.per_length(touch.sample.s, along.window);
+        touch.row->pressure = lain_on > 0 ? touch.row->per_length / lain_on : 0;
         const auto of = std::find_if(regions.begin(), regions.end(), [&](const ContactRegion& region) {
             return touch.sample.s >= region.begin && touch.sample.s <= region.end;
         });
@@ -122,11 +128,11 @@ void read_along(std::span<ContactRow> rows, std::span<const AlongSpec> specs, st
         const LoadSample sample{row.along_a, row.length, row.normal_force};
         const auto a = static_cast<std::size_t>(row.a.body);
         if (row.b.kind == BodyKind::Wall) {
-            on_wall[a].push_back({sample, &row});
+            on_wall[a].push_back({sample, row.area, &row});
             continue;
         }
-        on_others[a].push_back({sample, &row});
-        on_others[static_cast<std::size_t>(row.b.body)].push_back({{row.along_b, row.length, row.normal_force}, nullptr});
+        on_others[a].push_back({sample, row.area, &row});
+        on_others[static_cast<std::size_t>(row.b.body)].push_back({{row.along_b, row.length, row.normal_force}, row.area, nullptr});
     }
     for (std::size_t w = 0; w < specs.size(); ++w) {
         wall[w] = read_wire(on_wall[w], specs[w]);

@@ -9,6 +9,7 @@
 //
 //     force per length    q(s) = N(s - W/2, s + W/2) / W     [N/m]
 //     force on a patch    P(L) = max over a of N(a, a + L)   [N]
+//     pressure            N over the area that the same window lies on (contact_patch.h)   [Pa]
 //     regions             runs of stretches with contact, apart by more than W
 //
 // The window W is one wire diameter: what a wire presses on is not known finer than the wire is thick. A box has the integral of
@@ -83,7 +84,7 @@ struct AlongSpec {
     double spacing = 0;  // of its samples against the wall [m]; 0: they stand for no length
 };
 
-/// Readings of all wires, and `per_length` and `region` of every row: of rows between instruments those of body a.
+/// Readings of all wires, and `per_length`, `pressure` and `region` of every row: of rows between instruments those of body a.
 /// @param specs, wall, instruments  [wires]
 void read_along(std::span<ContactRow> rows, std::span<const AlongSpec> specs, std::span<ContactAlong> wall,
                 std::span<ContactAlong> instruments);

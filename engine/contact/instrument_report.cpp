@@ -111,7 +111,6 @@ std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
             const bool inside = state.touch == SEL_TOUCH_INSIDE;
             const InstrumentSurface &a = surface_at(cells_, w, row.along_a), &b = surface_at(cells_, row.b.body, row.along_b);
             row.area = overlap_width(-row.gap, a.radius, inside ? b.lumen : b.radius, inside) * row.length;
-            row.pressure = row.area > 0 ? row.normal_force / row.area : 0;
             list.push_back(row);
         }
     }

@@ -1,6 +1,7 @@
 // Windows of a run, some taken again at half the step.
 #include "scene/step_twin.h"
 
+#include "math/running_peak.h"
 #include "scene/joint_readings.h"
 #include "scene/scene.h"
 
@@ -24,15 +25,9 @@ double mean(const std::vector<double>& values)
 /// The largest mean over mean_time, or over all where they are shorter.
 double largest_mean(const std::vector<double>& values, double dt)
 {
-    const auto wide = static_cast<std::size_t>(std::max(1L, std::lround(StepTwin::mean_time / dt)));
-    if (values.size() <= wide) return mean(values);
-    double sum = 0, most = 0;
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        sum += values[k];
-        if (k >= wide) sum -= values[k - wide];
-        if (k + 1 >= wide) most = std::max(most, sum / static_cast<double>(wide));
-    }
-    return most;
+    RunningPeak peak(static_cast<std::size_t>(std::max(1L, std::lround(StepTwin::mean_time / dt))));
+    for (const double value : values) peak.add(value);
+    return peak.value();
 }
 
 // No band is narrower than this share of its value. Windows begin where the run is: what its history has done before, and slips
@@ -135,7 +130,10 @@ ErrorEstimate StepTwin::finish()
     const bool short_end = window_.steps < enough && last_.steps > 0;
     close();  // what is left of the last one; a short one leaves the whole one before it as the end
     const Window end = short_end ? before : last_;
-    const auto again = [&](const Window& window) { return window.steps > 0 ? examine(window) : Examined{0, 0, 0, 0, false}; };
+    const auto again = [&](const Window& window) {
+        // no window: the run has none, or was never above zero, which a twin of nothing says too
+        return window.steps > 0 ? examine(window) : Examined{0, 0, 0, 0, closed_ > 0};
+    };
     const Examined of_end = again(end), of_hand = again(best_hand_), of_friction = again(best_friction_);
     // until here each band is the largest that any window has shown; a twin that has more elsewhere shows that the largest is not
     // known better than that

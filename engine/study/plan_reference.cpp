@@ -65,11 +65,13 @@ bool judge(PlanReference& reference, const ReferenceGoals& goals)
     for (int k = 0; k < observable_count; ++k)
         reference.uncertainty[static_cast<std::size_t>(k)] = error_left(column(reference.moved, static_cast<Observable>(k)));
     const double force_goal = goals.force * (goals.force_is_relative ? reference.force_scale : 1.0);
+    reference.peak_uncertainty = peaks_left(reference.peaks_moved);
     const bool judges_force = std::isfinite(goals.force);
     reference.converges = falls(shape, shape_noise) && (!judges_force || falls(force, force_noise));
     return static_cast<int>(reference.levels.size()) >= least_levels && reference.converges &&
            at(reference.uncertainty, Observable::Shape) <= std::max(goals.shape, shape_noise) &&
-           (!judges_force || at(reference.uncertainty, Observable::HandForce) <= std::max(force_goal, force_noise));
+           (!judges_force || at(reference.uncertainty, Observable::HandForce) <= std::max(force_goal, force_noise)) &&
+           goals.peaks.holds({}, reference.peak_uncertainty, reference.values.peaks);
 }
 
 /// Runs one level after another; what each says goes into the reference.
@@ -113,6 +115,7 @@ private:
                                 run->simulated));
                 reference_.levels.clear();
                 reference_.moved.clear();
+                reference_.peaks_moved.clear();
                 if (trapezoid && ++broken == trapezoid_failures) trapezoid = false, level = -1;
                 continue;
             }
@@ -137,7 +140,10 @@ private:
 
     void take_in(const Model& model, const RunRecord& run, Trajectory values)
     {
-        if (!reference_.levels.empty()) reference_.moved.push_back(trajectory_errors(reference_.values, values).rms);
+        if (!reference_.levels.empty()) {
+            reference_.moved.push_back(trajectory_errors(reference_.values, values).rms);
+            reference_.peaks_moved.push_back(difference(reference_.values.peaks, values.peaks));
+        }
         reference_.values = std::move(values);
         reference_.levels.push_back(model);
         reference_.model = model;
@@ -164,6 +170,8 @@ private:
         }
         const Errors moved = trajectory_errors(values, reference_.values);
         for (std::size_t k = 0; k < reference_.uncertainty.size(); ++k) reference_.uncertainty[k] += moved.rms[k];
+        const Peaks peaks = difference(values.peaks, reference_.values.peaks);
+        for (std::size_t k = 0; k < peaks.size(); ++k) reference_.peak_uncertainty[k] += peaks[k];
     }
 
     [[nodiscard]] bool is_static() const { return scene_.scene.integrator.scheme == Scheme::Static; }

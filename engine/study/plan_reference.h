@@ -23,6 +23,8 @@ struct PlanReference {
     std::vector<Model> levels;         // coarse to fine
     std::vector<PerObservable> moved;  // [levels - 1] rms between level k and k + 1
     PerObservable uncertainty{};       // bound of the finest level's own error [SI]
+    std::vector<Peaks> peaks_moved;    // [levels - 1], where they were asked for
+    Peaks peak_uncertainty{};          // likewise
     double force_scale = 0;            // rms of the hand force, 1 mN at least [N]
     int contacts = 0;                  // at most
     double wall_move = 0;              // of the finest level: farthest that the wall goes [m]; 0 of a rigid one
@@ -37,6 +39,7 @@ struct PlanReference {
 struct ReferenceGoals {
     double shape = 0, force = 0;                                // [m], [N]; force infinity: not asked
     bool force_is_relative = false;                             // then of the rms hand force
+    PeakGoal peaks;
     std::function<bool(double next_level_seconds)> affordable;  // asked before a level that is expected to take so long
     std::function<double()> seconds_left;                       // a level that takes longer is broken off [s]; may be empty
 };

@@ -39,7 +39,9 @@ TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanRef
       cost_(cost),
       store_(store),
       // trials that were broken off say nothing about another tolerance
-      name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n")),
+      name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n") +
+            (goals.peaks.asked() ? fmt::format("-{}{}", goals.peaks.tolerance, goals.peaks.is_relative ? "" : "n") : "")),
+      peak_goal_(goals.peaks),
       seconds_left_(std::move(seconds_left))
 {
     shape_limit_ = goals.tolerance - at(reference.uncertainty, Observable::Shape);
@@ -88,7 +90,9 @@ TrialRun TrialRuns::judge(const Model& model, const RunRecord& run, const Trajec
     // a hand that is asked to be right may not jitter, unless it does in the reference too
     const bool jitters = run.outcome == Outcome::Jitter && std::isfinite(force_limit_) && !reference_.jitters;
     trial.sound = (run.outcome == Outcome::Hold || run.outcome == Outcome::Jitter) && !jitters;
-    trial.meets = trial.sound && trial.error <= shape_limit_ && trial.force_error <= force_limit_;
+    trial.peak_error = difference(values.peaks, reference_.values.peaks);
+    trial.meets = trial.sound && trial.error <= shape_limit_ && trial.force_error <= force_limit_ &&
+                  peak_goal_.holds(trial.peak_error, reference_.peak_uncertainty, reference_.values.peaks);
     return trial;
 }
 

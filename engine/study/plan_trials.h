@@ -13,6 +13,7 @@ struct PlanGoals {
     double tolerance = 0;           // of the shape, rms [m]
     double force_tolerance = 0;     // of the hand force, rms; 0: not asked
     bool force_is_relative = true;  // of the rms hand force; else [N]
+    PeakGoal peaks;                 // of the largest forces
     double rate = 0;                // steps per second of real time, at least; 0: not asked
 };
 
@@ -25,6 +26,7 @@ struct TrialRun {
     double error = 0, worst = 0;  // shape [m]; of a trial that was broken off a lower bound
     double tip_error = 0;         // [m]
     double force_error = 0;       // [N]
+    Peaks peak_error{};           // of a complete trial, where peaks were asked for
     double seconds = 0;           // of computation per simulated second (static: per solution)
     int nodes = 0;
     Outcome outcome = Outcome::Hold;
@@ -82,6 +84,7 @@ private:
     RunStore& store_;
     std::string name_;
     double shape_limit_ = 0, force_limit_ = 0;
+    PeakGoal peak_goal_;
     std::function<double()> seconds_left_;
     double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest trial that met the goals [s]
     std::map<std::string, TrialRun> known_;

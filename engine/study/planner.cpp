@@ -39,6 +39,8 @@ public:
         plan_.until = duration;
         plan_.interval = is_static_ ? 1 : duration / samples;
         plan_.stop = options.stop;
+        plan_.peaks = goals_.peaks.asked();
+        goals_.peaks.diameter = 2 * scene.scene.wire.shaft.radius;
     }
 
     Plan make()
@@ -86,6 +88,8 @@ private:
         wanted.force =
             goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
         wanted.force_is_relative = goals_.force_is_relative;
+        wanted.peaks = goals_.peaks;
+        wanted.peaks.tolerance *= wanted_certainty;
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
         wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
         result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
@@ -112,7 +116,8 @@ private:
                                          reference.model.nodes.value_or(0), 1e3 * reference.model.dt.value_or(0)));
         const double force_goal = goals_.force_tolerance * (goals_.force_is_relative ? reference.force_scale : 1.0);
         const bool force_known = goals_.force_tolerance == 0 || force <= least_certainty * force_goal;
-        if (shape <= least_certainty * goals_.tolerance && force_known && reference.converges) return;
+        const bool peaks_known = goals_.peaks.holds({}, reference.peak_uncertainty, reference.values.peaks, least_certainty);
+        if (shape <= least_certainty * goals_.tolerance && force_known && peaks_known && reference.converges) return;
         if (reference.levels.size() < 2) {
             stop_with(
                 PlanStatus::BelowReference,
@@ -125,6 +130,7 @@ private:
             fmt::format("the reference is known to {} after {} refinements", as_length(shape), reference.levels.size() - 1);
         if (goals_.force_tolerance > 0)
             message += fmt::format(", its hand force to {:.2g} mN ({:.2g} %)", 1e3 * force, 100 * force / reference.force_scale);
+        if (goals_.peaks.asked()) message += ", " + peaks_known_to(reference);
         message += fmt::format("; asked were {}", as_length(goals_.tolerance));
         if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
         message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for {} or more", options_.budget,
@@ -132,6 +138,17 @@ private:
                                            : fmt::format("; ask for {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
+    }
+
+    [[nodiscard]] static std::string peaks_known_to(const PlanReference& reference)
+    {
+        std::string text = "its peaks to";
+        for (std::size_t k = 0; k < peak_words.size(); ++k) {
+            const double right = reference.values.peaks[k];
+            text += fmt::format("{} {:.2g} % ({})", k > 0 ? "," : "", right > 0 ? 100 * reference.peak_uncertainty[k] / right : 0.0,
+                                peak_words[k].says);
+        }
+        return text;
     }
 
     /// The first and the last that broke off.
@@ -152,6 +169,7 @@ private:
         planned.nodes = model.nodes.value_or(0);
         planned.error = at(result_.reference.uncertainty, Observable::Shape);
         planned.force_error = at(result_.reference.uncertainty, Observable::HandForce);
+        planned.peak_error = result_.reference.peak_uncertainty;
         return planned;
     }
 
@@ -315,6 +333,7 @@ private:
         model.error = trial.error;
         model.worst = trial.worst;
         model.force_error = trial.force_error;
+        model.peak_error = trial.peak_error;
         model.seconds = trial.seconds;
         model.slowest = is_static_ ? trial.seconds : slowest;
         model.nodes = trial.nodes;
@@ -424,7 +443,7 @@ private:
 
     const StudyScene& scene_;
     const PlanOptions& options_;
-    const PlanGoals& goals_;
+    PlanGoals goals_;
     CostRule cost_;
     RunStore store_;
     RunPlan plan_;

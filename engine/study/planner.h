@@ -35,6 +35,7 @@ struct PlannedModel {
     double error = 0;        // rms [m]
     double worst = 0;        // of all samples [m]
     double force_error = 0;  // rms [N]
+    Peaks peak_error{};      // where peaks were asked for
     double seconds = 0;      // of computation per simulated second; of a static scene per solution
     double slowest = 0;      // the same over the slowest of the sampled intervals
     int nodes = 0;           // at most

@@ -7,12 +7,13 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <optional>
 
 namespace seldinger {
 namespace {
 
 constexpr int samples_by_default = 40;
-constexpr int contact_looks = 4;  // contact rows are fetched from the device so often per averaging time
+constexpr long contact_looks = 4;  // contact rows are fetched from the device so often per averaging time
 
 /// Wall and processor time of what lies between start() and stop().
 class Stopwatch {
@@ -93,6 +94,7 @@ public:
         if (settles_ && !settle()) return finish();
         if (is_static_) {
             average_.add(*simulation_, touches_);
+            take_peaks(true);
             keep_sample(0);
             result_.complete = true;
             return finish();
@@ -130,6 +132,7 @@ private:
         const double h = length / static_cast<double>(steps);
         const long averaged = std::clamp(std::lround(plan_.average / h), 1L, steps);
         const long every = std::max(1L, averaged / contact_looks);
+        if (!meter_) meter_.emplace(averaged, averaged / every);
         for (long k = 1; k <= steps; ++k) {
             clock_.start();
             const StepReport report = simulation_->step(h);
@@ -148,9 +151,20 @@ private:
                 result_.stopped = true;
                 return false;
             }
+            take_peaks((steps - k) % every == 0);
             if (k > steps - averaged) average_.add(*simulation_, touches_ && (steps - k) % every == 0);
         }
         return true;
+    }
+
+    void take_peaks(bool look_at_contacts)
+    {
+        if (!plan_.peaks) return;
+        if (!meter_) meter_.emplace(1, 1);  // one static solution
+        const WireReadings now = simulation_->readings();
+        meter_->add(now.hand_force, now.friction);
+        if (touches_ && look_at_contacts) meter_->look(simulation_->force_per_length());
+        result_.trajectory.peaks = meter_->peaks();
     }
 
     void keep_sample(double t)
@@ -180,6 +194,7 @@ private:
     std::unique_ptr<Simulation> simulation_;
     RunWatch watch_;
     Averager average_;
+    std::optional<PeakMeter> meter_;  // steps are of one length in a run
     Stopwatch clock_;
     double dt_, until_ = 0, interval_ = 0;
     bool settles_, is_static_, touches_;

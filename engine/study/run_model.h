@@ -14,6 +14,7 @@ struct RunPlan {
     double interval = 0;     // between samples [s]; 0: a fortieth of `until`. Steps are as long as the model says or a little
                              // shorter, so that a whole number of them fills it
     double average = 0.020;  // forces are means over this time before a sample [s]
+    bool peaks = false;           // keep Trajectory::peaks: contacts are then read throughout, outside of what is timed
     bool processor_time = false;  // the two limits below are of processor time: fair on a machine that does other things too
     int repeats = 1;              // at most so many timed runs
     double repeat_wall = std::numeric_limits<double>::infinity();  // no repeat is begun once the steps of all took this [s]

@@ -131,7 +131,7 @@ std::optional<RunRecord> RunStore::get(const std::string& scene_name, const Stud
 
 std::string scene_key(const Scene& scene, const RunPlan& plan)
 {
-    return hex(fmt::format("{}\n{} {} {}\n{}", version(), plan.until, plan.interval, plan.average,
+    return hex(fmt::format("{}\n{} {} {}{}\n{}", version(), plan.until, plan.interval, plan.average, plan.peaks ? " peaks" : "",
                            write_scene(scene, scene.source.parent_path())));
 }
 

@@ -35,6 +35,13 @@ public:
 
     double wall_move() const override { return world_.setup().vessel.elastic ? world_.wall_readings().move_max : 0; }
 
+    double force_per_length() const override
+    {
+        Output now;
+        world_.read(now, Output::Contacts);
+        return joint_along(now.wires, &WireOutput::on_wall).per_length_max;
+    }
+
     std::vector<ForceAt> contact_forces() const override
     {
         const ConstRodView rod = world_.rod(0);

@@ -31,6 +31,8 @@ public:
     [[nodiscard]] virtual std::vector<Vec3> shape() const = 0;
     /// Normal forces on the wire, in any order.
     [[nodiscard]] virtual std::vector<ForceAt> contact_forces() const = 0;
+    /// Largest force per length of any wire on the wall [N/m].
+    [[nodiscard]] virtual double force_per_length() const { return 0; }
     /// How far the wall has gone where it has gone farthest [m]; 0 of a rigid one. Takes milliseconds.
     [[nodiscard]] virtual double wall_move() const { return 0; }
 };

@@ -13,7 +13,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::uint64_t magic = 0x31'4a'41'52'54'4c'45'53ull;  // "SELTRAJ1"
+constexpr std::uint64_t magic = 0x32'4a'41'52'54'4c'45'53ull;  // "SELTRAJ2"
 
 void put_numbers(std::vector<std::uint8_t>& bytes, const double* data, std::size_t count)
 {
@@ -67,6 +67,7 @@ void save_trajectory(const std::filesystem::path& file, const Trajectory& trajec
     std::vector<std::uint8_t> bytes;
     put_bytes(bytes, &magic, 1);
     put_bytes(bytes, &trajectory.wire_length, 1);
+    put_bytes(bytes, trajectory.peaks.data(), trajectory.peaks.size());
     const std::uint64_t count = trajectory.samples.size();
     put_bytes(bytes, &count, 1);
     for (const Sample& sample : trajectory.samples) {
@@ -95,6 +96,7 @@ bool load_trajectory(const std::filesystem::path& file, Trajectory& trajectory)
         if (found != magic) return false;
         Trajectory read;
         take_bytes(at, end, &read.wire_length, 1);
+        take_bytes(at, end, read.peaks.data(), read.peaks.size());
         take_bytes(at, end, &count, 1);
         for (std::uint64_t k = 0; k < count; ++k) read.samples.push_back(take_sample(at, end));
         trajectory = std::move(read);

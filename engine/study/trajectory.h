@@ -1,6 +1,7 @@
 #pragma once
 // What is kept of a run: its observables on a grid of times that all models share, so that any two runs can be compared.
 
+#include "study/peaks.h"
 #include "study/simulation.h"
 
 #include <filesystem>
@@ -25,6 +26,7 @@ inline constexpr int contact_grid = 257;
 struct Trajectory {
     double wire_length = 0;       // [m], what contact_up_to is spread over
     std::vector<Sample> samples;  // times strictly increasing
+    Peaks peaks{};                // of the whole run, where RunPlan::peaks asked for them
 };
 
 /// Cumulative force on the grid; a force between two grid places is shared between them by the lever rule.

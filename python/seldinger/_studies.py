@@ -65,8 +65,8 @@ def batch(scene: SceneLike, vary: Any, *, set: Sequence[str] = (), device: int =
         return {name: columns[name] for name in columns.files}
 
 
-def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, force_is_relative: bool = True, rate: float = 0.0,
-         budget: float = 120.0, out: str | os.PathLike[str] = "planned.toml", set: Sequence[str] = (), device: int = -1,
+def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, force_is_relative: bool = True,
+         peak_force_tolerance: float = 0.0, peak_force_is_relative: bool = True, rate: float = 0.0, budget: float = 120.0, out: str | os.PathLike[str] = "planned.toml", set: Sequence[str] = (), device: int = -1,
          **overrides: Any) -> dict[str, Any]:
     """The cheapest model that is good enough for a scene, as the command's `plan --json` says it.
 
@@ -76,6 +76,9 @@ def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, fo
         How far the wire may be off, root mean square over the run [m].
     force_tolerance : float
         How far the hand force may be off: a share, or [N] with `force_is_relative=False`; 0: not asked.
+    peak_force_tolerance : float
+        How far the largest hand force, friction and force per length (20 ms means) may be off: a share of each, or [N] with
+        `peak_force_is_relative=False` (of a force per length on one diameter of the wire); 0: not asked.
     rate : float
         Steps a second that must keep up with real time; 0: not asked.
     budget : float
@@ -90,7 +93,8 @@ def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, fo
     """
     given = Scene(scene, set=set, **overrides)
     return json.loads(_engine.plan(given.text, given.file, given.overrides, float(tolerance), float(force_tolerance),
-                                   bool(force_is_relative), float(rate), float(budget), os.fspath(out), int(device)))
+                                   bool(force_is_relative), float(peak_force_tolerance), bool(peak_force_is_relative), float(rate),
+                                   float(budget), os.fspath(out), int(device)))
 
 
 def chart(scenes: Sequence[str] = (), *, quick: bool = True, dir: str | os.PathLike[str] | None = None, run_limit: float = 0.0,

@@ -211,9 +211,10 @@ void bind_studies(py::module_& module)
     module.def("batch", &batch);
     module.def("sweep", &sweep);
     module.def("plan", [](const std::string& text, const std::string& file, const Texts& overrides, double tolerance,
-                          double force, bool relative, double rate, double budget, const std::string& out, int device) {
+                          double force, bool relative, double peak, bool peak_relative, double rate, double budget, const std::string& out, int device) {
         PlanGoals goals;
         goals.tolerance = tolerance, goals.force_tolerance = force, goals.force_is_relative = relative, goals.rate = rate;
+        goals.peaks.tolerance = peak, goals.peaks.is_relative = peak_relative;
         const py::gil_scoped_release others;
         return plan(text, file, overrides, goals, budget, out, device);
     });

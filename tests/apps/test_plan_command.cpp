@@ -4,6 +4,8 @@
 
 #include "scene/scene.h"
 
+#include <algorithm>
+
 using namespace seldinger::test;
 
 namespace {
@@ -67,6 +69,25 @@ TEST_SUITE("apps/plan")
         CHECK(summary_of(folder.path / "out")["nodes"].get<int>() == plan["chosen"]["nodes"].get<int>());
         CHECK(slurp(folder.path / "out" / "summary.json").find("by seldinger plan for shape within 1 mm rms") !=
               std::string::npos);
+    }
+
+    TEST_CASE("property: peaks that are asked for are within, their uncertainty included, and are told; what is not known is refused")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", touching_scene());
+        const AppResult result = run_plan(folder, "t.toml --tolerance 2mm --peak-force-tolerance 20% --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result);
+        for (const char* peak : {"hand_force_n", "friction_n"}) {
+            CAPTURE(peak);
+            const double right = plan["reference"]["peaks"][peak].get<double>();
+            CHECK(plan["chosen"]["peak_error"][peak].get<double>() + plan["reference"]["peak_uncertainty"][peak].get<double>() <=
+                  0.2 * std::max(right, 1e-3));
+        }
+        CHECK(plan["reference"]["peaks"]["force_per_length_n_per_m"].get<double>() > 0);
+        CHECK(slurp(folder.path / "planned.toml").find("peaks of force within 20 %") != std::string::npos);
+        one_line(run_plan(folder, "t.toml --tolerance 2mm --peak-force-tolerance 5"), 2, "has no unit");
     }
 
     // what a plan costs is measured, so which of two models is cheaper is not for this test (tests/study/test_plan_search.cpp)

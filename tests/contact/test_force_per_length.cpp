@@ -146,6 +146,36 @@ TEST_SUITE("contact/force_per_length")
         CHECK(others[0].regions == 0);
     }
 
+    // 0.1 N on 2e-6 m^2 over 2 mm at one place, in 1, 8 and 32 samples: each sample alone has anything between
+    TEST_CASE("analytic: pressure is load over area of the same window, however contact is divided into samples")
+    {
+        for (const int count : {1, 8, 32}) {
+            CAPTURE(count);
+            std::vector<ContactRow> rows(static_cast<std::size_t>(count));
+            const double length = 2e-3 / count;
+            for (int k = 0; k < count; ++k) {
+                rows[k].a = {BodyKind::Rod, 0, k};
+                rows[k].along_a = 0.01 + (k + 0.5) * length;
+                rows[k].length = length;
+                rows[k].area = 2e-6 / count;
+                rows[k].normal_force = count == 1 ? 0.1 : k % 2 == 0 ? 0.2 / count : 0.0;  // every other one bears all
+            }
+            std::vector<ContactAlong> wall(1), others(1);
+            read_along(rows, std::vector<AlongSpec>{{1e-3, 5e-3, 0}}, wall, others);
+            const double even = 0.1 / 2e-6;  // [Pa]
+            // a window of half the place is off by one sample at most
+            for (const ContactRow& row : rows)
+                if (std::abs(row.along_a - 0.011) < 0.4e-3)
+                    CHECK(row.pressure == doctest::Approx(even).epsilon(count == 1 ? 1e-12 : 2.0 / count));
+        }
+        std::vector<ContactRow> layer(1);
+        layer[0].a = {BodyKind::Rod, 0, 0};
+        layer[0].normal_force = 0.1;  // a pair of `layer` has no area
+        std::vector<ContactAlong> wall(1), others(1);
+        read_along(layer, std::vector<AlongSpec>{{window, 5e-3, 0}}, wall, others);
+        CHECK(layer[0].pressure == 0);
+    }
+
     TEST_CASE("analytic: rows between instruments count on both of them")
     {
         ContactRow row;

@@ -1,0 +1,32 @@
+#pragma once
+// The largest mean of so many values in a row.
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace seldinger {
+
+class RunningPeak {
+public:
+    explicit RunningPeak(std::size_t wide = 1) : last_(std::max<std::size_t>(wide, 1), 0.0) {}
+
+    void add(double value)
+    {
+        double& oldest = last_[count_ % last_.size()];
+        sum_ += value - oldest;
+        oldest = value;
+        if (++count_ == last_.size()) most_ = mean();
+        else if (count_ > last_.size()) most_ = std::max(most_, mean());
+    }
+    /// Of fewer values than a mean takes: the mean of all; 0 of none.
+    [[nodiscard]] double value() const { return count_ == 0 ? 0 : count_ < last_.size() ? sum_ / static_cast<double>(count_) : most_; }
+
+private:
+    [[nodiscard]] double mean() const { return sum_ / static_cast<double>(last_.size()); }
+    std::vector<double> last_;  // a ring
+    std::size_t count_ = 0;
+    double sum_ = 0, most_ = 0;
+};
+
+}  // namespace seldinger

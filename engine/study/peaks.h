@@ -1,0 +1,60 @@
+#pragma once
+// The largest that a run's forces become, and how far they may be from a reference's.
+//
+// A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run: of |hand force| and of friction, sums over all
+// wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h) [N/m]. Values of one step
+// are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
+//
+// A peak is one number, so that two runs may agree in it by chance where nothing else agrees. What a refinement has moved counts
+// therefore as half of what the one before moved at least (first order: what it moves when nothing is left to chance).
+
+#include "math/running_peak.h"
+
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+namespace seldinger {
+
+inline constexpr int peak_count = 3;
+using Peaks = std::array<double, peak_count>;  // hand force [N], friction [N], force per length [N/m]
+struct PeakWord {
+    std::string_view word, says;  // in JSON; in sentences
+};
+inline constexpr std::array<PeakWord, peak_count> peak_words = {
+    {{"hand_force_n", "hand force"}, {"friction_n", "friction"}, {"force_per_length_n_per_m", "force per length"}}};
+
+/// |a - b|, one by one.
+[[nodiscard]] Peaks difference(const Peaks& a, const Peaks& b);
+
+/// What is left of the last of these movements, see the top. Infinite where there is none.
+[[nodiscard]] Peaks peaks_left(const std::vector<Peaks>& moved);
+
+/// How far peaks may be off.
+struct PeakGoal {
+    double tolerance = 0;     // 0: not asked
+    bool is_relative = true;  // of each peak; else [N], of a force per length on one diameter of the wire
+    double diameter = 0;      // [m]
+
+    [[nodiscard]] bool asked() const { return tolerance > 0; }
+    /// For peaks that should be `right`. A share is one of 1 mN at least: less is told apart by no hand.
+    [[nodiscard]] Peaks allowed(const Peaks& right) const;
+    /// error + uncertainty within `share` of what is allowed; true where nothing was asked.
+    [[nodiscard]] bool holds(const Peaks& error, const Peaks& uncertainty, const Peaks& right, double share = 1) const;
+};
+
+/// Takes in a run step by step.
+class PeakMeter {
+public:
+    /// @param wide, wide_looks  steps, and looks at the contacts, that a mean is over
+    PeakMeter(std::size_t wide, std::size_t wide_looks) : hand_(wide), friction_(wide), per_length_(wide_looks) {}
+    void add(double hand_force, double friction) { hand_.add(std::abs(hand_force)), friction_.add(friction); }
+    void look(double per_length) { per_length_.add(per_length); }
+    [[nodiscard]] Peaks peaks() const { return {hand_.value(), friction_.value(), per_length_.value()}; }
+
+private:
+    RunningPeak hand_, friction_, per_length_;
+};
+
+}  // namespace seldinger
