@@ -1,3 +1,4 @@
+// Programs started with a plain state of signals (posix_spawn), and waited for.
 #include "core/child_process.h"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// Strings of TOML, escaped.
 #include "scene/toml_text.h"
 
 #include <fmt/format.h>
