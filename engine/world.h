@@ -103,6 +103,7 @@ struct World::Impl {
     std::vector<int> count_backup;
     std::vector<double> time_backup;
     std::vector<Vec3> nodal_backup;                             // of the wire whose nodes are being changed
+    std::vector<std::uint8_t> bowed;                            // likewise, see YieldingWall::note_bowed
     std::vector<MomentumStart> momentum_start;                  // per wire, of the present sub-step
     std::vector<WireResult> results;                            // per wire
     std::vector<ContactRow> rows;                               // what contacts() last returned

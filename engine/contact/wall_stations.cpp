@@ -13,6 +13,13 @@ namespace {
 // looked at; no other has gone much farther.
 constexpr double farthest_factor = 1.25;
 
+constexpr double fade_length = 4;      // radii over which U fades out, more by
+constexpr double fade_per_move = 1.5;  // of how far the wall has moved there: U then changes by less than the way that it fades over
+
+// Of y = x - U(foot of y): each brings it nearer by the slope of U. Of a node that goes on from a known y the next step is the next one.
+constexpr int most_passes = 4;
+constexpr double settled = 1e-3;  // radii
+
 // |G| up to which what moves is carried back by it. Linear theory ends far below, and 1 + G is singular from 1 on.
 constexpr double steepest = 0.5;
 
@@ -36,57 +43,78 @@ void WallStations::provide(int nodes)
     clear_.resize(nodes);
 }
 
-void WallStations::place(int node, const Vec3& x, const WallDynamics& wall, double radius)
+/// The nearest point of the unmoved surface to y, from where it was looked for last.
+LoopFoot WallStations::foot_of(const WallFoot& last, const Vec3& y) const
 {
-    // the mesh that contact sees is up to off() from the smooth surface
-    const double full = 2 * radius + wall_.off(), none = full + 4 * radius;
-    WallStation& station = stations_[node];
-    if (station.near && station.at == x) return;
-    station.near = false;
-    const WallFoot last = feet_[node];
-    feet_[node] = {};
-    Clear& clear = clear_[node];
-    const double reach = none + farthest_factor * wall.farthest();
-    if (clear.distance - length_from(x, clear.at) > reach) return;
     LoopFoot foot;
-    if (last.triangle >= 0 && length_from(x, Vec3(last.node)) < 0.5 * wall_.edge()) {
+    if (last.triangle >= 0 && length_from(y, Vec3(last.node)) < 0.5 * wall_.edge()) {
         foot.triangle = static_cast<std::int32_t>(last.triangle);
         foot.u = last.u;
         foot.v = last.v;
     }
-    wall_.surface().closest(x, foot);
-    clear = {x, foot.distance};
-    if (foot.distance > reach) return;
-    wall_.surface().basis(foot.triangle, foot.u, foot.v, station.weights);
-    LoopStencil& s = station.weights;
-    Vec3 move = Vec3::Zero(), along_u = Vec3::Zero(), along_v = Vec3::Zero();
+    wall_.surface().closest(y, foot);
+    return foot;
+}
+
+/// U, faded, and its slope at the foot of y.
+WallStations::Under WallStations::under(const LoopFoot& foot, const Vec3& y, const WallDynamics& wall, double radius) const
+{
+    Under at;
+    wall_.surface().basis(foot.triangle, foot.u, foot.v, at.weights);
+    LoopStencil& s = at.weights;
+    Vec3 along_u = Vec3::Zero(), along_v = Vec3::Zero();
     for (int k = 0; k < s.size && !wall.still(); ++k) {
         const Vec3 w = wall.now(s.vertex[k]);
-        move += s.n[k] * w;
+        at.move += s.n[k] * w;
         along_u += s.n_u[k] * w;
         along_v += s.n_v[k] * w;
     }
-    // from the wall where it has gone: a wire that has pushed it away touches it still
-    const Vec3 from_wall = x - move - foot.position;
-    station.distance = foot.rim ? from_wall.norm() : std::abs(from_wall.dot(foot.normal));
-    const double share = fade(station.distance, full, none);
-    if (share == 0) return;
-    feet_[node] = {{x.x(), x.y(), x.z()}, foot.u, foot.v, foot.triangle};
-    station.near = true;
-    station.at = x;
-    station.row = -1;
-    station.start = share * move;
-    along_u *= share;
-    along_v *= share;
-    for (int k = 0; k < s.size; ++k) s.n[k] *= share;
+    const Vec3 from_wall = y - foot.position;
+    at.distance = foot.rim ? from_wall.norm() : std::abs(from_wall.dot(foot.normal));
+    // the mesh that contact sees is up to off() from the smooth surface
+    const double full = 2 * radius + wall_.off();
+    at.share = fade(at.distance, full, full + fade_length * radius + fade_per_move * at.move.norm());
+    at.move *= at.share;
+    for (int k = 0; k < s.size; ++k) s.n[k] *= at.share;
     // u_,u and u_,v against the dual base of the two tangents
     const double uu = foot.tangent_u.squaredNorm(), uv = foot.tangent_u.dot(foot.tangent_v), vv = foot.tangent_v.squaredNorm();
     const double det = uu * vv - uv * uv;
     const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
                dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
-    Mat3 slope = along_u * dual_u.transpose() + along_v * dual_v.transpose();
-    if (const double size = slope.norm(); size > steepest) slope *= steepest / size;
-    station.back = wall.still() ? Mat3(Mat3::Identity()) : Mat3((Mat3::Identity() + slope).inverse());
+    at.slope = at.share * (along_u * dual_u.transpose() + along_v * dual_v.transpose());
+    if (const double size = at.slope.norm(); size > steepest) at.slope *= steepest / size;
+    return at;
+}
+
+void WallStations::place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius)
+{
+    WallStation& station = stations_[node];
+    if (station.near && station.at == x) return;
+    station.near = false;
+    WallFoot last = feet_[node];
+    feet_[node] = {};
+    Clear& clear = clear_[node];
+    const double reach = 2 * radius + wall_.off() + fade_length * radius + (fade_per_move + farthest_factor) * wall.farthest();
+    if (clear.distance - length_from(x, clear.at) > reach) return;
+    Vec3 y = before ? *before : x;
+    for (int pass = 0; pass < (before ? 1 : most_passes); ++pass) {
+        const LoopFoot foot = foot_of(last, y);
+        clear = {x, foot.distance - length_from(x, y)};
+        if (clear.distance > reach) return;
+        Under at = under(foot, y, wall, radius);
+        if (at.share == 0 && (before || pass == 0)) return;
+        last = feet_[node] = {{y.x(), y.y(), y.z()}, foot.u, foot.v, foot.triangle};
+        station.near = true;
+        station.weights = at.weights;
+        station.distance = at.distance;
+        station.start = at.move;
+        station.back = wall.still() ? Mat3(Mat3::Identity()) : Mat3((Mat3::Identity() + at.slope).inverse());
+        const double change = length_from(y, x - at.move);
+        y = x - at.move;
+        if (change < settled * radius) break;
+    }
+    station.at = x;
+    station.row = -1;
 }
 
 void WallStations::forget(int first, int last)

@@ -4,8 +4,10 @@
 //
 //     y = x0 - U0 + (1 + G)^-1 [(x - x0) - (U - U0)],     U = sum_a N_a(foot) w_a,     G = dU/dX at the foot            (D11a)
 //
-// x: node, x0, U0: what x and U were when its foot was found (the start of the step), foot: the nearest point of the wall's
-// smooth surface; between nodes y is linear, as the wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
+// x: node, x0, U0: what x and U were when its foot was found (the start of the step), foot: the point of the wall's smooth surface
+// that is nearest to y0 = x0 - U0, not to x0: then (D11a) is the tangent of the map that the next step's feet follow, and where the
+// wire is drawn along a dent the two part by terms of second order in the way of one step alone. Between nodes y is linear, as the
+// wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
 // G: what the wire does relative to the wall is carried back by its inverse. To first order in the slope of the displacement (2.5
 // % of what a move of a fifth of the lumen's radius over a decay length gives is second order) the gap at y is that to the moved
 // wall. A force f at y is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot: no work and
@@ -29,14 +31,14 @@ struct WallStation {
     Vec3 at = Vec3::Zero();        // x0 [m]
     Vec3 start = Vec3::Zero();     // U at the start of the step [m]
     Vec3 shift = Vec3::Zero();     // of y, see WallEnd [m]
-    double distance = 0;           // of x0 from the wall where that has gone [m]
+    double distance = 0;           // of y0 from the wall that has not moved [m]
     int row = -1;                  // among those that touch, or may
 };
 
 /// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, for the last bits of
 /// what is found depend on it.
 struct WallFoot {
-    double node[3] = {1e30, 1e30, 1e30};  // where the node was [m]
+    double node[3] = {1e30, 1e30, 1e30};  // y from which it was found [m]
     double u = 0, v = 0;
     std::int64_t triangle = -1;
 };
@@ -54,8 +56,8 @@ public:
     WallStations(const ElasticWall& wall, int nodes);
 
     void provide(int nodes);
-    /// Finds the foot of a node at x anew, unless it is there already.
-    void place(int node, const Vec3& x, const WallDynamics& wall, double radius);
+    /// Finds the foot of a node at x anew, unless it is there already.   @param before  y of the accepted state, null: not known
+    void place(int node, const Vec3& x, const Vec3* before, const WallDynamics& wall, double radius);
     /// Nodes from `first` to `last` are no longer there.
     void forget(int first, int last);
     [[nodiscard]] WallFoot& foot(int node) { return feet_[node]; }
@@ -66,8 +68,17 @@ public:
 private:
     struct Clear {
         Vec3 at = Vec3::Constant(1e30);
-        double distance = 0;  // from there to the wall [m]
+        double distance = 0;  // from there to the wall, or less [m]
     };
+    struct Under {
+        LoopStencil weights;  // N, faded
+        Vec3 move = Vec3::Zero();  // U, faded [m]
+        Mat3 slope = Mat3::Zero();
+        double distance = 0, share = 0;
+    };
+    [[nodiscard]] LoopFoot foot_of(const WallFoot& last, const Vec3& y) const;
+    [[nodiscard]] Under under(const LoopFoot& foot, const Vec3& y, const WallDynamics& wall, double radius) const;
+
     const ElasticWall& wall_;
     std::vector<WallStation> stations_;  // [nodes]
     std::vector<WallFoot> feet_;         // [nodes]

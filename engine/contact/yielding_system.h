@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace seldinger {
 
@@ -53,8 +54,10 @@ struct YieldingWall::System {
         const Vec3 u = station.row >= 0 ? Vec3(Eigen::Map<const Vec3>(&trial().u[3 * station.row])) : station.start;
         return station.at - station.start + station.shift + station.back * ((x - station.at) - (u - station.start));
     }
-    /// Sets the shifts of a wire's nodes, now at `rod`. @param first  of them among the system's
-    void keep_carried(int first, const RodView& rod);
+    /// Where the accepted state's feet carried a wire's nodes, now at `rod`. @param first  of them among the system's
+    void find_before(int first, const RodView& rod);
+    /// Sets the shift of a node that is placed.
+    void keep_carried(int node, const Vec3& x, double radius);
     /// The accepted state's nodes, to go on from.
     void note_ends(int first, int count);
     /// dy/dx = -dy/dU = (1 + G)^-1
@@ -63,6 +66,7 @@ struct YieldingWall::System {
     std::vector<int> wires;
     WallStations stations;
     std::vector<WallEnd> ends;  // [nodes] of the accepted state
+    std::vector<std::optional<Vec3>> before;  // [nodes] y to go on from; none: not known
     int first_node;  // of the system in the concatenated arrays
     double least_radius = std::numeric_limits<double>::infinity();
     WallDynamics dynamics;

@@ -81,6 +81,7 @@ YieldingWall::YieldingWall(const ElasticWall& wall, ContactMethod& contact, RodA
         system.wires.push_back(w);
         system.stations.provide(system.stations.count() + rods.capacity(w));
         system.ends.resize(system.stations.count());
+        system.before.resize(system.ends.size());
         system.y_start.resize(3 * static_cast<std::size_t>(system.stations.count()));
         system.least_radius = std::min(system.least_radius, rods.view(w).radius[0]);
         tangents_.emplace_back(RodDofs::count(rods.capacity(w)));

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double most_made_good = 0.02;  // radii in a step: what a wire's contact takes without notice
+constexpr double most_made_good = 0.02;  // radii in a step: what a wire's contact takes without notice; and of a merge
 constexpr int most_renumbered = 8;       // places by which changes of nodes may have moved one
 constexpr double may_touch = 2.5;        // radii of the axis from the wall: nearer nodes, and those beside them, move the wall
 
@@ -60,31 +60,35 @@ const WallEnd* YieldingWall::System::end_of(int first, int count, int node, cons
     return nullptr;
 }
 
-void YieldingWall::System::keep_carried(int first, const RodView& rod)
+void YieldingWall::System::find_before(int first, const RodView& rod)
 {
     const int capacity = static_cast<int>(rod.x.size());
     thread_local std::vector<const WallEnd*> end;
     end.resize(static_cast<std::size_t>(rod.n));
     for (int i = 0; i < rod.n; ++i) end[i] = end_of(first, capacity, i, rod.pos(i));
     for (int i = 0; i < rod.n; ++i) {
-        WallStation& station = stations[first + i];
-        station.shift.setZero();
-        if (!station.near) continue;
-        const Vec3 x = rod.pos(i);
-        Vec3 before;
+        std::optional<Vec3>& y = before[first + i];
+        y.reset();
         if (end[i]) {
-            before = Eigen::Map<const Vec3>(end[i]->y);
+            y = Eigen::Map<const Vec3>(end[i]->y);
         } else if (i > 0 && i + 1 < rod.n && end[i - 1] && end[i + 1]) {  // born between two, where y was linear
             const Eigen::Map<const Vec3> xa(end[i - 1]->x), xb(end[i + 1]->x), ya(end[i - 1]->y), yb(end[i + 1]->y);
+            const Vec3 x = rod.pos(i);
             const double t = std::clamp((x - xa).dot(xb - xa) / (xb - xa).squaredNorm(), 0.0, 1.0);
-            before = x + (1 - t) * (ya - xa) + t * (yb - xb);
-        } else {
-            continue;
+            y = x + (1 - t) * (ya - xa) + t * (yb - xb);
         }
-        const Vec3 missing = x - station.start - before;
-        const double size = missing.norm(), most = most_made_good * rod.radius[std::min(i, rod.n - 2)];
-        if (size > most) station.shift = (most / size - 1) * missing;
     }
+}
+
+void YieldingWall::System::keep_carried(int node, const Vec3& x, double radius)
+{
+    WallStation& station = stations[node];
+    station.shift.setZero();
+    if (!station.near || !before[node]) return;
+    const Vec3 missing = x - station.start - *before[node];
+    // nothing feels it where the axis cannot touch
+    const double size = missing.norm(), most = most_made_good * radius + std::max(0.0, station.distance - may_touch * radius);
+    if (size > most) station.shift = (most / size - 1) * missing;
 }
 
 void YieldingWall::System::note_ends(int first, int count)
@@ -93,6 +97,23 @@ void YieldingWall::System::note_ends(int first, int count)
     for (int i = first; i < first + count; ++i) {
         std::copy_n(&now.q[4 * static_cast<std::size_t>(i)], 3, ends[i].x);
         std::copy_n(&now.y[3 * static_cast<std::size_t>(i)], 3, ends[i].y);
+    }
+}
+
+void YieldingWall::note_bowed(RodArrays& rods, int wire, std::vector<std::uint8_t>& bowed) const
+{
+    const System& system = of(wire);
+    const RodView rod = rods.view(wire);
+    const auto moved = [&](int i) -> Vec3 {
+        const WallEnd& end = system.ends[rods.node_begin(wire) - system.first_node + i];
+        const Eigen::Map<const Vec3> x(end.x), y(end.y);
+        return x == rod.pos(i) ? Vec3(x - y) : Vec3::Zero();
+    };
+    bowed.assign(static_cast<std::size_t>(rod.n), 0);
+    for (int i = 1; i + 1 < rod.n; ++i) {
+        const double t = rod.rest_length[i - 1] / (rod.rest_length[i - 1] + rod.rest_length[i]);
+        const Vec3 bow = moved(i) - (1 - t) * moved(i - 1) - t * moved(i + 1);
+        bowed[i] = bow.norm() > most_made_good * rod.radius[i];
     }
 }
 
@@ -114,11 +135,12 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
     auto to = unmoved_.arrays(wire);
     for (std::size_t k = 0; k < from.size(); ++k) std::copy(from[k].begin(), from[k].end(), to[k].begin());
     const RodView rod = rods.view(wire), carried = unmoved_.view(wire);
+    system.find_before(first, rod);
     for (int i = 0; i < n; ++i) {
-        system.stations.place(first + i, rod.pos(i), system.dynamics, rod.radius[std::min(i, n - 2)]);
-    }
-    system.keep_carried(first, rod);
-    for (int i = 0; i < n; ++i) {
+        const std::optional<Vec3>& before = system.before[first + i];
+        const double radius = rod.radius[std::min(i, n - 2)];
+        system.stations.place(first + i, rod.pos(i), before ? &*before : nullptr, system.dynamics, radius);
+        system.keep_carried(first + i, rod.pos(i), radius);
         const WallStation& station = system.stations[first + i];
         if (station.near) carried.set_pos(i, rod.pos(i) - station.start + station.shift);
         Eigen::Map<Vec3>(&system.y_start[3 * static_cast<std::size_t>(first + i)]) = carried.pos(i);

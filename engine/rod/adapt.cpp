@@ -193,7 +193,7 @@ void NodePlanner::plan_merge(const RodView& rod, const WireSpec& spec, const Nod
     int best = -1;
     double least = merge_share * (1 + 1e-9);
     for (int i = 1; i < rod.n - (demands.fed ? 2 : 1); ++i) {
-        if (marked_[i]) continue;
+        if (marked_[i] || (!demands.bowed.empty() && demands.bowed[i])) continue;
         const double length = rod.rest_length[i - 1] + rod.rest_length[i];
         if (length > spec.max_edge) continue;
         if (i > 1 && length > edge_ratio_limit * rod.rest_length[i - 2]) continue;

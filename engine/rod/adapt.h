@@ -43,6 +43,7 @@ struct NodeDemands {
     // edges beside nodes on which contact acts are no longer than that [m]: what they touch bends with them
     std::span<const Vec3> contact = {};  // [n] [N]
     double touching_edge = std::numeric_limits<double>::infinity();
+    std::span<const std::uint8_t> bowed = {};  // [n] nodes that stay for what lies under them
     bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which makes it from 0 to h long
 };
 

@@ -17,6 +17,7 @@ typedef struct Closing {
     real rate, rate_t0;    // (depth - depth_t0) inv_dt, and that of the last step [m/s]
     real approach;         // v- of (D7) [m/s]
     int fresh;             // there was no contact point in the last step
+    int deepens;           // it was less deep at the start of the step
 } Closing;
 
 SEL_FN Closing closing_of(ContactPoint contact, vec3 n, ContactState old, const LawContext* c)
@@ -27,6 +28,12 @@ SEL_FN Closing closing_of(ContactPoint contact, vec3 n, ContactState old, const 
     closing.depth = contact.depth;
     // without a last gap the rate follows from the move
     closing.depth_t0 = closing.fresh || c->par.known ? contact.depth + dot3(n, c->mv.move) : -old.gap;
+    closing.deepens = contact.depth > closing.depth_t0;
+    if (closing.fresh) {
+        // along the normal a move past an edge or a corner reads as one away from it; by the wall's point it does not
+        const vec3 before = contact.to_wall + c->mv.move;
+        closing.deepens = closing.deepens || dot3(before, before) > dot3(contact.to_wall, contact.to_wall);
+    }
     closing.rate = (contact.depth - closing.depth_t0) * c->par.inv_dt;
     closing.rate_t0 = old.rate;
     closing.approach = was_active ? old.approach : (closing.fresh ? closing.rate : old.rate);
@@ -39,7 +46,7 @@ SEL_FN int blocked(Closing closing, const LawContext* c)
 {
     if (c->par.normal_law == SEL_NORMAL_BARRIER) return closing.depth >= c->mv.radius_reduction;
     const real limit = c->m.depth_limit;
-    return limit > 0 && closing.depth > SEL_BLOCKED_AT * limit && closing.depth > closing.depth_t0;
+    return limit > 0 && closing.depth > SEL_BLOCKED_AT * limit && closing.deepens;
 }
 
 SEL_FN real damped_force(Closing closing, const LawContext* c, real* slope)

@@ -435,6 +435,7 @@ SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, Con
     closing.fresh = fresh;
     closing.depth = -deepest.gap;
     closing.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : closing.depth;
+    closing.deepens = closing.depth > closing.depth_t0;
     closing.rate = (closing.depth - closing.depth_t0) * c->par.inv_dt;
     closing.rate_t0 = old.rate;
     const int was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);

@@ -207,6 +207,35 @@ TEST_SUITE("contact/law")
         }
     }
 
+    // Drawn over a corner by more than its radius in a step, a sphere that had no contact yet is deep in it on the corner's far side:
+    // along the normal there the move leads away. Taken as such it had no force, and no step after it a state.
+    TEST_CASE("analytic: a sphere that a move brings deep into a corner is refused, one that was as deep before is not")
+    {
+        LawContext c{};
+        c.m = line_model(steel(), {}, wall(), INFINITY, 1e-3);
+        c.m.weight = 1e-3;
+        c.mv.epoch = 5;
+        c.par.inv_dt = 1000;
+        const ContactState none{};
+        const double d = 0.1 * r;  // from the corner: r/2 is the limit
+        ContactPoint contact = no_contact_point(r);
+        contact.found = 1;
+        contact.normal = v3(0.6, 0, 0.8);
+        contact.to_wall = -d * contact.normal;
+        contact.depth = r - d;
+        const auto refused = [&](const vec3& move) {
+            c.mv.move = move;
+            ContactState now{};
+            ContactForce out{};
+            add_contact_point(contact, v3(0, 0, 0), none, MultiplierState{}, &c, &now, &out);
+            return (out.flags & SEL_FORCE_BLOCKED) != 0;
+        };
+        CHECK(refused(v3(r, 0, 0)));                    // it was on the other side, 0.94 r from the corner
+        CHECK(refused(-0.5 * r * contact.normal));      // it comes straight on
+        CHECK_FALSE(refused(0.05 * r * contact.normal));  // it was deeper, and leaves
+        CHECK_FALSE(refused(v3(0, 0, 0)));              // it lies there
+    }
+
     TEST_CASE("property: the damped force never pulls, and grows with depth")
     {
         const QuadratureModel m = line_model(steel(), {}, wall(), INFINITY, 1e-3);
