@@ -43,6 +43,13 @@ void WallStations::provide(int nodes)
     clear_.resize(nodes);
 }
 
+void WallStations::take_from(WallStations&& copy)
+{
+    stations_ = std::move(copy.stations_);
+    feet_ = std::move(copy.feet_);
+    clear_ = std::move(copy.clear_);
+}
+
 /// The nearest point of the unmoved surface to y, from where it was looked for last.
 LoopFoot WallStations::foot_of(const WallFoot& last, const Vec3& y) const
 {

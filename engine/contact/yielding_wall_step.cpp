@@ -309,6 +309,9 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
 
 std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
 {
+    // what is only read leaves no trace: the last bits of a foot depend on where it was looked for before
+    std::vector<WallStations> before;
+    for (const auto& system : systems_) before.push_back(system->stations);
     for (int w = 0; w < rods.wire_count(); ++w) carry_back(rods, w);
     std::vector<ContactRow> list = contact_.rows(unmoved_);
     for (ContactRow& row : list) {
@@ -322,6 +325,7 @@ std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
         };
         row.point += (1 - t) * moved(edge) + t * moved(edge + 1);
     }
+    for (std::size_t s = 0; s < systems_.size(); ++s) systems_[s]->stations.take_from(std::move(before[s]));
     return list;
 }
 
