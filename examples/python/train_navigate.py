@@ -5,7 +5,8 @@ train_navigate.py [--target left-carotid] [--minutes 8] [--seed 0] [-o DIR]
 
 A policy is linear in the points of the way ahead of the tip, with a tanh; all its weights begin at zero. A generation is a set of policies
 drawn from a normal distribution, each tried from the same few random starts, all at once in one world; the best quarter is the next
-distribution. Success is measured on other starts than those learnt from, with the distribution's mean. Writes curve.csv, policy.npz.
+distribution, widened by a noise that fades, so that it does not settle before the first has arrived (Szita and Lorincz 2006,
+doi:10.1162/neco.2006.18.12.2936). Success is measured on other starts than those learnt from, with the distribution's mean. Writes curve.csv, policy.npz.
 """
 
 import argparse
@@ -18,6 +19,7 @@ from gymnasium.vector import AutoresetMode
 
 import seldinger.gym
 
+NOISE, FADE = 1.0, 0.8  # of the weights, per generation
 EVALUATED, START_SEED = 16, {"learning": 0, "evaluation": 1}
 
 
@@ -75,9 +77,9 @@ def main():
     parser.add_argument("--target", default="left-carotid")
     parser.add_argument("--minutes", type=float, default=8.0)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--policies", type=int, default=16)
-    parser.add_argument("--starts", type=int, default=2, help="that each policy is tried from in a generation")
-    parser.add_argument("--steps", type=int, default=300, help="controls in an episode")
+    parser.add_argument("--policies", type=int, default=32)
+    parser.add_argument("--starts", type=int, default=1, help="that each policy is tried from in a generation")
+    parser.add_argument("--steps", type=int, default=240, help="controls in an episode")
     parser.add_argument("-o", dest="out", type=Path, default=Path("out/train"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -98,7 +100,7 @@ def main():
         score = total.reshape(options.policies, options.starts).mean(axis=1)
         best = draws[np.argsort(-score)[: options.policies // 4]]
         mean = 0.3 * mean + 0.7 * best.mean(axis=0)
-        spread = np.maximum(0.3 * spread + 0.7 * best.std(axis=0), 0.05)
+        spread = np.hypot(0.3 * spread + 0.7 * best.std(axis=0), NOISE * FADE**generation)
         steps += int(taken.sum())
         print(f"    generation {generation:3d}: best {score.max():6.2f}, mean {score.mean():6.2f}, arrived {arrived.mean():.2f}", flush=True)
 
