@@ -38,8 +38,8 @@ def main():
     plot_style.use_style()
     figure, axes = pyplot.subplots(figsize=(2 * plot_style.COLUMN, 2.2), layout="constrained")
     for colour, (target, seeds) in zip((plot_style.BLUE, plot_style.RED), sorted(curves(options.folder).items())):
-        minutes = np.linspace(0, min(s[-1, 0] for s in seeds), 200)
-        # a policy is as good as when it was last evaluated
+        minutes = np.linspace(0, max(s[-1, 0] for s in seeds), 200)
+        # a policy is as good as when it was last evaluated, that of a run that has ended too
         success = np.array([100 * s[np.searchsorted(s[:, 0], minutes, side="right").clip(1) - 1, 1] for s in seeds])
         axes.fill_between(minutes, success.min(axis=0), success.max(axis=0), color=colour, alpha=0.15, linewidth=0)
         axes.plot(minutes, np.median(success, axis=0), color=colour, label=f"{target}, {len(seeds)} seeds")

@@ -11,9 +11,10 @@ import pandas
 
 import seldinger
 
-vary = {"contact.mu_sliding": [0.02, 0.05, 0.08, 0.11, 0.14], "wire.bend_nm2": [2.9e-4, 5.8e-4]}
-table = pandas.DataFrame(seldinger.batch("aortic-arch", vary, contact__mu_static=0.15))
-mean = table.groupby(["wire.bend_nm2", "contact.mu_sliding"])[["friction_max_n", "normal_n", "overlap_max_m"]].mean()
+vary = {"wire.mu_sliding": [0.02, 0.05, 0.08, 0.11, 0.14], "wire.bend_nm2": [2.9e-4, 5.8e-4]}
+keys = [{"t_s": 0.0, "advance_m": 0.0, "turn_rad": 0.0}, {"t_s": 10.0, "advance_m": 0.3, "turn_rad": 0.0}]
+table = pandas.DataFrame(seldinger.batch("navigate", vary, wire__mu_static=0.15, feed__keys=keys))
+mean = table.groupby(["wire.bend_nm2", "wire.mu_sliding"])[["friction_max_n", "normal_n", "overlap_max_m"]].mean()
 print(mean.to_string())
 for stiffness, rows in mean.groupby(level=0):
     pyplot.plot(rows.index.get_level_values(1), rows["friction_max_n"], marker="o", label=f"{1e4 * stiffness:g} N cm^2")
