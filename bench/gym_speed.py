@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Environment steps a second of seldinger/Navigate-v0, what Python adds to the engine, and memory over many steps.
 
-bench/gym_speed.py [--envs 1,16,64,256] [--seconds 10] [--memory-steps 100000] [--csv FILE]
+bench/gym_speed.py [--envs 1,16,64,256,1024] [--seconds 10] [--image] [--memory-steps 100000] [--csv FILE]
 
 A step is a control of 1/60 s, four converged steps of the engine. `engine` is the share of the time that the engine's own step()
 takes; `overhead` what the environment adds to that: observations, rewards, resets.
@@ -25,55 +25,47 @@ def memory_mb() -> float:
 
 
 class Timed:
-    """The extension's world with its steps timed."""
+    """Calls a function and keeps the time."""
 
-    def __init__(self, world):
-        self.world, self.seconds = world, 0.0
+    def __init__(self, function):
+        self.function, self.seconds = function, 0.0
 
-    def __getattr__(self, name):
-        return getattr(self.world, name)
-
-    def step(self, *arguments):
+    def __call__(self, *arguments):
         begun = time.perf_counter()
-        done = self.world.step(*arguments)
+        self.function(*arguments)
         self.seconds += time.perf_counter() - begun
-        return done
 
 
 def drive(env, seconds, rng):
     """Random walks forward, so that wires are in the arch and touch. @return steps, wall and engine seconds, mean nodes and contacts"""
-    navigator, own = env._fleet.navigator, env._fleet.world
-    raw, timed = own._world, Timed(own._world)
-    shape = env.action_space.shape
+    fleet, shape = env._fleet, env.action_space.shape
     env.reset(seed=0)
-    observe = navigator.observe
-    env._fleet.navigator = type("N", (), {"observe": staticmethod(lambda _, a, b: observe(raw, a, b)), "size": navigator.size})
-    own._world = timed
-    begun, steps = time.perf_counter(), 0
-    nodes, contacts = [], []
+    engine = fleet._drive = Timed(type(fleet)._drive.__get__(fleet))
+    begun, steps, contacts = time.perf_counter(), 0, []
     while time.perf_counter() - begun < seconds:
-        for _ in range(10):
+        for _ in range(max(1, min(10, 64 // env.num_envs))):
             action = rng.uniform(-1, 1, shape) * [0.6, 1.0] + [0.4, 0.0]
             env.step(action.astype(np.float32))
             steps += 1
-        contacts.append(float(env._fleet.seen[:, -4].mean()) * 10)
+        contacts.append(float(fleet.seen[:, -4].mean()) * 10)
     wall = time.perf_counter() - begun
-    own._world, env._fleet.navigator = raw, navigator
-    nodes = [len(w.nodes) for w in own.output.instruments]
-    return steps, wall, timed.seconds, float(np.mean(nodes)), float(np.mean(contacts))
+    nodes = [len(w.nodes) for w in env.world.output.instruments]
+    return steps, wall, engine.seconds, float(np.mean(nodes)), float(np.mean(contacts))
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--envs", default="1,16,64,256")
+    parser.add_argument("--envs", default="1,16,64,256,1024")
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--image", action="store_true", help="each sees 64 x 64 of its X-ray")
     parser.add_argument("--memory-steps", type=int, default=0, help="controls of 16 environments, memory printed ten times")
+    parser.add_argument("--memory-rate", type=float, default=60.0, help="controls a second of those")
     parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
     rows = []
     print("envs  env steps/s  real-time factor each  nodes  contacts  engine ms  overhead %")
-    for count in map(int, options.envs.split(",")):
-        env = seldinger.gym.NavigateVectorEnv(count, starts=4)
+    for count in map(int, filter(None, options.envs.split(","))):
+        env = seldinger.gym.NavigateVectorEnv(count, starts=4, image="fluoroscopy" if options.image else None)
         drive(env, 0.2 * options.seconds, np.random.default_rng(1))  # warm
         steps, wall, engine, nodes, contacts = drive(env, options.seconds, np.random.default_rng(0))
         env.close()
@@ -83,7 +75,7 @@ def main() -> int:
         print("{envs:4d}  {env_steps_per_s:11.0f}  {real_time_each:21.2f}  {nodes:5.0f}  {contacts:8.1f}  {engine_ms:9.2f}  "
               "{overhead_percent:10.1f}".format(**rows[-1]), flush=True)
     if options.memory_steps:
-        env = seldinger.gym.NavigateVectorEnv(16, starts=4, max_steps=100)
+        env = seldinger.gym.NavigateVectorEnv(16, starts=4, max_steps=100, rate=options.memory_rate)
         env.reset(seed=0)
         rng = np.random.default_rng(0)
         per = max(1, options.memory_steps // 16 // 10)
@@ -92,7 +84,7 @@ def main() -> int:
             for _ in range(per if k < 10 else 0):
                 env.step(rng.uniform(-1, 1, (16, 2)).astype(np.float32))
         env.close()
-    if options.csv:
+    if options.csv and rows:
         with options.csv.open("w", newline="") as file:
             table = csv.DictWriter(file, rows[0])
             table.writeheader()

@@ -11,7 +11,9 @@ from matplotlib import pyplot
 import seldinger
 
 for wire in ("terumo-angled-035", "bentson-035", "amplatz-super-stiff-035"):
-    with seldinger.World("navigate", wire__preset=wire) as world:
+    scene = {"scene": {"gravity": [0.0, 0.0, -9.81], "dt_s": 1 / 240}, "wire": {"preset": wire, "length_m": 0.45},
+             "vessel": {"shape": "aortic-arch"}, "feed": {"inlet": "auto", "keys": [{"t_s": 0.0, "advance_m": 0.0, "turn_rad": 0.0}]}}
+    with seldinger.World(scene) as world:
         inserted, force = [], []
         for millimetres in range(1, 301):
             if world.step([1e-3 * millimetres, 0.0], n=10).failed:

@@ -66,7 +66,8 @@ def batch(scene: SceneLike, vary: Any, *, set: Sequence[str] = (), device: int =
 
 
 def plan(scene: SceneLike, tolerance: float, *, force_tolerance: float = 0.0, force_is_relative: bool = True,
-         peak_force_tolerance: float = 0.0, peak_force_is_relative: bool = True, rate: float = 0.0, budget: float = 120.0, out: str | os.PathLike[str] = "planned.toml", set: Sequence[str] = (), device: int = -1,
+         peak_force_tolerance: float = 0.0, peak_force_is_relative: bool = True, rate: float = 0.0, budget: float = 120.0,
+         out: str | os.PathLike[str] = "planned.toml", set: Sequence[str] = (), device: int = -1,
          **overrides: Any) -> dict[str, Any]:
     """The cheapest model that is good enough for a scene, as the command's `plan --json` says it.
 

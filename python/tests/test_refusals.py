@@ -230,3 +230,11 @@ def test_scenes_that_cannot_be(scene):
 def test_sweeps_that_cannot_be(vary):
     with pytest.raises((TypeError, ValueError, OSError, seldinger.Error)):
         seldinger.batch("swing", vary, scene__duration_s=0.01)
+
+
+def test_a_numpy_that_the_build_does_not_know_is_refused_at_import():
+    code = "import numpy; numpy.__version__ = '2.1.0'; import seldinger"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    if done.returncode == 0:
+        pytest.skip("built with a pybind11 that knows NumPy 2")
+    assert "ImportError" in done.stderr and "numpy<2" in done.stderr.splitlines()[-1]

@@ -4,6 +4,7 @@ import gc
 import json
 import os
 import pickle
+import resource
 import subprocess
 import sys
 import threading
@@ -115,6 +116,26 @@ def test_views_are_of_a_moment_and_outlive_the_world():
     del world, output
     gc.collect()
     assert np.array_equal(nodes, copy) and nodes.shape == (len(copy), 3)
+
+
+def resident_mb():
+    gc.collect()
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * resource.getpagesize() / 1e6
+
+
+def test_worlds_that_are_gone_leave_no_memory_though_views_are_kept():
+    def view():
+        world = seldinger.World("navigate")
+        world.step([0.01, 0.0], n=5)
+        return world.output.nodes
+
+    kept = [view() for _ in range(2)]  # what is made once: kernels, pools
+    before = resident_mb()
+    kept += [view() for _ in range(6)]
+    # a view holds one copy of a state of some nodes, less than 0.1 MB; a world with its vessel's triangles is more than 5
+    assert resident_mb() - before < 6
+    assert all(np.isfinite(v).all() for v in kept)
 
 
 def test_names_address_instruments():
