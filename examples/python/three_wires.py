@@ -10,16 +10,19 @@ from matplotlib import pyplot
 
 import seldinger
 
-for wire in ("terumo-angled-035", "bentson-035", "amplatz-super-stiff-035"):
+COLOURS = ("#0072B2", "#E69F00", "#009E73")  # a colour-blind reader tells them apart
+
+figure, axes = pyplot.subplots(figsize=(3.5, 2.6), layout="constrained")
+for colour, wire in zip(COLOURS, ("terumo-angled-035", "bentson-035", "amplatz-super-stiff-035")):
     with seldinger.World("navigate", wire__preset=wire) as world:
         inserted, force = [], []
         for millimetres in range(1, 301):
             if world.step([1e-3 * millimetres, 0.0], n=10).failed:
                 break
-            inserted.append(1e3 * world.output.inserted)
-            force.append(world.output.hand_force)
-        pyplot.plot(inserted, force, label=wire)
-pyplot.xlabel("inserted [mm]")
-pyplot.ylabel("hand force [N]")
-pyplot.legend()
-pyplot.savefig(sys.argv[1] if len(sys.argv) > 1 else "three-wires.png", dpi=100)
+            inserted.append(100 * world.output.inserted)
+            force.append(1e3 * world.output.hand_force)
+        axes.plot(inserted, force, color=colour, label=wire)
+axes.set(xlabel="inserted length [cm]", ylabel="hand force [mN]", xlim=(0, 30))
+axes.set_ylim(bottom=0)
+axes.legend(frameon=False, fontsize=8)
+figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "three-wires.png", dpi=200)
