@@ -70,7 +70,7 @@ def main():
             axes.set_ylim(0, {"experiment1": 12, "experiment2": 6}[name])
             axes.legend(loc="lower left", bbox_to_anchor=(0, 1), fontsize=6.5, labelspacing=0.2)  # on no curve
         panels[0].plot([8, 24], [0.0493 * 10 * (8 - 3.45), 0.0493 * 10 * (24 - 3.45)], color="0.5", linestyle=":", linewidth=1)
-        panels[0].text(11.5, 6.2, "slope 0.0493 N/m", fontsize=7, color="0.4")
+        panels[0].text(17.5, 5.0, "slope 0.0493 N/m", fontsize=7, color="0.4")
     figure.savefig(options.o, dpi=200)
 
 
