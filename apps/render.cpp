@@ -110,7 +110,10 @@ ExitCode render(const Options& options)
     if (!options.gltf.empty() || !options.usd.empty()) return export_model(options, what);
     FrameWatch watch;
     const auto paths = render_run(options.dir, what, watch.progress());
-    if (!options.frames.quiet) print_paths(paths);
+    if (options.frames.quiet) return ExitCode::Done;
+    print_paths(paths);
+    if (what.legend && !legend_fits(width, height))
+        fmt::print(stderr, "seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height);
     return ExitCode::Done;
 #else
     (void)width, (void)height;

@@ -18,17 +18,16 @@ matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
-from plot_style import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, SKY, better, place_labels, use_style
+from plot_style import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, better, place_labels, use_style
 
 use_style()
 
-# family -> (marker, size); what is varied
-MARKERS = {"nodes": ("o", 26), "step": ("o", 26), "cheap": ("o", 26), "trapezoid": ("P", 30), "adaptive": ("D", 24), "published": ("*", 120), "published best": ("*", 150),
-           "planned": ("d", 80), "detection": ("^", 30), "friction": ("s", 24), "normal law": ("p", 34), "rolling": ("h", 34), "spin": ("8", 26), "wall": (">", 40), "precision": ("H", 34), "explicit": ("X", 34)}
-BROWN = "#7a5230"
-BEST = PURPLE  # the published method at its best
+# Four kinds of models, told apart by shape and colour; what else is varied stands in the labels and in chart.csv.
+KINDS_OF_MODEL = {"newton": ("o", 24, BLUE, "steps solved by Newton"), "linearised": ("s", 20, ORANGE, "one linearised step"),
+                  "baseline": ("^", 28, GREEN, "mass-spring, beam, explicit"), "published": ("*", 120, RED, "published method, as printed"),
+                  "published best": ("*", 120, PURPLE, "published method, at its best"), "planned": ("d", 80, BLACK, "what `plan` chose")}
+BASELINES = ("mass-spring", "soft mass-spring", "beam", "beam · lin", "explicit")
 CLOCKS = {"wall": "wall time", "cpu": "processor time"}
-BASELINES = {"mass-spring": ("v", SKY), "soft mass-spring": ("v", "#bfe1f6"), "beam": ("<", GREEN), "beam · lin": ("<", "#8fd6c0")}
 
 
 def read_table(path):
@@ -43,26 +42,17 @@ def number(text):
     return float(text) if text else math.nan
 
 
-def colour_of(row):
+def kind_of(row):
+    """Key of KINDS_OF_MODEL."""
     if row["family"] in BASELINES:
-        return BASELINES[row["family"]][1]
+        return "baseline"
     if row["family"] == "published best":
-        return BEST
+        return "published best"
     if row["published"] == "1":
-        return RED
+        return "published"
     if row["family"] == "planned":
-        return BLACK
-    if row["family"] == "explicit":
-        return BROWN
-    return ORANGE if "scheme=linearised" in row["settings"] else BLUE
-
-
-def marker_of(row):
-    if row["family"] in BASELINES:
-        return BASELINES[row["family"]][0], 30
-    if row["family"] == "published" and row["published"] != "1":
-        return "*", 60
-    return MARKERS.get(row["family"], ("o", 26))
+        return "planned"
+    return "linearised" if "scheme=linearised" in row["settings"] else "newton"
 
 
 class Panel:
@@ -90,7 +80,7 @@ class Panel:
     def draw(self, axes):
         axes.set_xscale("log")
         axes.set_yscale("log")
-        axes.set_ylabel(f"error: {self.reference['says']} [{self.shown_unit}]")
+        axes.set_ylabel(f"{'tip' if self.word == 'tip' else self.reference['says']} error [{self.shown_unit}]")
         if not self.charted or not self.points:
             axes.set_xticks([])
             axes.set_yticks([])
@@ -113,7 +103,7 @@ class Panel:
         better(axes)
 
     def draw_point(self, axes, cost, error, row):
-        colour, (marker, size) = colour_of(row), marker_of(row)
+        marker, size, colour, _ = KINDS_OF_MODEL[kind_of(row)]
         resolved = row[f"{self.word}_resolved"] == "1" or self.uncertainty == 0
         held = row["outcome"] == "hold"
         axes.plot([number(row[row["clock"] + "_lowest"]), number(row[row["clock"] + "_highest"])], [error, error], color=colour, linewidth=0.7, alpha=0.6, zorder=2)
@@ -132,7 +122,9 @@ class Panel:
             steps = [(b[0], a[1]) for a, b in zip(front, front[1:])]  # corners of the line, and places along it
             along = [(math.exp(math.log(a[0]) + t * math.log(b[0] / a[0])), a[1]) for a, b in zip(front, front[1:]) for t in (0.25, 0.5, 0.75)]
             down = [(b[0], math.exp(math.log(a[1]) + t * math.log(b[1] / a[1]))) for a, b in zip(front, front[1:]) for t in (0.25, 0.5, 0.75)]
-            place_labels(axes, [(cost, error, row["model"]) for cost, error, row in front], [p[:2] for p in self.points] + steps + along + down)
+            cue = axes.transData.inverted().transform(axes.transAxes.transform([(0.04 * k, 0.075) for k in range(6)]))  # "better"
+            place_labels(axes, [(cost, error, row["model"]) for cost, error, row in front],
+                         [p[:2] for p in self.points] + steps + along + down + [tuple(p) for p in cue])
 
     def draw_front(self, axes):
         front = self.front()
@@ -149,22 +141,11 @@ class Panel:
 
 
 def legend_entries(rows):
-    def dot(colour, marker, label, **style):
-        return Line2D([], [], color=colour, marker=marker, linestyle="", markersize=5.5, label=label, **style)
+    def dot(colour, marker, label, size=5.5, **style):
+        return Line2D([], [], color=colour, marker=marker, linestyle="", markersize=size, label=label, **style)
 
-    families = {row["family"] for row in rows}
-    entries = [dot(BLUE, "o", "newton, uniform nodes"), dot(ORANGE, "o", "linearised, uniform nodes"), dot(BLUE, "D", "adaptive nodes")]
-    named = [("trapezoid", BLUE, "P", "trapezoid"), ("detection", BLUE, "^", "other detection"), ("friction", BLUE, "s", "other friction law"),
-             ("normal law", BLUE, "p", "other normal law"), ("rolling", BLUE, "h", "rolling on / off"), ("wall", BLUE, ">", "other wall"), ("spin", BLUE, "8", "spin angles always solved for"),
-             ("precision", BLUE, "H", "float32 contact"), ("explicit", BROWN, "X", "explicit")]
-    entries += [dot(colour, marker, label) for family, colour, marker, label in named if family in families]
-    entries += [dot(colour, marker, name) for name, (marker, colour) in BASELINES.items() if name in families]
-    if "published" in families:
-        entries += [Line2D([], [], color=RED, marker="*", linestyle="", markersize=10, label="published method, as printed"),
-                    Line2D([], [], color=BEST, marker="*", linestyle="", markersize=11, label="published method, at its best"),
-                    dot(ORANGE, "*", "its laws, capsule detection")]
-    if "planned" in families:
-        entries.append(dot(BLACK, "d", "what `plan` chose", markerfacecolor=BLACK))
+    kinds = {kind_of(row) for row in rows}
+    entries = [dot(colour, marker, label, 10 if size > 100 else 5.5) for kind, (marker, size, colour, label) in KINDS_OF_MODEL.items() if kind in kinds]
     entries += [dot("0.15", "x", "did not hold"), dot(BLUE, "o", "below 10 × the reference's uncertainty", markerfacecolor="white"),
                 Line2D([], [], color="0.25", linewidth=1.1, label="Pareto front"),
                 Line2D([], [], color="0.8", linewidth=6, label="reference's uncertainty"),
@@ -185,17 +166,19 @@ def save(figure, folder, stem):
 def draw_legend(cell, rows):
     entries = legend_entries(rows)
     wide = cell.get_subplotspec().colspan.stop - cell.get_subplotspec().colspan.start
-    legend = cell.legend(handles=entries, loc="center", ncol=wide, fontsize=7 if len(entries) < 17 else 6.5, labelspacing=0.45 if len(entries) < 17 else 0.22)
+    legend = cell.legend(handles=entries, loc="center", ncol=wide, labelspacing=0.45)
     legend.set_in_layout(False)  # a long one would pull the rows apart
 
 
 def grid_figure(count, columns):
     rows = math.ceil((count + 1) / columns)  # one cell for the legend, or a row of them
-    figure, axes = plt.subplots(rows, columns, figsize=(COLUMN * columns, 3.0 * rows), squeeze=False)
+    apart = count % columns == 0
+    heights = [1] * (rows - apart) + [0.45] * apart
+    figure, axes = plt.subplots(rows, columns, figsize=(COLUMN * columns, 3.0 * sum(heights)), squeeze=False, height_ratios=heights)
     cells = list(axes.flat)
     for cell in cells[count:]:
         cell.axis("off")
-    if count % columns == 0:
+    if apart:
         for cell in cells[count:]:
             cell.remove()
         cells[count:] = [figure.add_subplot(axes[0, 0].get_gridspec()[rows - 1, :])]

@@ -26,7 +26,7 @@ def better(axes, where="left and down"):
 
 def place_labels(axes, labels, points, size=SMALL):
     """Writes each (x, y, text) where it covers neither another label nor one of `points` nor the edge, with a line to its point where that
-    is not beside it; what finds no place within an inch is left out. @return texts that found no place
+    is not beside it; what finds no place within half an inch is left out. @return texts that found no place
     """
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
@@ -41,7 +41,7 @@ def place_labels(axes, labels, points, size=SMALL):
         probe.remove()
         wide, high = box.width, box.height
         best = None
-        for far in (5, 11, 18, 27, 38, 52, 68):
+        for far in (5, 11, 18, 27, 36):
             reach = far * scale
             for dx, dy in ((-1, -1), (1, 1), (-1, 1), (1, -1), (1, 0), (-1, 0), (0, -1), (0, 1), (-1, -.5), (1, .5), (-1, .5), (1, -.5)):
                 left = px + dx * reach - (wide if dx < 0 else wide / 2 if dx == 0 else 0)

@@ -15,6 +15,7 @@ import csv
 import json
 import math
 import os
+import pathlib
 import random
 import re
 import select
@@ -194,20 +195,23 @@ def plot(options):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "assets"))
+    from plot_style import BLACK, BLUE, GREEN, RED, use_style
+    use_style()
     with open(options.table) as file:
         rows = list(csv.DictReader(file))
-    figure, axes = plt.subplots(figsize=(7, 4.5))
-    for stable, marker, colour in (("1", "o", "#147a3d"), ("0", "x", "#b3261e")):
+    figure, axes = plt.subplots(figsize=(5, 3.2))
+    for stable, marker, colour in (("1", "o", GREEN), ("0", "x", RED)):
         chosen = [row for row in rows if row["stable"] == stable]
         axes.scatter([float(r["delay_ms"]) for r in chosen], [float(r["stiffness_n_m"]) for r in chosen], marker=marker, color=colour,
                      label="stable" if stable == "1" else "swings")
     line = sorted({(float(r["delay_ms"]), float(r["colgate_n_m"])) for r in rows})
-    axes.plot(*zip(*line), color="#5d6b78", label="Colgate's line, hand of 3 N s/m")
-    axes.axhline(500, color="#0b6bcb", linestyle="--", label="default stiffness")
+    axes.plot(*zip(*line), color=BLACK, label="Colgate's line, hand of 3 N s/m")
+    axes.axhline(500, color=BLUE, linestyle="--", label="default stiffness")
     axes.set(yscale="log", xlabel="delay of the force beside the period that it is held for [ms]", ylabel="coupling stiffness [N/m]")
-    axes.legend()
-    figure.tight_layout()
-    figure.savefig(options.output, dpi=110)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)  # on no point
+    figure.set_layout_engine("constrained")
+    figure.savefig(options.output, dpi=200)
 
 
 def main():

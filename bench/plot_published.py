@@ -11,6 +11,7 @@ import argparse
 import csv
 import os
 import subprocess
+import sys
 import tempfile
 
 import matplotlib
@@ -19,18 +20,21 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "assets"))
+from plot_style import BLUE, COLUMN, GREEN, ORANGE, PURPLE, RED, use_style  # noqa: E402  (beside the scripts for users)
+
 PUBLISHED = ["integrator.scheme=linearised", "contact.detection=layer", "contact.normal=lankarani-nikravesh", "contact.friction=sign"]
 UNDAMPED = PUBLISHED + ["contact.restitution=1"]
 FRAME = ["scene.dt_s=0.016666666666666666"]
 SOFT = ["contact.stiffness=1e4", "contact.exponent=1", "integrator.damping_mass_1_s=100"]
 CAPSULE = ["contact.detection=capsule"]
 RUNS = {  # scene -> until [s], curves: label, colour, texts
-    "experiment1": (12, [("as printed, 1 ms", "#c22f2f", PUBLISHED), ("at its best, 0.5 ms", "#f08080", UNDAMPED + ["scene.dt_s=0.0005"]),
-                         ("at its best, 16.7 ms", "#e08a1e", UNDAMPED + SOFT + FRAME), ("default, 1 ms", "#1f5f99", [])]),
-    "experiment2": (12, [("as printed, 1 ms", "#c22f2f", PUBLISHED + ["wire.nodes=101"]),
-                         ("at its best, 1 ms", "#f08080", UNDAMPED + ["wire.nodes=101"]),
-                         ("its step and laws on capsule, 1 ms", "#3f8f4f", UNDAMPED + CAPSULE + ["wire.nodes=101"]),
-                         ("default, 1 ms", "#1f5f99", ["wire.nodes=101"])]),
+    "experiment1": (12, [("as printed, 1 ms", RED, PUBLISHED), ("at its best, 0.5 ms", PURPLE, UNDAMPED + ["scene.dt_s=0.0005"]),
+                         ("at its best, 16.7 ms", ORANGE, UNDAMPED + SOFT + FRAME), ("default, 1 ms", BLUE, [])]),
+    "experiment2": (12, [("as printed, 1 ms", RED, PUBLISHED + ["wire.nodes=101"]),
+                         ("at its best, 1 ms", PURPLE, UNDAMPED + ["wire.nodes=101"]),
+                         ("its step and laws on capsule, 1 ms", GREEN, UNDAMPED + CAPSULE + ["wire.nodes=101"]),
+                         ("default, 1 ms", BLUE, ["wire.nodes=101"])]),
 }
 
 
@@ -50,25 +54,24 @@ def main():
     parser.add_argument("--app", default=os.path.join(ROOT, "build", "seldinger"))
     parser.add_argument("-o", default=os.path.join(ROOT, "docs", "charts", "published.png"))
     options = parser.parse_args()
-    figure, panels = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+    use_style()
+    figure, panels = plt.subplots(1, 2, figsize=(2 * COLUMN, 3.4), layout="constrained")
     with tempfile.TemporaryDirectory() as folder:
         for axes, (name, (until, curves)) in zip(panels, RUNS.items()):
             for label, colour, settings in curves:
                 x, y = curve(options.app, os.path.join(options.scenes, name + ".toml"), until, settings, folder)
                 ended = x[-1] < 2 * until - 0.1
-                axes.plot(x, y, color=colour, linewidth=1, label=label + (" (ended by the energy it makes)" if ended else ""))
+                axes.plot(x, y, color=colour, linewidth=0.8, label=label + (" (ended by the energy it makes)" if ended else ""))
                 if ended:
                     axes.plot(x[-1:], [min(y[-1], 11)], "x", color=colour)
-            axes.set_xlabel("inserted [cm]")
+            axes.set_xlabel("inserted length [cm]")
             axes.set_ylabel("friction [mN]")
-            axes.set_title({"experiment1": "experiment 1: cylinder", "experiment2": "experiment 2: a patient's arch"}[name], fontsize=10)
+            axes.set_title({"experiment1": "experiment 1: cylinder", "experiment2": "experiment 2: a patient's arch"}[name], pad=42)
             axes.set_ylim(0, {"experiment1": 12, "experiment2": 6}[name])
-            axes.legend(fontsize=7, framealpha=0.95, edgecolor="none", loc={"experiment1": "lower right", "experiment2": "upper left"}[name])
-            for side in ("top", "right"):
-                axes.spines[side].set_visible(False)
+            axes.legend(loc="lower left", bbox_to_anchor=(0, 1), fontsize=6.5, labelspacing=0.2)  # on no curve
         panels[0].plot([8, 24], [0.0493 * 10 * (8 - 3.45), 0.0493 * 10 * (24 - 3.45)], color="0.5", linestyle=":", linewidth=1)
-        panels[0].text(11.5, 6.2, "slope 0.0493 N/m", fontsize=7, color="0.4")
-    figure.savefig(options.o, dpi=100)
+        panels[0].text(17.5, 5.0, "slope 0.0493 N/m", fontsize=7, color="0.4")
+    figure.savefig(options.o, dpi=200)
 
 
 if __name__ == "__main__":

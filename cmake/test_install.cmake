@@ -24,22 +24,3 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/docs/example -B ${BUILD}/test-example -G ${GEN
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${BUILD}/test-example)
 run(${CMAKE_COMMAND} -E env POCL_CACHE_DIR=${BUILD}/pocl-cache ${BUILD}/test-example/careful_hand)
-
-# README's program as it stands, in a project of the fewest lines: the target brings C++20 along
-file(READ ${SOURCE}/README.md readme)
-string(REGEX MATCH "```cpp\n([^`]*)```" found "${readme}")
-set(program "${CMAKE_MATCH_1}")  # a match begins anew below
-if(NOT program MATCHES "int main")
-  message(FATAL_ERROR "README.md: no C++ program")
-endif()
-set(project ${BUILD}/test-readme)
-file(REMOVE_RECURSE ${project})
-file(WRITE ${project}/main.cpp "${program}")
-string(REGEX MATCH "```cmake\n([^`]*)```" found "${readme}")
-string(REPLACE "target_link_libraries" "add_executable(my_program main.cpp)\ntarget_link_libraries" lines "${CMAKE_MATCH_1}")
-file(WRITE ${project}/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(Readme LANGUAGES CXX)\n${lines}")
-run(${CMAKE_COMMAND} -S ${project} -B ${project}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
-run(${CMAKE_COMMAND} --build ${project}/build)
-run(${CMAKE_COMMAND} -E env POCL_CACHE_DIR=${BUILD}/pocl-cache ${project}/build/my_program
-    ${SOURCE}/assets/scenes/aortic-arch.toml)

@@ -22,8 +22,12 @@ public:
     /// Of fewer values than a mean takes: the mean of all; 0 of none.
     [[nodiscard]] double value() const { return count_ == 0 ? 0 : count_ < last_.size() ? sum_ / static_cast<double>(count_) : most_; }
 
-private:
+    /// As many values as a mean takes have been added.
+    [[nodiscard]] bool full() const { return count_ >= last_.size(); }
+    /// Of the last values, once full.
     [[nodiscard]] double mean() const { return sum_ / static_cast<double>(last_.size()); }
+
+private:
     std::vector<double> last_;  // a ring
     std::size_t count_ = 0;
     double sum_ = 0, most_ = 0;

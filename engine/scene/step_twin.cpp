@@ -36,17 +36,33 @@ double largest_mean(const std::vector<double>& values, double dt)
 // sixty-seven times as short.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
+bool is_resolved(const ErrorBand& band) { return band.band <= std::max(StepTwin::wanted * std::abs(band.value), StepTwin::least_force); }
+
 ErrorBand band_of(double value, double twin, double least, double history)
 {
     ErrorBand made{value, twin, StepTwin::safety * std::abs(value - twin), true};
     made.band = std::max({made.band, least, history * std::abs(value)});
-    made.resolved = made.band <= std::max(StepTwin::wanted * std::abs(value), StepTwin::least_force);
+    made.resolved = is_resolved(made);
     return made;
+}
+
+/// The band of a force that lets go at its largest is what the time of the release leaves, where that is more.
+void widen(ErrorBand& band, const ReleaseWatch& release)
+{
+    if (release.bound() <= band.band) return;
+    band.band = release.bound();
+    band.let_go = true;
+    band.resolved = is_resolved(band);
 }
 
 }  // namespace
 
-StepTwin::StepTwin(const Scene& scene, const World& run, long taken) : scene_(scene), run_(run), key_frames_(scene)
+StepTwin::StepTwin(const Scene& scene, const World& run, long taken)
+    : scene_(scene),
+      run_(run),
+      key_frames_(scene),
+      hand_release_(scene.dt, mean_time),
+      friction_release_(scene.dt, mean_time)
 {
     estimate_.from_step = taken;
     estimate_.dt = scene.dt;
@@ -66,6 +82,8 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     ++window_.steps;
     window_.hand.push_back(std::abs(readings.hand_force));
     window_.friction.push_back(readings.friction);
+    hand_release_.add(window_.hand.back());
+    friction_release_.add(readings.friction);
     window_.tip = run.rod(0).pos(0);
     if (taken % window_steps == 0) {
         close();
@@ -145,6 +163,8 @@ ErrorEstimate StepTwin::finish()
     set(estimate_.hand_peak, of_hand.found, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_, hand_history);
     set(estimate_.friction_peak, of_friction.found, best_friction_.friction_peak, of_friction.friction_peak, other_friction_peak_,
         friction_history);
+    if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
+    if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
     estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     return estimate_;
 }
@@ -156,6 +176,11 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
         if (band.resolved) return;
         if (band.band == 0)
             list.push_back(fmt::format("{} of {:.3g} N: its error is not known, half the step found no state there", what, band.value));
+        else if (band.let_go)
+            list.push_back(fmt::format("{} of {:.3g} N is where something that held lets go, after a rise of {:.2g} N in {:.2g} s: when it does "
+                                       "differs from run to run and is not resolved by steps of {:.3g} ms, the band is +- {:.2g} N; "
+                                       "compare with other scene.dt_s",
+                                       what, band.value, band.band, ReleaseWatch::release_time, 1e3 * e.dt, band.band));
         else
             list.push_back(fmt::format("{} of {:.3g} N is not resolved by steps of {:.3g} ms: half the step gives {:.3g} N from the same "
                                        "state, the band is +- {:.2g} N; make scene.dt_s smaller",

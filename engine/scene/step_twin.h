@@ -14,6 +14,8 @@
 // end: single values of a wire that sticks, slips and strikes differ however short the step is, and a hand that starts at once
 // feels more the shorter the step.
 //
+// A largest force that is where something lets go has a band of its own (scene/release_watch.h): a twin lets go where the run did.
+//
 // What it cannot see: a history that has gone another way before the window began (a branch missed, a slip that came earlier).
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
@@ -21,6 +23,7 @@
 
 #include "engine.h"
 #include "scene/key_frames.h"
+#include "scene/release_watch.h"
 
 #include <memory>
 #include <string>
@@ -35,6 +38,7 @@ struct ErrorBand {
     double value = 0, twin = 0;  // with the run's step, with half of it
     double band = 0;
     bool resolved = true;  // the band is at most a fifth of the value, or below what is told apart
+    bool let_go = false;   // the band is that of a release
 };
 
 struct ErrorEstimate {
@@ -88,6 +92,7 @@ private:
     KeyFrames key_frames_;
     std::unique_ptr<World> world_;  // made when first needed
     Window window_, last_, best_hand_, best_friction_;
+    ReleaseWatch hand_release_, friction_release_;
     long closed_ = 0;
     double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
     ErrorEstimate estimate_;

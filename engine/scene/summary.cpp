@@ -34,7 +34,7 @@ Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& opening
 Json estimate_json(const ErrorEstimate& e)
 {
     const auto band = [](const ErrorBand& b) -> Json {
-        return {{"value", b.value}, {"half_step", b.twin}, {"band", b.band}, {"resolved", b.resolved}};
+        return {{"value", b.value}, {"half_step", b.twin}, {"band", b.band}, {"resolved", b.resolved}, {"let_go", b.let_go}};
     };
     return {{"windows", e.windows},
             {"failed_windows", e.failed},

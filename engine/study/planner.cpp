@@ -133,9 +133,9 @@ private:
         if (goals_.peaks.asked()) message += ", " + peaks_known_to(reference);
         message += fmt::format("; asked were {}", as_length(goals_.tolerance));
         if (goals_.force_tolerance > 0) message += fmt::format(" and {:.2g} mN", 1e3 * force_goal);
-        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for {} or more", options_.budget,
-                                                         as_length(2 * shape))
-                                           : fmt::format("; ask for {} or more", as_length(2 * shape));
+        const bool shape_known = shape <= least_certainty * goals_.tolerance;
+        message += reference.out_of_budget ? fmt::format("; give more than --budget {:g}, or ask for", options_.budget) : "; ask for";
+        message += shape_known ? " less of the forces" : fmt::format(" {} or more", as_length(2 * shape));
         stop_with(PlanStatus::BelowReference, std::move(message));
         result_.accurate = described(reference.model, reference.values);
     }

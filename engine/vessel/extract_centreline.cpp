@@ -26,7 +26,8 @@ struct Polyline {
 class Extraction {
 public:
     Extraction(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings, const LumenQuery& lumen)
-        : openings_(openings),
+        : mesh_(mesh),
+          openings_(openings),
           lumen_(lumen),
           graph_(build_medial_graph(mesh, openings, lumen)),
           work_("laying paths through its lumen", work_limit(5e8, 5e4, mesh.vertices.size()))  // patients: up to 1.5e8
@@ -62,7 +63,7 @@ public:
         }
         // each round serves at least its own sample, so this ends; vessels have tens of branches
         for (int ball = farthest_unserved(); ball >= 0; ball = farthest_unserved()) add_branch(ball, nullptr);
-        if (openings_.empty()) reroot_at_widest_end(tree_, work_);
+        if (openings_.empty()) reroot_at_widest_end(tree_, mesh_, lumen_, work_);
         return std::move(tree_);
     }
 
@@ -347,6 +348,7 @@ private:
         line = std::move(kept);
     }
 
+    const WallMesh& mesh_;
     const std::vector<BoundaryLoop>& openings_;
     const LumenQuery& lumen_;
     MedialGraph graph_;

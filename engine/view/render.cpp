@@ -97,6 +97,8 @@ private:
 
 }  // namespace
 
+bool legend_fits(int width, int height) { return !lay_out_sheet(width, height, Look{}).panel_dropped; }
+
 std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, const RenderOptions& options,
                                               const FrameProgress& progress)
 {

@@ -25,6 +25,9 @@ struct RenderOptions : FrameChoice {
     double force_max = 0;              // at the top of the scale of contact force [N]; > 0: contacts are coloured, not the wire
 };
 
+/// Whether scale and legend have room on a picture of this size: letters of six pixels at least.
+[[nodiscard]] bool legend_fits(int width, int height);
+
 /// Draws the last frame into DIR/picture.png, or frames first ... last into DIR/frame_######.png, or where
 /// options.output says; into a film alone when that is all that is asked for. Camera and scales are those of
 /// the whole run, so that a frame is the same bytes alone, in a series and in any part of one. Each file is complete when it
