@@ -159,6 +159,17 @@ TEST_CASE("the same bits from a saved state, on one thread and on two, alone and
     set_thread_count(0);
 }
 
+// A live session reads contacts after every step, its replay now and then: the state may not know of it.
+TEST_CASE("what is read leaves no trace in the state")
+{
+    World world{WorldSetup(lowered_wire())};
+    for (int k = 0; k < 60; ++k) REQUIRE(!step(world, 1e-3).failed());
+    REQUIRE(world.wall_readings().move_max > 1e-5);
+    const std::vector<std::uint8_t> state = world.save_state();
+    REQUIRE(!world.output(Output::Everything).contacts.empty());
+    CHECK(world.save_state() == state);
+}
+
 // Two wires of one system side by side, nearer than the plate's decay length: each lies in the dent of the other. In the middle
 // both sink by w(0) + w(3 mm) of the line load, w(y) = w0 exp(-b y) (cos b y + sin b y).
 TEST_CASE("wires of one system push the same wall")
