@@ -47,6 +47,10 @@ std::string advice(const StepReport& report, bool settling, const IntegratorSpec
     return "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower";
 }
 
+/// Where a wall was beyond its theory no setting of the step is to blame.
+constexpr const char* wall_advice = "the wall has been pushed farther than its linear theory is good for (more than a fifth of the lumen's radius): give it its true "
+                                    "vessel.youngs_pa and vessel.thickness_m, a wire that bends more easily, or wall = \"rigid\"";
+
 class Run {
 public:
     Run(const Scene& scene, const RunOptions& options, WorldSetup setup, RepairReport vessel,
@@ -112,9 +116,11 @@ private:
         const double dt = scene_.step_length(static_cast<long>(recorder_.tally().steps));
         const StepReport report = step(world_, replay_ ? replay_->next(world_) : key_frames_.control(), dt);
         if (report.failed()) {
-            failure_ = fmt::format("step {} ({:.6g} s): {}", recorder_.tally().steps + 1, world_.time(),
-                                   advice(report, false, scene_.integrator, world_.readings(0).energy_made));
+            const std::string what = advice(report, false, scene_.integrator, world_.readings(0).energy_made);
+            failure_ = fmt::format("step {} ({:.6g} s): {}{}{}", recorder_.tally().steps + 1, world_.time(), what,
+                                   wall_was_far_ ? "; " : "", wall_was_far_ ? wall_advice : "");
         } else {
+            wall_was_far_ = report.flags & StepWallFar;
             const double seconds = seconds_since(start);
             world_.read(output_, recorder_.wants());
             recorder_.stepped(output_, report, seconds);
@@ -155,6 +161,7 @@ private:
     }
 
     const Scene& scene_;
+    bool wall_was_far_ = false;  // in the last step
     Replay* replay_;  // may be null
     const RunOptions& options_;
     RepairReport vessel_;
