@@ -13,8 +13,7 @@ namespace {
 // looked at; no other has gone much farther.
 constexpr double farthest_factor = 1.25;
 
-constexpr double fade_length = 4;      // radii over which U fades out, more by
-constexpr double fade_per_move = 1.5;  // of how far the wall has moved there: U then changes by less than the way that it fades over
+constexpr double fade_length = 4;  // radii over which U fades out
 
 // Of y = x - U(foot of y): each brings it nearer by the slope of U. Of a node that goes on from a known y the next step is the next one.
 constexpr int most_passes = 4;
@@ -80,7 +79,7 @@ WallStations::Under WallStations::under(const LoopFoot& foot, const Vec3& y, con
     at.distance = foot.rim ? from_wall.norm() : std::abs(from_wall.dot(foot.normal));
     // the mesh that contact sees is up to off() from the smooth surface
     const double full = 2 * radius + wall_.off();
-    at.share = fade(at.distance, full, full + fade_length * radius + fade_per_move * at.move.norm());
+    at.share = fade(at.distance, full, full + fade_length * radius);
     at.move *= at.share;
     for (int k = 0; k < s.size; ++k) s.n[k] *= at.share;
     // u_,u and u_,v against the dual base of the two tangents
@@ -101,7 +100,7 @@ void WallStations::place(int node, const Vec3& x, const Vec3* before, const Wall
     WallFoot last = feet_[node];
     feet_[node] = {};
     Clear& clear = clear_[node];
-    const double reach = 2 * radius + wall_.off() + fade_length * radius + (fade_per_move + farthest_factor) * wall.farthest();
+    const double reach = 2 * radius + wall_.off() + fade_length * radius + farthest_factor * wall.farthest();
     if (clear.distance - length_from(x, clear.at) > reach) return;
     Vec3 y = before ? *before : x;
     for (int pass = 0; pass < (before ? 1 : most_passes); ++pass) {
