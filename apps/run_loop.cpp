@@ -161,7 +161,6 @@ private:
     }
 
     const Scene& scene_;
-    bool wall_was_far_ = false;  // in the last step
     Replay* replay_;  // may be null
     const RunOptions& options_;
     RepairReport vessel_;
@@ -174,6 +173,7 @@ private:
     bool fresh_;
     Clock::time_point loop_start_, last_checkpoint_;
     std::string failure_;
+    bool wall_was_far_ = false;  // in the last step
 };
 
 }  // namespace

@@ -107,7 +107,7 @@ void WallStations::place(int node, const Vec3& x, const Vec3* before, const Wall
         const LoopFoot foot = foot_of(last, y);
         clear = {x, foot.distance - length_from(x, y)};
         if (clear.distance > reach) return;
-        Under at = under(foot, y, wall, radius);
+        const Under at = under(foot, y, wall, radius);
         if (at.share == 0 && (before || pass == 0)) return;
         last = feet_[node] = {{y.x(), y.y(), y.z()}, foot.u, foot.v, foot.triangle};
         station.near = true;

@@ -73,7 +73,7 @@ private:
         double distance = 0;  // from there to the wall, or less [m]
     };
     struct Under {
-        LoopStencil weights;  // N, faded
+        LoopStencil weights;       // N, faded
         Vec3 move = Vec3::Zero();  // U, faded [m]
         Mat3 slope = Mat3::Zero();
         double distance = 0, share = 0;

@@ -1,6 +1,7 @@
 // Days of use in one process: worlds made and put back, a wire pushed, pulled and turned. What the process holds stays flat, and the
 // same phase of a cycle reads the same. SELDINGER_SOAK=N: N resets and 1000 N steps (`./dev test --long`: 10000).
 
+#include "support/tries.h"
 #include "support/world_fixture.h"
 
 #include <doctest/doctest.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -20,12 +20,6 @@ using namespace seldinger;
 using namespace seldinger::test;
 
 namespace {
-
-long soak(long by_default)
-{
-    const char* given = std::getenv("SELDINGER_SOAK");
-    return given ? std::atol(given) : by_default;
-}
 
 /// What the system counts of this process.
 struct Held {
@@ -135,7 +129,7 @@ TEST_SUITE("failure/soak")
     TEST_CASE("property: worlds made, and put back, again and again leave memory, threads and handles flat, and end with the same bits")
     {
         const WorldSetup setup = wire_in_bend();
-        const long resets = soak(60);
+        const long resets = tries("SELDINGER_SOAK", 60);
         World kept(setup);
         const std::vector<std::uint8_t> start = kept.save_state();
         const auto run = [&](World& world) {
@@ -161,7 +155,7 @@ TEST_SUITE("failure/soak")
     {
         World world(wire_in_bend());
         Control control;
-        const long cycles = soak(20);
+        const long cycles = tries("SELDINGER_SOAK", 20);
         Phase in(static_cast<std::size_t>(cycles)), out(static_cast<std::size_t>(cycles));  // in the middle of each way
         Held before;
         unsigned flags = 0;

@@ -10,10 +10,10 @@
 #include "scene/recorder.h"
 #include "scene/scene_difference.h"
 #include "support/temporary_folder.h"
+#include "support/tries.h"
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -26,12 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
-
-long mutants(long by_default)
-{
-    const char* given = std::getenv("SELDINGER_MUTANTS");
-    return given ? std::atol(given) : by_default;
-}
 
 /// Overwrites a place with what counts, sizes, indices and numbers should not be.
 void spoil(Bytes& bytes, std::size_t at, std::mt19937& random)
@@ -137,7 +131,7 @@ TEST_SUITE("scene/checkpoint mutants")
             world.restore_state(good);
             std::mt19937 random(7);
             long taken = 0, refused = 0;
-            for (long k = 0, n = mutants(250); k < n; ++k) {
+            for (long k = 0, n = test::tries("SELDINGER_MUTANTS", 250); k < n; ++k) {
                 Bytes bad = good;
                 CAPTURE(k);
                 for (unsigned times = 1 + random() % 2; times > 0; --times) spoil(bad, random() % bad.size(), random);
@@ -183,7 +177,7 @@ TEST_SUITE("scene/checkpoint mutants")
         const std::size_t head = good.size() - read_checkpoint(file).state.size();
         std::mt19937 random(11);
         long refused = 0, taken = 0;
-        const long each = std::max(1l, mutants(250) / 250);
+        const long each = std::max(1l, test::tries("SELDINGER_MUTANTS", 250) / 250);
         for (std::size_t at = 0; at < head; ++at)
             for (long k = 0; k < each; ++k) {
                 CAPTURE(at);

@@ -6,11 +6,11 @@
 #include "session/web_server.h"
 
 #include "session/session_fixture.h"
+#include "support/tries.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 
@@ -18,12 +18,6 @@ using namespace seldinger;
 using namespace seldinger::test;
 
 namespace {
-
-long mutants(long by_default)
-{
-    const char* given = std::getenv("SELDINGER_MUTANTS");
-    return given ? std::atol(given) : by_default;
-}
 
 /// Some bytes changed, lost, doubled or put in.
 std::string spoiled(std::string text, std::mt19937& random)
@@ -69,7 +63,7 @@ TEST_SUITE("session/live mutants")
         std::mt19937 random(5);
         const std::string said[] = {R"({"type":"reset"})", R"({"type":"hand","instrument":0,"advance":0.01,"turn":0.5})",
                                     R"({"type":"pause","on":true})"};
-        for (long k = 0, n = mutants(150); k < n; ++k) {
+        for (long k = 0, n = tries("SELDINGER_MUTANTS", 150); k < n; ++k) {
             const Line line(SOCK_STREAM, web.port());
             if (random() % 2) {
                 line.send(spoiled(request(web.port(), upgrade), random));
@@ -100,7 +94,7 @@ TEST_SUITE("session/live mutants")
         std::mt19937 random(6);
         constexpr double odd[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1e300,
                                   -1, 5};
-        for (long k = 0, n = mutants(500); k < n; ++k) {
+        for (long k = 0, n = tries("SELDINGER_MUTANTS", 500); k < n; ++k) {
             const auto number = [&] { return odd[random() % 6]; };
             const SelHandRequest wish{0, static_cast<std::uint64_t>(k + 1), number(), number(), number(), 0};
             unsigned char bytes[SEL_HAND_REQUEST_BYTES];

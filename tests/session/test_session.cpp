@@ -5,12 +5,12 @@
 
 #include "session/session_fixture.h"
 #include "support/temporary_folder.h"
+#include "support/tries.h"
 
 #include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <random>
 #include <thread>
@@ -201,8 +201,7 @@ TEST_SUITE("session/session")
         const TemporaryFolder folder;
         const auto path = folder.path() / "mutant.record";
         std::mt19937 random(3);
-        const char* given = std::getenv("SELDINGER_MUTANTS");
-        for (long k = 0, n = given ? std::atol(given) : 2000; k < n; ++k) {
+        for (long k = 0, n = tries("SELDINGER_MUTANTS", 2000); k < n; ++k) {
             CAPTURE(k);
             std::filesystem::remove(path);  // what is no record is not written over
             RecordWriter writer(path, {version(), "n", "d", 1, 2, 1e-3, static_cast<int>(1 + random() % 3)});
