@@ -35,10 +35,10 @@ class Session:
         self.process = subprocess.Popen([app, "live", scene, "--port", "0", "--udp", "0", "--record", self.record, *options],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
-        found = re.search(r"hand UDP [^:]+:(\d+)", line)
+        found = re.search(r"page (http://\S+) +hand UDP [^:]+:(\d+)", line)
         if not found:
             sys.exit("live_hand: no session: " + line + self.process.stderr.read())
-        self.port = int(found.group(1))
+        self.page, self.port = found.group(1), int(found.group(2))
 
     def end(self):
         self.process.terminate()
@@ -107,13 +107,33 @@ def follow(speed):
     return lambda t, x: 60 * (speed * t - x)
 
 
+def open_page(url):
+    """The session's page in a headless Chromium that draws on the same cores. @return the browser, once frames arrive"""
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests" / "web"))
+    from browser import Browser
+    browser = Browser()
+    browser.open(url)
+    browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
+    return browser
+
+
+def resident_mb(process):
+    with open(f"/proc/{process.pid}/statm") as statm:
+        return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
 def run(options):
     session = Session(options.app, options.scene, options.live)
+    browser = open_page(session.page) if options.page else None
     hand = Hand(session.port, delay=options.delay)
     time.sleep(1)
     hand.go(options.seconds, follow(options.speed))
+    seen = {"memory_mb": round(resident_mb(session.process), 1)}
+    if browser:
+        seen["page_frames_per_s"] = browser.evaluate("seldinger.fps")
+        browser.close()
     summary = session.end()
-    print(json.dumps({"sent": hand.sequence, "answered": len(hand.trips), "round_trip": quantiles(hand.trips),
+    print(json.dumps({"sent": hand.sequence, "answered": len(hand.trips), "round_trip": quantiles(hand.trips), **seen,
                       **{key: summary[key] for key in ("rate_hz", "steps", "late", "late_share", "stretched_s", "step", "wake_up", "input_to_force",
                                                        "scheduling", "packets", "coupling")}}, indent=2))
 
@@ -225,6 +245,7 @@ def main():
     commands.choices["run"].add_argument("--seconds", type=float, default=10)
     commands.choices["run"].add_argument("--speed", type=float, default=0.02)
     commands.choices["run"].add_argument("--delay", type=int, default=0)
+    commands.choices["run"].add_argument("--page", action="store_true", help="with the page open in a headless Chromium")
     command = commands.choices["map"]
     command.add_argument("-o", dest="output", required=True)
     command.add_argument("--damping", type=float, default=3.0)

@@ -121,20 +121,42 @@ WayThrough way_through(const Centreline& line, const Inlet& inlet)
             if (length[next] > length[far]) far = next;
         }
     way.length = length[far];
+    std::vector<Vec3> place;
     for (std::size_t p = far; p < count; p = before[p]) {
         const double left = way.length - length[p];
         if (left < 2 * line.radius[p] && way.length > 4 * line.radius[p]) continue;  // a closed end narrows to nothing
         way.at.push_back(length[p]);
         way.radius.push_back(line.radius[p]);
+        place.push_back(line.points[p]);
     }
     std::reverse(way.at.begin(), way.at.end());
     std::reverse(way.radius.begin(), way.radius.end());
+    std::reverse(place.begin(), place.end());
     // an opening's centre may lie on the rim's mean plane, nearer to the wall than the lumen is wide
     if (!way.radius.empty()) way.radius.front() = std::max(way.radius.front(), inlet.radius);
     if (!way.at.empty()) way.length = way.at.back();
-    way.narrowest = way.radius.empty() ? inlet.radius : *std::min_element(way.radius.begin(), way.radius.end());
+    way.narrowest = inlet.radius, way.narrowest_place = inlet.point;
+    if (way.radius.empty()) return way;
+    const auto least = static_cast<std::size_t>(std::min_element(way.radius.begin(), way.radius.end()) - way.radius.begin());
+    way.narrowest = way.radius[least], way.narrowest_at = way.at[least], way.narrowest_place = place[least];
     return way;
 }
+
+namespace {
+
+std::string narrowest_words(const WayThrough& way)
+{
+    // parts of a mesh that merely touch, or a wall that was left between them: no vessel is a tenth of the thinnest wire wide
+    constexpr double closed = 1.5e-5;
+    if (way.narrowest >= closed)
+        return fmt::format("the narrowest lumen on the longest way has a radius of {:.2g} mm", 1e3 * way.narrowest);
+    const Vec3 at = 1e3 * way.narrowest_place;
+    return fmt::format("the longest way is as good as closed {:.0f} mm from its beginning, at [{:.2f}, {:.2f}, {:.2f}] mm, where the lumen has a "
+                       "radius of {:.2g} mm: look whether two parts of the mesh only touch there",
+                       1e3 * way.narrowest_at, at.x(), at.y(), at.z(), 1e3 * way.narrowest);
+}
+
+}  // namespace
 
 WireChoice choose_wire(const WayThrough& way, const std::string& asked)
 {
@@ -155,7 +177,7 @@ WireChoice choose_wire(const WayThrough& way, const std::string& asked)
         return choice;
     };
     const auto size = [](const WireChoice& c) { return fmt::format("{} is {:.2f} mm thick", c.name, 1e3 * c.diameter); };
-    const std::string lumen = fmt::format("the narrowest lumen on the longest way has a radius of {:.2g} mm", 1e3 * way.narrowest);
+    const std::string lumen = narrowest_words(way);
     WireChoice choice;
     if (!asked.empty()) {
         choice = with(asked);

@@ -28,6 +28,8 @@ struct WayThrough {
     std::vector<double> radius;  // [P] of the lumen [m]
     double length = 0;           // [m]
     double narrowest = 0;        // but for the last diameter before its end [m]
+    double narrowest_at = 0;     // from the way in [m]
+    Vec3 narrowest_place = Vec3::Zero();
     /// How far something of this diameter gets before the lumen is too narrow for it [m].
     [[nodiscard]] double reach(double diameter) const;
 };

@@ -285,17 +285,19 @@ class Fleet:
             seen = spaces.Dict(parts)
         return seen, spaces.Box(-1.0, 1.0, (2 * self.wires,), np.float32)
 
-    def image(self, s: int) -> np.ndarray:
+    def images(self) -> np.ndarray:
+        """Of every system, [systems, *image_shape] uint8."""
         task = self.task
         if task.image == "fluoroscopy":
-            frame = (int(self.started[s]) << 32) + int(self.elapsed[s])
-            grey = self.world.fluoroscopy(task.image_shape[1], task.image_shape[0], system=s, c_arm=task.image_c_arm,
-                                          field=task.image_field, frame=frame)
+            frames = (self.started << 32) + self.elapsed
+            grey = self.world.fluoroscopy(task.image_shape[1], task.image_shape[0], system=range(self.count), c_arm=task.image_c_arm,
+                                          field=task.image_field, frame=frames)
             return (grey >> 4).astype(np.uint8)
-        picture = np.asarray(task.image(self.world, s))
-        if picture.shape != self.task.image_shape or picture.dtype != np.uint8:
-            raise ValueError(f"image: {picture.dtype} {picture.shape} given, uint8 {self.task.image_shape} expected")
-        return picture
+        pictures = [np.asarray(task.image(self.world, s)) for s in range(self.count)]
+        for picture in pictures:
+            if picture.shape != task.image_shape or picture.dtype != np.uint8:
+                raise ValueError(f"image: {picture.dtype} {picture.shape} given, uint8 {task.image_shape} expected")
+        return np.stack(pictures)
 
     def close(self) -> None:
         self.world.close()

@@ -332,23 +332,24 @@ class World:
             raise ValueError(f"camera: {camera} given; (eye, target, up), each [3] and finite, expected")
         return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views)
 
-    def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int = 0, c_arm: str | None = None,
-                    field: float | None = None, noise: bool = True, frame: int | None = None) -> np.ndarray:
+    def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int | Sequence[int] = 0, c_arm: str | None = None,
+                    field: float | None = None, noise: bool = True, frame: int | Sequence[int] | None = None) -> np.ndarray:
         """What an X-ray shows of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
 
         Parameters
         ----------
         width, height : int
             In pixels.
-        system : int
-            Of which system of several.
+        system : int or sequence of int
+            Of which system of several. Of a sequence the pictures are made in parallel: [systems, height, width].
         c_arm : str
             "LAO 30, CRA 15"; without it the scene's [carm] at the present time, LAO 0 by default. Tube, body, bones and contrast are
             the scene's.
         field : float
             Width of the detector [m].
         noise, frame
-            Quantum noise, drawn with the scene's seed and this number: the same picture for the same; without it the step's.
+            Quantum noise, drawn with the scene's seed and this number (one for each of a sequence of systems): the same picture for
+            the same; without it the step's.
 
         Examples
         --------
@@ -357,8 +358,16 @@ class World:
         >>> picture.shape, picture.dtype.name, bool(picture.max() < 4096)
         ((48, 64), 'uint16', True)
         """
-        frame = self.output.step if frame is None else int(frame)
-        return _engine.fluoroscopy(self._world, int(system), int(width), int(height), c_arm, field, bool(noise), frame)
+        several = not isinstance(system, (int, np.integer))
+        systems = [int(s) for s in system] if several else [int(system)]
+        if frame is None or isinstance(frame, (int, np.integer)):
+            frames = [self.output.step if frame is None else int(frame)] * len(systems)
+        else:
+            frames = [int(f) for f in frame]
+        if len(frames) != len(systems):
+            raise ValueError(f"frame: {len(frames)} given for {len(systems)} systems; one number, or one for each expected")
+        taken = _engine.fluoroscopy(self._world, systems, int(width), int(height), c_arm, field, bool(noise), frames)
+        return taken if several else taken[0]
 
     # -- life ---------------------------------------------------------------------------------------------------------
 
@@ -408,7 +417,7 @@ class World:
         given = np.asarray(control)
         if given.shape == (2,):
             given = given.reshape(1, 2)
-        _reals(given, (given.shape[0] if given.ndim else 0, 2))
+        _reals(given, (given.shape[0] if given.ndim == 2 else wires, 2))
         if not 1 <= given.shape[0] <= wires:
             raise ValueError(f"control: shape {np.shape(control)} given; (2,) or ({wires}, 2) expected")
         targets[: len(given)], moves[: len(given)] = given, True

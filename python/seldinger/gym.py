@@ -82,7 +82,7 @@ class NavigateEnv(gymnasium.Env):
             return self._fleet.flat()[0]
         seen: dict[str, np.ndarray] = {p: self._fleet.seen[0, s].copy() for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
-            seen["image"] = self._fleet.image(0)
+            seen["image"] = self._fleet.images()[0]
         return seen
 
     def _info(self) -> dict[str, Any]:
@@ -149,7 +149,7 @@ class NavigateVectorEnv(VectorEnv):
             return self._fleet.flat()
         seen: dict[str, np.ndarray] = {p: self._fleet.seen[:, s].copy() for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
-            seen["image"] = np.stack([self._fleet.image(s) for s in range(self.num_envs)])
+            seen["image"] = self._fleet.images()
         return seen
 
     def _info(self) -> dict[str, Any]:

@@ -1,8 +1,11 @@
-// Points the engine's fluoroscope at one system of a world and keeps it for the next picture: wall and body are traced once.
+// Points the engine's fluoroscope at systems of a world and keeps it for the next pictures: wall and body are traced once.
 #include "fluoro.h"
 
 #include "handle.h"
 
+#include "core/parallel.h"
+
+#include <algorithm>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -20,12 +23,17 @@ namespace py = pybind11;
 
 namespace {
 
-/// What one picture is asked to be.
+/// What pictures are asked to be.
 struct Ask {
-    int system = 0, width = 0, height = 0;
+    int width = 0, height = 0;
     std::optional<std::string> angles;
     std::optional<double> field;
     bool noise = true;
+};
+
+/// One of them.
+struct Shot {
+    int system = 0;
     std::uint64_t frame = 0;  // the noise is drawn with
 };
 
@@ -66,9 +74,9 @@ public:
         return ask.width == width_ && ask.height == height_ && ask.angles == angles_ && ask.field == field_;
     }
 
-    std::vector<std::uint16_t> look(const World& world, const Output& output, const Ask& ask)
+    std::vector<std::uint16_t> look(const World& world, const Output& output, const Shot& shot, bool noise)
     {
-        const auto of = static_cast<std::size_t>(ask.system);
+        const auto of = static_cast<std::size_t>(shot.system);
         const std::size_t each = output.wires.size() / matter_.size();
         const WireOutput* wires = &output.wires[of * each];
         const double time = wires->time;
@@ -80,7 +88,7 @@ public:
                 devices.push_back(device_of({wires[k].position, wires[k].radius, matter_[of][k].name}, matter_[of]));
         scope_.look(std::move(devices), materials_of(matter_[of]), options_.contrast ? std::optional(time) : std::nullopt);
         Exposure exposure = scope_.exposure();
-        if (ask.noise) add_quantum_noise(exposure, options_.photons, options_.seed, ask.frame);
+        if (noise) add_quantum_noise(exposure, options_.photons, options_.seed, shot.frame);
         blur_picture(exposure.signal, width_, height_, options_.blur / options_.arm.pixel());
         return grey_levels(exposure.signal, scope_.reference(), false);
     }
@@ -113,20 +121,31 @@ private:
     std::vector<std::vector<InstrumentMatter>> matter_;  // of each system
 };
 
-std::vector<std::uint16_t> picture(Handle& handle, const Ask& ask)
+using Fluoroscopes = std::vector<std::unique_ptr<Fluoroscopy>>;
+
+/// The pictures one after the other. Several threads take every so many-th each, with a fluoroscope of their own.
+std::vector<std::uint16_t> take(Handle& handle, const Ask& ask, const std::vector<Shot>& shots)
 {
-    const World& world = handle.world();
-    if (ask.system < 0) throw Error(ExitCode::BadScene, "fluoroscopy: system " + std::to_string(ask.system) + " given, 0 or more expected");
-    handle.check_system(ask.system);
     const std::shared_ptr<const Output> output = handle.output();
-    auto kept = std::static_pointer_cast<Fluoroscopy>(handle.fluoroscope);
-    if (!kept || !kept->fits(ask)) handle.fluoroscope = kept = std::make_shared<Fluoroscopy>(handle, ask, *output);
-    return kept->look(world, *output, ask);
+    auto kept = std::static_pointer_cast<Fluoroscopes>(handle.fluoroscope);
+    if (!kept) handle.fluoroscope = kept = std::make_shared<Fluoroscopes>();
+    const std::size_t lanes = std::min(shots.size(), static_cast<std::size_t>(thread_slot_count()));
+    kept->resize(std::max(kept->size(), lanes));
+    std::vector<std::vector<std::uint16_t>> taken(shots.size());
+    for_each_item(static_cast<int>(lanes), 1, [&](int lane) {
+        std::unique_ptr<Fluoroscopy>& scope = (*kept)[static_cast<std::size_t>(lane)];
+        if (!scope || !scope->fits(ask)) scope = std::make_unique<Fluoroscopy>(handle, ask, *output);
+        for (auto k = static_cast<std::size_t>(lane); k < shots.size(); k += lanes)
+            taken[k] = scope->look(handle.world(), *output, shots[k], ask.noise);
+    });
+    std::vector<std::uint16_t> all;
+    for (const auto& grey : taken) all.insert(all.end(), grey.begin(), grey.end());
+    return all;
 }
 
 #else
 
-std::vector<std::uint16_t> picture(Handle&, const Ask&)
+std::vector<std::uint16_t> take(Handle&, const Ask&, const std::vector<Shot>&)
 {
     throw Error(ExitCode::BadScene, "fluoroscopy: this build has no pictures; configure with -DSELDINGER_VIEW=ON");
 }
@@ -137,18 +156,25 @@ std::vector<std::uint16_t> picture(Handle&, const Ask&)
 
 void bind_fluoroscopy(py::module_& module)
 {
-    module.def("fluoroscopy", [](Handle& handle, int system, int width, int height, const std::optional<std::string>& angles,
-                                 std::optional<double> field, bool noise, std::uint64_t frame) {
-        const Ask ask{system, width, height, angles, field, noise, frame};
+    module.def("fluoroscopy", [](Handle& handle, const std::vector<int>& systems, int width, int height, const std::optional<std::string>& angles,
+                                 std::optional<double> field, bool noise, const std::vector<std::uint64_t>& frames) {
+        const Ask ask{width, height, angles, field, noise};
         check_process();
+        std::vector<Shot> shots;
+        for (std::size_t k = 0; k < systems.size(); ++k) {
+            if (systems[k] < 0)
+                throw Error(ExitCode::BadScene, "fluoroscopy: system " + std::to_string(systems[k]) + " given, 0 or more expected");
+            shots.push_back({systems[k], frames.at(k)});
+        }
         std::vector<std::uint16_t> grey;
         {
             const py::gil_scoped_release others;
             const std::lock_guard hold(handle.lock());
-            grey = picture(handle, ask);
+            for (const Shot& shot : shots) handle.check_system(shot.system);
+            grey = take(handle, ask, shots);
         }
-        py::array_t<std::uint16_t> made({height, width});
-        std::copy(grey.begin(), grey.end(), made.mutable_data());
+        py::array_t<std::uint16_t> made({static_cast<py::ssize_t>(shots.size()), py::ssize_t{height}, py::ssize_t{width}});
+        std::ranges::copy(grey, made.mutable_data());
         return made;
     });
 }

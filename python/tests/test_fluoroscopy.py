@@ -70,3 +70,18 @@ def test_pictures_that_cannot_be(how):
 
 def test_without_a_vessel():
     assert seldinger.World("swing").fluoroscopy(32, 32, noise=False).std() > 0
+
+
+def test_several_systems_have_the_pictures_that_they_have_alone():
+    world = seldinger.World("navigate", copies=[[], [], []])
+    for k in range(1, 21):
+        assert not world.step([[0.003 * k, 0.0], [0.004 * k, 0.1 * k], [0.005 * k, 0.0]], n=4).failed
+    together = world.fluoroscopy(48, 32, system=[2, 0, 1, 2], frame=[7, 8, 9, 10])
+    assert together.shape == (4, 32, 48)
+    for picture, system, frame in zip(together, (2, 0, 1, 2), (7, 8, 9, 10)):
+        assert np.array_equal(picture, world.fluoroscopy(48, 32, system=system, frame=frame))
+    assert world.fluoroscopy(48, 32, system=[]).shape == (0, 32, 48)
+    with pytest.raises(ValueError, match="2 given for 3 systems"):
+        world.fluoroscopy(48, 32, system=range(3), frame=[1, 2])
+    with pytest.raises(seldinger.Error, match="no such system"):
+        world.fluoroscopy(48, 32, system=[0, 3])
