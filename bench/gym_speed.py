@@ -43,10 +43,10 @@ def drive(env, seconds, rng):
     engine = fleet._drive = Timed(type(fleet)._drive.__get__(fleet))
     begun, steps, contacts = time.perf_counter(), 0, []
     while time.perf_counter() - begun < seconds:
-        for _ in range(max(1, min(10, 64 // env.num_envs))):
-            action = rng.uniform(-1, 1, shape) * [0.6, 1.0] + [0.4, 0.0]
-            env.step(action.astype(np.float32))
-            steps += 1
+        batch = max(1, min(10, 64 // env.num_envs))
+        for action in (rng.uniform(-1, 1, (batch, *shape)) * [0.6, 1.0] + [0.4, 0.0]).astype(np.float32):
+            env.step(action)
+        steps += batch
         contacts.append(float(fleet.seen[:, -4].mean()) * 10)
     wall = time.perf_counter() - begun
     nodes = [len(w.nodes) for w in env.world.output.instruments]

@@ -247,11 +247,12 @@ class Fleet:
         """@param actions [systems, 2 wires] in -1 ... 1. @return rewards, terminated, truncated [systems]"""
         task = self.task
         hubs = self.hubs + (actions * self._rates).reshape(-1, 2)
-        hubs[:, 0] = np.minimum(np.maximum(hubs[:, 0], self.least), self.longest)
+        advance = hubs[:, 0]
+        np.minimum(np.maximum(advance, self.least, out=advance), self.longest, out=advance)
         self._drive(hubs)
         self.look()
-        way, distance, hand, _, wall, *_ = self.measured.T
-        failed = self.measured[:, 7] > 0
+        way, distance, hand, _, wall, _, _, gone_wrong, _ = self.measured.T
+        failed = gone_wrong > 0
         arrived = (distance <= task.target_radius) & ~failed
         reward = task.progress * (self.way - way) - task.time - task.force * np.maximum(0.0, wall - task.wall_force_limit)
         reward += task.success * arrived

@@ -147,19 +147,17 @@ class NavigateVectorEnv(VectorEnv):
     def _observation(self) -> Any:
         if self.task.flat:
             return self._fleet.flat()
-        seen: dict[str, np.ndarray] = {p: self._fleet.seen[:, s].copy() for p, s in self._fleet.parts.items()}
+        all_parts = self._fleet.seen.copy()
+        seen: dict[str, np.ndarray] = {p: all_parts[:, s] for p, s in self._fleet.parts.items()}
         if self.task.image is not None:
             seen["image"] = self._fleet.images()
         return seen
 
     def _info(self) -> dict[str, Any]:
-        info: dict[str, Any] = {name: self._fleet.measured[:, k].copy() for k, name in enumerate(MEASURES)}
+        info: dict[str, Any] = dict(zip(MEASURES, self._fleet.measured.T.copy()))
         info["failed"] = info["failed"] > 0
         info["success"] = ~info["failed"] & (info["distance"] <= self.task.target_radius)
-        every = np.ones(self.num_envs, bool)
-        for name in [*info]:
-            info["_" + name] = every
-        return info
+        return {**info, **dict.fromkeys(("_" + name for name in info), np.ones(self.num_envs, bool))}
 
     def _begin(self, which: np.ndarray) -> None:
         for s in np.flatnonzero(which):
