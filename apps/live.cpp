@@ -70,14 +70,16 @@ ExitCode live(Options& options)
     Scene scene = read_scene(options.scene, options.overrides);
     SessionOptions& what = options.session;
     scene.dt = 1 / what.rate;
-    if (!options.tolerance.empty()) scene = model_for(scene, options.tolerance, what.rate, options.device, options.quiet);
     if (what.record.empty()) what.record = options.scene.stem().string() + "-live.record";
+    if (!options.tolerance.empty()) scene = model_for(scene, options.tolerance, what.rate, beside(what.record, ".pilots"), options.device, options.quiet);
     const FileLock lock = FileLock::of_file(what.record);
     std::optional<NoPolling> loading(std::in_place);
     WorldSetup setup = make_setup(scene, options.device);
     loading.reset();
     HandChannel hand(options.udp_address, options.udp, static_cast<int>(live_instruments(setup).size()));
     Session session(scene, std::move(setup), what, &hand);
+    // the one that was played: with --set, and the model that was chosen
+    write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
     WebServer web(options.web, scene, session);
     hand.start([&session] { return session.clock(); });
     web.start();

@@ -59,6 +59,30 @@ TEST_SUITE("apps/live")
         refuses(folder, "run t.toml --replay other.record -o E", 2, "version");
     }
 
+    TEST_CASE("property: the scene beside a record replays it, with what was set and the model that was chosen")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        const auto replays = [&](const std::string& options, const std::string& where) {
+            CAPTURE(options);
+            const AppResult live = run_app(folder, "live t.toml --port 0 --udp 0 --duration 0.3 --record " + where + "/s.record --json " + options);
+            CAPTURE(live.err);
+            REQUIRE(live.code == 0);
+            const AppResult replay = run_app(folder, "run " + where + "/s.record.scene.toml --replay " + where + "/s.record -o " + where + "/D --json");
+            CAPTURE(replay.err);
+            REQUIRE(replay.code == 0);
+            CHECK(nlohmann::json::parse(replay.out)["state_hash"] == nlohmann::json::parse(live.out)["state_hash"]);
+            return live.err;
+        };
+        fs::create_directories(folder.path / "a");
+        fs::create_directories(folder.path / "b");
+        replays("--set wire.radius_m=0.0004", "a");
+        CHECK(replays("--tolerance 1mm", "b").find("model: ") == 0);
+        CHECK(fs::exists(folder.path / "b/s.record.pilots"));
+        CHECK(!fs::exists(folder.path / "t-live.pilots"));
+    }
+
     TEST_CASE("property: what a killed session leaves replays")
     {
         if (!has_page()) return skip("libjs-three is not installed");
