@@ -81,7 +81,7 @@ ExitCode live(Options& options)
     // the one that was played: with --set, and the model that was chosen
     write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
     WebServer web(options.web, scene, session);
-    hand.start([&session] { return session.clock(); });
+    hand.start([&session] { return session.clock(); }, what.lockstep);
     web.start();
     session.start();
     if (!options.quiet && !options.json)
@@ -109,6 +109,7 @@ void add_what(CLI::App& command, Options& options)
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(CLI::Range(1.0, 10000.0))->type_name("N");
     command.add_option("--tolerance", options.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
+    command.add_flag("--lockstep", options.session.lockstep, "a step for each request of the hand, not by the clock: the same on any machine");
     command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
     command.add_option("--duration", options.session.duration, "session time to end after (default: none)")
         ->check(CLI::PositiveNumber)

@@ -7,7 +7,8 @@
     bench/live_hand.py wild --app build/seldinger SCENE.toml [--seconds 300] [--kill]   push, pull and turn at random, then replay it
 
 The hand is integrated in 20 parts of a millisecond, the force held for a period and `delay` periods old, as a device holds it. A cell of the map is
-unstable where, pressed against what the wire has met, the hand swings by more than the tremor alone makes it (0.2 mm). Colgate's line,
+unstable where, pressed against what the wire has met, the hand swings by more than the tremor alone makes it (0.2 mm). The map is made in lockstep (`seldinger live
+--lockstep`): a step for each datagram, so that it is the same on any machine. Colgate's line,
 with a force that is held for T and comes tau late, is b_hand = k (T/2 + tau) + b [Colgate & Schenkel 1997].
 """
 import argparse
@@ -71,7 +72,6 @@ class Hand:
                 self.trips.append(time.perf_counter() - sent)
 
     def tick(self, t, push):
-        self.receive()
         self.forces.append(self.answer[6] if self.answer else 0.0)
         felt = self.forces[-1 - self.delay]
         parts = 20
@@ -85,6 +85,15 @@ class Hand:
         self.socket.send(REQUEST.pack(0x484C4553, 1, 0, self.sequence, t, self.x, self.turn, 0, 0))
         self.log.append((t, self.x, felt, self.answer[9] if self.answer else 0.0))
 
+    def go_in_lockstep(self, seconds, push, stop):
+        self.socket.setblocking(True)
+        self.socket.settimeout(60)
+        for k in range(round(seconds / self.period)):
+            if stop(self.log):
+                break
+            self.tick(k * self.period, push)
+            self.answer = ANSWER.unpack(self.socket.recv(128))
+
     def go(self, seconds, push, stop=lambda log: False):
         begin = time.perf_counter()
         k = 0
@@ -92,6 +101,7 @@ class Hand:
             while (wait := begin + k * self.period - time.perf_counter()) > 0:
                 if select.select([self.socket], [], [], wait)[0]:
                     self.receive()
+            self.receive()
             self.tick(k * self.period, push)
             k += 1
 
@@ -181,12 +191,10 @@ def wild(options):
 
 def swing(app, scene, stiffness, delay, options):
     """How far the hand swings in the last second of three, pressed with options.press against what it has met."""
-    session = Session(app, scene, ["--coupling-stiffness", str(stiffness), *options.live])
+    session = Session(app, scene, ["--lockstep", "--coupling-stiffness", str(stiffness), *options.live])
     hand = Hand(session.port, delay=delay, damping=options.damping)
-    time.sleep(0.5)
-    hand.turn = 0.0
     reach = lambda t, x: 60 * (min(options.reach, 0.25 * t) - x) if t < 1.5 else options.press
-    hand.go(4.5, reach, lambda log: bool(log) and abs(log[-1][1]) > 0.5)
+    hand.go_in_lockstep(4.5, reach, lambda log: bool(log) and abs(log[-1][1]) > 0.5)
     summary = session.end()
     last = [x for t, x, *_ in hand.log if t > hand.log[-1][0] - 1]
     # a slow drift is the wire sliding on, a swing goes both ways

@@ -11,6 +11,7 @@
 #include <unistd.h>
 #include <cerrno>
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 namespace seldinger {
@@ -68,8 +69,9 @@ HandChannel::~HandChannel()
     ::close(socket_);
 }
 
-void HandChannel::start(std::function<double()> clock)
+void HandChannel::start(std::function<double()> clock, bool lockstep)
 {
+    lockstep_ = lockstep;
     unsigned char early;
     while (recv(socket_, &early, 1, MSG_DONTWAIT) >= 0) {}  // sent before there was anyone to take it
     thread_ = std::thread([this, clock = std::move(clock)] { listen(clock); });
@@ -85,6 +87,7 @@ void HandChannel::listen(const std::function<double()>& clock)
 {
     unsigned char bytes[SEL_HAND_REQUEST_BYTES + 1];  // one more than a request has: what is longer shows
     unsigned char reply[SEL_HAND_ANSWER_BYTES];
+    std::uint64_t requests = 0;
     while (!stop_.load(std::memory_order_relaxed)) {
         sockaddr_in sender{};
         socklen_t size = sizeof sender;
@@ -97,10 +100,18 @@ void HandChannel::listen(const std::function<double()>& clock)
         if (verdict != HandGate::Verdict::Accepted) continue;
         HandInput& hands = input.back();
         for (int k = 0; k < most_instruments; ++k) hands.hand[static_cast<std::size_t>(k)] = gate_.hand(k);
+        hands.number = ++requests;
         input.publish();
+        if (lockstep_) wait_for_step(requests);
         answer(request, reply);
         (void)sendto(socket_, reply, sizeof reply, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&sender), size);
     }
+}
+
+void HandChannel::wait_for_step(std::uint64_t request)
+{
+    for (newest.take(); newest.front().request < request && !stop_.load(std::memory_order_relaxed); newest.take())
+        std::this_thread::sleep_for(std::chrono::microseconds(10));
 }
 
 void HandChannel::answer(const SelHandRequest& request, unsigned char* bytes)

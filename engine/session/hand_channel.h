@@ -16,6 +16,7 @@ namespace seldinger {
 /// What the hands want, all instruments together; the newest wins.
 struct HandInput {
     std::array<HandState, most_instruments> hand{};
+    std::uint64_t number = 0;  // of the request that it ends with, counted from 1
 };
 
 class HandChannel {
@@ -27,8 +28,8 @@ public:
     HandChannel& operator=(const HandChannel&) = delete;
 
     [[nodiscard]] int port() const { return port_; }
-    /// Listens from now on. @param clock  the session's [s]
-    void start(std::function<double()> clock);
+    /// Listens from now on. @param clock  the session's [s]  @param lockstep  each answer waits for the step that its request makes
+    void start(std::function<double()> clock, bool lockstep = false);
     void stop();
 
     TripleBuffer<HandInput> input;       // to the physics
@@ -41,12 +42,14 @@ public:
 
 private:
     void listen(const std::function<double()>& clock);
+    void wait_for_step(std::uint64_t request);
     void answer(const SelHandRequest& request, unsigned char* bytes);
 
     int socket_ = -1, port_ = 0;
     HandGate gate_;
     std::array<std::atomic<std::uint64_t>, HandGate::verdict_count> counts_{};
     std::atomic<bool> stop_{false};
+    bool lockstep_ = false;
     std::thread thread_;
 };
 

@@ -70,6 +70,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
     for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
     if (instruments_.empty())
         throw Error(ExitCode::BadScene, fmt::format("{}: nothing is fed; a live session needs a [feed]", scene.source.string()));
+    if (options.lockstep && hand == nullptr) throw Error(ExitCode::BadScene, "a session in lockstep needs a hand");
     total_steps_ = options.duration > 0 ? std::max(1L, std::lround(options.duration * options.rate)) : 0;
     world_->watch_hand_stiffness();
     if (scene.start_settled) {
@@ -107,7 +108,11 @@ void Session::prepare_record(const SessionOptions& options)
                                  world_->wire_count()});
 }
 
-double Session::clock() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - born_).count(); }
+double Session::clock() const
+{
+    if (options_.lockstep) return static_cast<double>(steps_) * dt_;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - born_).count();
+}
 
 void Session::start()
 {
@@ -126,22 +131,22 @@ void Session::run()
     pacer_.start(began_);
     const auto all_done = [&] { return total_steps_ > 0 && static_cast<long>(pacer_.steps()) >= total_steps_; };
     while (!stop_ && !all_done() && !(stopped_ && total_steps_ > 0)) {
-        const auto due = std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(pacer_.due()));
-        std::this_thread::sleep_until(born_ + due);
-        const double woken = clock();
+        if (options_.lockstep && !wait_for_hand()) break;
+        const double woken = options_.lockstep ? clock() : wait_until_due();
         take_wishes();
         if (paused_ || stopped_) {
             pacer_.rest(woken);
             publish(woken);
             continue;
         }
-        wake_times.add(std::max(0.0, woken - pacer_.due()));
+        if (!options_.lockstep) wake_times.add(std::max(0.0, woken - pacer_.due()));
+        const auto before = std::chrono::steady_clock::now();
         step_once();
-        const double now = clock();
-        was_late_ = pacer_.finished(now);
-        step_time_ = now - woken;
+        step_time_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
         step_times.add(step_time_);
+        was_late_ = pacer_.finished(options_.lockstep ? pacer_.due() : clock());
         steps_ = pacer_.steps();
+        const double now = clock();
         late_ = pacer_.late();
         note_latency(now);
         publish(now);
@@ -151,11 +156,26 @@ void Session::run()
     publish(ended_);
 }
 
+/// @return when it woke [s]
+double Session::wait_until_due()
+{
+    const auto due = std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(pacer_.due()));
+    std::this_thread::sleep_until(born_ + due);
+    return clock();
+}
+
+/// @return false: the session is to end
+bool Session::wait_for_hand()
+{
+    while (!stop_ && !hand_->input.take()) std::this_thread::sleep_for(std::chrono::microseconds(10));
+    return !stop_;
+}
+
 void Session::take_wishes()
 {
     page.take();
     wish_ = page.front();
-    if (hand_) hand_->input.take();
+    if (hand_ && !options_.lockstep) hand_->input.take();
     std::uint32_t pedals = 0;
     for (const HandState& hand : hand_ ? hand_->input.front().hand : decltype(HandInput::hand){}) pedals |= hand.flags;
     fluoroscopy_ = wish_.fluoroscopy || (pedals & SEL_HAND_FLUOROSCOPY);
@@ -273,6 +293,7 @@ void Session::fill(StepNumbers& n) const
     n.fluoroscopy = fluoroscopy_;
     n.contrast = contrast_;
     n.resets = resets_;
+    n.request = hand_ ? hand_->input.front().number : 0;
     n.instruments = instruments();
     n.score = scorer_.now();
     for (std::size_t k = 0; k < instruments_.size(); ++k) {

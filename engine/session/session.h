@@ -25,6 +25,7 @@ namespace seldinger {
 struct SessionOptions {
     double rate = 1000;    // steps a second
     double duration = 0;   // session time [s]; 0: until it is stopped
+    bool lockstep = false;  // a step for each request of the hand, whenever it comes: the same session on any machine
     CouplingSpec advance = advance_coupling, turn = turn_coupling;
     std::filesystem::path record;
 };
@@ -56,7 +57,7 @@ public:
     /// Waits for its end and closes the record. @throws Error BadFile: the record could not be written
     void finish();
 
-    /// Seconds since the session was made.
+    /// Seconds since the session was made; in lockstep, of session time.
     [[nodiscard]] double clock() const;
     [[nodiscard]] const World& world() const { return *world_; }  // after finish()
     [[nodiscard]] const Scorer& scorer() const { return scorer_; }
@@ -88,6 +89,8 @@ private:
 
     void prepare_record(const SessionOptions& options);
     void run();
+    [[nodiscard]] double wait_until_due();
+    bool wait_for_hand();
     void take_wishes();
     void step_once();
     void ask(Instrument& it);

@@ -44,6 +44,7 @@ struct StepNumbers {
     double step_time = 0;     // of this one [s]
     bool was_late = false, paused = false, stopped = false, fluoroscopy = false, contrast = false;
     std::uint32_t resets = 0;
+    std::uint64_t request = 0;  // of the hand, the newest that this step knows of
     int instruments = 0;
     std::array<InstrumentNumbers, most_instruments> instrument{};
     ScoreNumbers score;

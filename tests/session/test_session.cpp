@@ -86,6 +86,49 @@ TEST_SUITE("session/session")
         CHECK(summary["coupling"][0]["advance_energy_lowest_j"].get<double>() > -1e-5);
     }
 
+    TEST_CASE("property: in lockstep each request makes one step and is answered by it, and the session does not depend on the clock")
+    {
+        const Scene scene = scene_of();
+        const auto played = [&](int pause_every) {
+            SessionOptions options;
+            options.lockstep = true;
+            HandChannel hand("127.0.0.1", 0, 1);
+            Session session(scene, make_setup(scene), options, &hand);
+            hand.start([&] { return session.clock(); }, true);
+            session.start();
+            const Line line(SOCK_DGRAM, hand.port());
+            SelHandAnswer answer{};
+            for (std::uint64_t k = 1; k <= 400; ++k) {
+                REQUIRE(line.ask(k, 2e-4 * static_cast<double>(k), 0.01 * static_cast<double>(k), answer));  // 0.2 m/s of session time
+                CHECK(answer.step == k);
+                CHECK(answer.time_s == doctest::Approx(1e-3 * static_cast<double>(k)));
+                if (k % static_cast<std::uint64_t>(pause_every) == 0) rest(3e-3);
+            }
+            session.stop();
+            session.finish();
+            const auto summary = nlohmann::json::parse(session.summary());
+            CHECK(summary["late"] == 0);
+            CHECK(summary["steps"] == 400);
+            return session.world().state_hash();
+        };
+        CHECK(played(7) == played(1000));
+    }
+
+    TEST_CASE("property: a session in lockstep ends while it waits for the hand")
+    {
+        const Scene scene = scene_of();
+        SessionOptions options;
+        options.lockstep = true;
+        HandChannel hand("127.0.0.1", 0, 1);
+        Session session(scene, make_setup(scene), options, &hand);
+        hand.start([&] { return session.clock(); }, true);
+        session.start();
+        session.stop();
+        session.finish();
+        CHECK(session.steps_so_far() == 0);
+        CHECK_THROWS_AS(Session(scene, make_setup(scene), options, nullptr), Error);
+    }
+
     TEST_CASE("property: hostile datagrams move nothing and are counted")
     {
         const Scene scene = scene_of();
