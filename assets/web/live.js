@@ -109,7 +109,9 @@ function showSheet(n) {
   $('verdict').textContent = verdict ? `Task: ${verdict}` : 'Task';
   $('verdict').className = verdict;
   const it = n.instruments[state.instrument] || n.instruments[0];
-  $('instrument').textContent = `${state.scene.instruments[state.instrument]?.name || 'Instrument'} ${state.instrument + 1}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)}, ${calm(it.force)} N, ${it.contacts} contacts`;
+  const count = state.scene.instruments.length, name = state.scene.instruments[state.instrument]?.name || 'Instrument';
+  if (count > 1 && state.viewer) $('instrument').style.borderLeft = `0.5em solid ${state.viewer.colourOf(state.instrument)}`;
+  $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)}, ${calm(it.force)} N, ${it.contacts} contacts`;
   $('watchers').hidden = n.clients < 2;
   $('watchers').textContent = `${n.clients} watch`;
 }

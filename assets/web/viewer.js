@@ -201,26 +201,30 @@ class Viewer {
 
   recolour() {
     this.walls.forEach((wall) => wall.material.color.set(css('--wall')));
-    this.steel = new THREE.Color(css('--wire'));
+    const several = css('--instruments').split(' ');
+    this.steel = this.radii.map((_, k) => new THREE.Color(this.radii.length > 1 ? several[k % several.length] : css('--wire')));
     this.hot = new THREE.Color(css('--force'));
     this.moved = true;
     if (this.shown) this.show(this.shown);
   }
 
+  colourOf(instrument) { return `#${this.steel[instrument].getHexString()}`; }
+
   // instruments: Float32Arrays [n][x, y, z, force], tip first
   show(instruments) {
     this.shown = instruments;
     const pixel = this.distance * 0.57 / Math.max(1, this.canvas.clientHeight), colour = new THREE.Color();
-    const tint = (force) => colour.copy(this.steel).lerp(this.hot, Math.min(1, Math.sqrt(force / 0.2)));
+    const tint = (k) => (force) => colour.copy(this.steel[k]).lerp(this.hot, Math.min(1, Math.sqrt(force / 0.2)));
     const [position, colours] = [this.contacts.geometry.attributes.position, this.contacts.geometry.attributes.color];
     let points = 0;
     instruments.forEach((nodes, k) => {
-      const radius = Math.max(this.radii[k], 1.6 * pixel);
-      this.tubes[k].update(nodes, () => radius, tint);
+      // where they are too thin to be seen, one inside another stays the thinner
+      const radius = Math.max(this.radii[k], (1.6 + 0.9 * this.radii.filter((r) => r < this.radii[k]).length) * pixel), own = tint(k);
+      this.tubes[k].update(nodes, () => radius, own);
       for (let i = 0; i < nodes.length && points < 4096; i += 4) {
         if (nodes[i + 3] < 2e-3) continue;
         position.setXYZ(points, nodes[i], nodes[i + 1], nodes[i + 2]);
-        tint(nodes[i + 3]);
+        own(nodes[i + 3]);
         colours.setXYZ(points++, colour.r, colour.g, colour.b);
       }
     });

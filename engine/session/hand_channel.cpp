@@ -102,10 +102,23 @@ void HandChannel::listen(const std::function<double()>& clock)
         for (int k = 0; k < most_instruments; ++k) hands.hand[static_cast<std::size_t>(k)] = gate_.hand(k);
         hands.number = ++requests;
         input.publish();
+        wake();
         if (lockstep_) wait_for_step(requests);
         answer(request, reply);
         (void)sendto(socket_, reply, sizeof reply, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&sender), size);
     }
+}
+
+void HandChannel::wait_for_request()
+{
+    events_.wait(events_seen_, std::memory_order_acquire);
+    events_seen_ = events_.load(std::memory_order_acquire);
+}
+
+void HandChannel::wake()
+{
+    events_.fetch_add(1, std::memory_order_release);
+    events_.notify_one();
 }
 
 void HandChannel::wait_for_step(std::uint64_t request)

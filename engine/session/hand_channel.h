@@ -31,6 +31,9 @@ public:
     /// Listens from now on. @param clock  the session's [s]  @param lockstep  each answer waits for the step that its request makes
     void start(std::function<double()> clock, bool lockstep = false);
     void stop();
+    /// Waits for a request that `input` does not hold yet, or for wake(). One reader.
+    void wait_for_request();
+    void wake();
 
     TripleBuffer<HandInput> input;       // to the physics
     TripleBuffer<StepNumbers> newest;    // from the physics
@@ -49,6 +52,8 @@ private:
     HandGate gate_;
     std::array<std::atomic<std::uint64_t>, HandGate::verdict_count> counts_{};
     std::atomic<bool> stop_{false};
+    std::atomic<std::uint32_t> events_{0};  // requests accepted and calls of wake()
+    std::uint32_t events_seen_ = 0;
     bool lockstep_ = false;
     std::thread thread_;
 };

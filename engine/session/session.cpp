@@ -38,6 +38,12 @@ const char* hurry()
 
 }  // namespace
 
+void Session::stop()
+{
+    stop_ = true;
+    if (hand_) hand_->wake();
+}
+
 std::vector<int> live_instruments(const WorldSetup& setup)
 {
     const int of_first = setup.systems.empty() ? 1 : setup.systems.front();
@@ -96,7 +102,8 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
 
 Session::~Session()
 {
-    stop_ = closing_ = true;
+    stop();
+    closing_ = true;
     if (physics_.joinable()) physics_.join();
     if (clerk_.joinable()) clerk_.join();
 }
@@ -167,7 +174,7 @@ double Session::wait_until_due()
 /// @return false: the session is to end
 bool Session::wait_for_hand()
 {
-    while (!stop_ && !hand_->input.take()) std::this_thread::sleep_for(std::chrono::microseconds(10));
+    while (!stop_ && !hand_->input.take()) hand_->wait_for_request();
     return !stop_;
 }
 

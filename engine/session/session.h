@@ -52,7 +52,7 @@ public:
 
     void start();
     /// Asks it to end; it does after the step that it is at.
-    void stop() { stop_ = true; }
+    void stop();
     [[nodiscard]] bool running() const { return running_; }
     /// Waits for its end and closes the record. @throws Error BadFile: the record could not be written
     void finish();
