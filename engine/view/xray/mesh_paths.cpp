@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace seldinger {
 namespace {
@@ -209,11 +210,28 @@ double obliquity(const CArmView& view, int row, int column)
     return std::sqrt(1 + u * u + v * v);
 }
 
-/// Pairs what was met along each ray. Where lumens overlap a stretch counts as often as it is inside.
-std::vector<PathInterval> pair_hits(const CArmView& view, std::vector<Hit>& hits)
+/// By pixel, those of a pixel by depth; of equals, in the order that they were met.
+std::vector<Hit> sorted_hits(const Band& band, int columns)
 {
-    std::stable_sort(hits.begin(), hits.end(),
-                     [](const Hit& a, const Hit& b) { return a.pixel != b.pixel ? a.pixel < b.pixel : a.depth < b.depth; });
+    const int begin = band.first * columns, pixels = (band.last - band.first + 1) * columns;
+    std::vector<std::int32_t> next(pixels + 1);
+    for (const Hit& hit : band.hits) ++next[hit.pixel - begin + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    const std::vector<std::int32_t> first = next;
+    std::vector<Hit> sorted(band.hits.size());
+    for (const Hit& hit : band.hits) {
+        std::int32_t at = next[hit.pixel - begin]++;
+        // a ray meets a few faces: each is carried to its place
+        for (; at > first[hit.pixel - begin] && sorted[at - 1].depth > hit.depth; --at) sorted[at] = sorted[at - 1];
+        sorted[at] = hit;
+    }
+    return sorted;
+}
+
+/// Pairs what was met along each ray. Where lumens overlap a stretch counts as often as it is inside.
+std::vector<PathInterval> pair_hits(const CArmView& view, const Band& band)
+{
+    const std::vector<Hit> hits = sorted_hits(band, view.columns);
     std::vector<PathInterval> intervals;
     int inside = 0;
     for (std::size_t i = 0; i + 1 < hits.size(); ++i) {
@@ -274,7 +292,7 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
         band.crossings.assign(static_cast<std::size_t>(band_rows) * view.columns, 0);
         for (std::int32_t i = bands.first[k]; i < bands.first[k + 1]; ++i) raster.face(bands.face[i], band, paths.length);
         mended[k] = finish_rows(view, band, paths.length);
-        intervals[k] = pair_hits(view, band.hits);
+        intervals[k] = pair_hits(view, band);
     });
     for (int k = 0; k < count; ++k) {
         paths.mended += mended[k];
@@ -286,15 +304,20 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
 std::vector<float> trace_ellipsoid(const CArmView& view, const Vec3& centre, const Mat3& axes, const Vec3& half)
 {
     std::vector<float> length(static_cast<std::size_t>(view.rows) * view.columns);
-    // in the ellipsoid's own measure it is the unit ball: |o + t w| <= 1
+    // in the ellipsoid's own measure it is the unit ball: |o + t w| <= 1, w = ahead + u right + v up
     const Mat3 own = half.cwiseInverse().asDiagonal() * axes.transpose();
-    const Vec3 o = own * (view.source - centre);
+    const Vec3 o = own * (view.source - centre), ahead = own * view.direction, right = own * view.right, up = own * view.up;
+    const double beyond = o.squaredNorm() - 1, right2 = right.squaredNorm(), right_o = right.dot(o);
     for_each_item(view.rows, 8, [&](int row) {
+        const double v = view.v(row);
+        const Vec3 first = ahead + v * up;  // of the row, u = 0
+        const double first2 = first.squaredNorm(), first_o = first.dot(o), cross = 2 * first.dot(right), ray2 = 1 + v * v;
+        float* out = length.data() + static_cast<std::size_t>(row) * view.columns;
+        const double u0 = view.u(0), du = view.u(1) - u0;
         for (int x = 0; x < view.columns; ++x) {
-            const Vec3 ray = view.direction + view.u(x) * view.right + view.v(row) * view.up, w = own * ray;
-            const double a = w.squaredNorm(), b = w.dot(o), disc = b * b - a * (o.squaredNorm() - 1);
-            length[static_cast<std::size_t>(row) * view.columns + x] =
-                disc > 0 ? static_cast<float>(2 * std::sqrt(disc) / a * ray.norm()) : 0.0f;
+            const double u = u0 + x * du, a = first2 + u * (cross + u * right2), b = first_o + u * right_o;
+            const double disc = std::max(0.0, b * b - a * beyond);
+            out[x] = static_cast<float>(2 * std::sqrt(disc) / a * std::sqrt(ray2 + u * u));
         }
     });
     return length;
