@@ -61,19 +61,22 @@ std::vector<Corner> project_corners(const CArmView& view, const WallMesh& mesh)
     return corners;
 }
 
-/// Faces of each band of rows, in their order.
+/// Faces of each band of rows that may cover a pixel's centre, in their order.
 struct Bands {
     std::vector<std::int32_t> first, face;
 };
 
-Bands deal_faces(const WallMesh& mesh, const std::vector<Corner>& corners, int rows)
+Bands deal_faces(const WallMesh& mesh, const std::vector<Corner>& corners, int columns, int rows)
 {
     const int count = (rows + band_rows - 1) / band_rows;
     std::vector<Rows> span(mesh.triangles.size());
     for_each_item(static_cast<int>(span.size()), 4096, [&](int t) {
         const auto& [a, b, c] = mesh.triangles[t];
         const auto [low, high] = std::minmax({corners[a].y, corners[b].y, corners[c].y});
-        span[t] = rows_of(low, high, rows);
+        const auto [left, right] = std::minmax({corners[a].x, corners[b].x, corners[c].x});
+        const Rows across = rows_of(left, right, columns);
+        // of a fine mesh most faces lie between the centres
+        span[t] = across.first > across.last ? Rows{0, -1} : rows_of(low, high, rows);
     });
     Bands bands;
     bands.first.assign(count + 1, 0);
@@ -158,7 +161,6 @@ public:
         const auto [x_low, x_high] = std::minmax({v[0]->x, v[1]->x, v[2]->x});
         const auto [y_low, y_high] = std::minmax({v[0]->y, v[1]->y, v[2]->y});
         const Rows box = rows_of(x_low, x_high, view_.columns), rows = rows_of(y_low, y_high, view_.rows);
-        if (box.first > box.last) return;
         const Plane inverse(v, v[0]->inverse, v[1]->inverse, v[2]->inverse);
         for (int row = std::max(rows.first, band.first); row <= std::min(rows.last, band.last); ++row) {
             const Rows span = columns_of(edges, row, box);
@@ -283,7 +285,7 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
     MeshPaths paths;
     paths.length.assign(static_cast<std::size_t>(view.rows) * view.columns, 0.0f);
     const Raster raster(view, closed, value);
-    const Bands bands = deal_faces(closed, raster.corners(), view.rows);
+    const Bands bands = deal_faces(closed, raster.corners(), view.columns, view.rows);
     const int count = static_cast<int>(bands.first.size()) - 1;
     std::vector<std::vector<PathInterval>> intervals(count);
     std::vector<long> mended(count);
