@@ -25,8 +25,10 @@ Fluoroscope::Fluoroscope(std::vector<SpectrumLine> beam) : beam_(std::move(beam)
 void Fluoroscope::set_view(const CArm& arm)
 {
     check(arm);
+    const CArm before = arm_;
     arm_ = arm;
     arm_.head.normalize(), arm_.back.normalize();
+    body_fits_ &= arm_.head == before.head && arm_.back == before.back && arm_.isocentre == before.isocentre;
     view_ = CArmView(arm_);
     traced_ = false;
 }
@@ -35,7 +37,7 @@ void Fluoroscope::set_wall(const WallMesh& wall)
 {
     wall_ = wall.triangles.empty() ? WallMesh{} : close_openings(wall);
     arrival_ = bolus_ ? bolus_->travel_times(wall_.vertices) : std::vector<float>{};
-    traced_ = false;
+    traced_ = body_fits_ = false;
 }
 
 void Fluoroscope::set_bone(const WallMesh& bone)
@@ -47,7 +49,7 @@ void Fluoroscope::set_bone(const WallMesh& bone)
 void Fluoroscope::set_body(const Vec3& half_axes)
 {
     body_half_ = half_axes;
-    traced_ = false;
+    traced_ = body_fits_ = false;
 }
 
 void Fluoroscope::set_bolus(const Bolus& bolus)
@@ -57,22 +59,30 @@ void Fluoroscope::set_bolus(const Bolus& bolus)
     traced_ = false;
 }
 
-void Fluoroscope::find_body()
+void Fluoroscope::fit_body()
 {
-    const Mat3 axes = patient_axes(arm_);
+    if (body_fits_) return;
+    const Mat3 to_patient = patient_axes(arm_).transpose();
     Eigen::AlignedBox3d box;
     for (const Vec3& v : wall_.vertices) box.extend(v);
     body_centre_ = box.isEmpty() ? arm_.isocentre : Vec3(box.center());
     double most = 1;
-    for (const Vec3& v : wall_.vertices)
-        most = std::max(most, (axes.transpose() * (v - body_centre_)).cwiseQuotient(body_half_).norm());
+    for (const Vec3& v : wall_.vertices) most = std::max(most, (to_patient * (v - body_centre_)).cwiseQuotient(body_half_).norm());
+    body_half_wide_ = most * body_half_;
+    body_fits_ = true;
+}
+
+void Fluoroscope::find_body()
+{
+    fit_body();
+    const Mat3 axes = patient_axes(arm_);
     const auto inside = [&](const Vec3& p) {
-        return (axes.transpose() * (p - body_centre_)).cwiseQuotient(most * body_half_).norm() <= 1;
+        return (axes.transpose() * (p - body_centre_)).cwiseQuotient(body_half_wide_).norm() <= 1;
     };
     if (inside(view_.source) || inside(view_.source + view_.sid * view_.direction))
         throw Error(ExitCode::BadScene,
                     "the C-arm is inside the patient: source or detector lies in the body; make --sod or --sid larger, or --body none");
-    body_path_ = trace_ellipsoid(view_, body_centre_, axes, most * body_half_);
+    body_path_ = trace_ellipsoid(view_, body_centre_, axes, body_half_wide_);
 }
 
 void Fluoroscope::trace_still()

@@ -51,6 +51,8 @@ private:
         Rays rays;
     };
     void trace_still();
+    /// Centre and width of the body, which the vessel's vertices say: of an arm that turns, once.
+    void fit_body();
     void find_body();
     void carry_iodine(std::vector<Device>& devices) const;
     /// What arrives without instruments and contrast.
@@ -70,7 +72,9 @@ private:
     CArmView view_;
     WallMesh wall_, bone_;
     std::vector<float> arrival_;  // per vertex of the wall: time of travel of the bolus
-    Vec3 body_half_ = Vec3::Zero(), body_centre_ = Vec3::Zero();
+    Vec3 body_half_ = Vec3::Zero();
+    bool body_fits_ = false;
+    Vec3 body_centre_ = Vec3::Zero(), body_half_wide_ = Vec3::Zero();
     std::optional<Bolus> bolus_;
     // of the view, until it or what stays changes
     bool traced_ = false, summed_ = false;

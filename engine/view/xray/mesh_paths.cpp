@@ -14,11 +14,22 @@ namespace {
 
 constexpr int sub_bits = 12, band_rows = 16;
 constexpr std::int64_t sub = 1 << sub_bits;
-constexpr double most_pixels = 1 << 18;  // beyond, products of corners leave 64 bits
+constexpr double most_pixels = 1 << 18;  // beyond, corners leave 32 bits and their products 64
 
 struct Corner {
     std::int64_t x, y;  // [pixel / sub]
     double inverse;     // 1/depth [1/m]
+};
+
+/// All corners of a mesh. Faces find them in any order: what most are looked up for is kept small and apart.
+struct Corners {
+    struct Place {
+        std::int32_t x, y;  // [pixel / sub]
+    };
+    std::vector<Place> place;
+    std::vector<double> inverse;
+
+    [[nodiscard]] Corner operator[](std::int32_t k) const { return {place[k].x, place[k].y, inverse[k]}; }
 };
 
 struct Hit {
@@ -39,16 +50,18 @@ Rows rows_of(std::int64_t low, std::int64_t high, int count)
             static_cast<int>(std::clamp<std::int64_t>(last, -1, count - 1))};
 }
 
-std::vector<Corner> project_corners(const CArmView& view, const WallMesh& mesh)
+Corners project_corners(const CArmView& view, const WallMesh& mesh)
 {
-    std::vector<Corner> corners(mesh.vertices.size());
-    std::vector<char> outside(corners.size());
-    for_each_item(static_cast<int>(corners.size()), 4096, [&](int i) {
+    Corners corners;
+    corners.place.resize(mesh.vertices.size()), corners.inverse.resize(mesh.vertices.size());
+    std::vector<char> outside(mesh.vertices.size());
+    for_each_item(static_cast<int>(outside.size()), 4096, [&](int i) {
         const CArmPoint at = project(view, mesh.vertices[i]);
         outside[i] = !(at.depth > 1e-3 && at.depth < view.sid);
         outside[i] |= 2 * !(std::abs(at.column) < most_pixels && std::abs(at.row) < most_pixels);
         if (outside[i]) return;
-        corners[i] = {std::llround(at.column * sub), std::llround(at.row * sub), 1 / at.depth};
+        corners.place[i] = {static_cast<std::int32_t>(std::llround(at.column * sub)), static_cast<std::int32_t>(std::llround(at.row * sub))};
+        corners.inverse[i] = 1 / at.depth;
     });
     const int worst = outside.empty() ? 0 : *std::max_element(outside.begin(), outside.end());
     if (worst == 2)
@@ -66,14 +79,14 @@ struct Bands {
     std::vector<std::int32_t> first, face;
 };
 
-Bands deal_faces(const WallMesh& mesh, const std::vector<Corner>& corners, int columns, int rows)
+Bands deal_faces(const WallMesh& mesh, const std::vector<Corners::Place>& places, int columns, int rows)
 {
     const int count = (rows + band_rows - 1) / band_rows;
     std::vector<Rows> span(mesh.triangles.size());
     for_each_item(static_cast<int>(span.size()), 4096, [&](int t) {
         const auto& [a, b, c] = mesh.triangles[t];
-        const auto [low, high] = std::minmax({corners[a].y, corners[b].y, corners[c].y});
-        const auto [left, right] = std::minmax({corners[a].x, corners[b].x, corners[c].x});
+        const auto [low, high] = std::minmax({places[a].y, places[b].y, places[c].y});
+        const auto [left, right] = std::minmax({places[a].x, places[b].x, places[c].x});
         const Rows across = rows_of(left, right, columns);
         // of a fine mesh most faces lie between the centres
         span[t] = across.first > across.last ? Rows{0, -1} : rows_of(low, high, rows);
@@ -152,7 +165,8 @@ public:
     void face(std::int32_t t, Band& band, std::vector<float>& sum) const
     {
         const auto& corner = mesh_.triangles[t];
-        const Corner* v[3] = {&corners_[corner[0]], &corners_[corner[1]], &corners_[corner[2]]};
+        const Corner own[3] = {corners_[corner[0]], corners_[corner[1]], corners_[corner[2]]};
+        const Corner* v[3] = {&own[0], &own[1], &own[2]};
         const std::int64_t area = (v[1]->x - v[0]->x) * (v[2]->y - v[0]->y) - (v[2]->x - v[0]->x) * (v[1]->y - v[0]->y);
         if (area == 0) return;
         // the normal, into the lumen, faces the source where corners turn from columns to rows: there the ray leaves
@@ -199,10 +213,10 @@ private:
     const CArmView& view_;
     const WallMesh& mesh_;
     std::span<const float> value_;
-    std::vector<Corner> corners_;
+    Corners corners_;
 
 public:
-    [[nodiscard]] const std::vector<Corner>& corners() const { return corners_; }
+    [[nodiscard]] const std::vector<Corners::Place>& places() const { return corners_.place; }
 };
 
 /// Metres of ray per metre of depth.
@@ -285,7 +299,7 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
     MeshPaths paths;
     paths.length.assign(static_cast<std::size_t>(view.rows) * view.columns, 0.0f);
     const Raster raster(view, closed, value);
-    const Bands bands = deal_faces(closed, raster.corners(), view.columns, view.rows);
+    const Bands bands = deal_faces(closed, raster.places(), view.columns, view.rows);
     const int count = static_cast<int>(bands.first.size()) - 1;
     std::vector<std::vector<PathInterval>> intervals(count);
     std::vector<long> mended(count);
