@@ -103,6 +103,8 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height,
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": no pipe to ffmpeg could be opened");
     pipe_ = ends[1];
+    // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays small
+    (void)fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);
     try {
         encoder_ = start_ffmpeg(path, command_line(partial_, width, height, rate, pixels, container), ends[0], said_ = memory_file());
     } catch (...) {

@@ -62,6 +62,7 @@ public:
         if (ask.angles) options_.turning.clear(), set_angles(arm, *ask.angles);
         if (options_.auto_isocentre) arm.isocentre = middle_of(setup.mesh, output);
         check(arm);
+        detector_.emplace(DetectorSpec{options_.photons, options_.blur / arm.pixel(), options_.seed});
         if (options_.contrast) scope_.set_bolus(make_bolus(setup.centreline, *options_.contrast));
         scope_.set_wall(setup.mesh);
         if (!options_.body.isZero()) scope_.set_body(options_.body);
@@ -87,10 +88,8 @@ public:
             if (wires[k].position.size() > 1)
                 devices.push_back(device_of({wires[k].position, wires[k].radius, matter_[of][k].name}, matter_[of]));
         scope_.look(std::move(devices), materials_of(matter_[of]), options_.contrast ? std::optional(time) : std::nullopt);
-        Exposure exposure = scope_.exposure();
-        if (noise) add_quantum_noise(exposure, options_.photons, options_.seed, shot.frame);
-        blur_picture(exposure.signal, width_, height_, options_.blur / options_.arm.pixel());
-        return grey_levels(exposure.signal, scope_.reference(), false);
+        const auto& signal = detector_->read(scope_.exposure(), noise ? std::optional(shot.frame) : std::nullopt);
+        return grey_levels(signal, scope_.reference(), false);
     }
 
 private:
@@ -117,6 +116,7 @@ private:
     std::optional<double> field_;
     FluoroOptions options_;
     Fluoroscope scope_;
+    std::optional<Detector> detector_;
     bool aimed_ = false;
     std::vector<std::vector<InstrumentMatter>> matter_;  // of each system
 };

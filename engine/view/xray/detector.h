@@ -1,38 +1,37 @@
 #pragma once
-// From the share of the beam that arrives to a 12-bit picture: quantum noise, blur, grey levels.
-//
-// A detector that takes in energy gets m = sum_k n_k E_k of a pixel whose photons n_k of energy E_k are Poisson: variance
-// q = sum_k n_k E_k^2. It is drawn as g P with g = q/m and P Poisson of mean m/g, which has both; of one energy it is the count
-// itself. Each pixel draws from its own stream, numbered by seed, frame and pixel: the same picture on any threads and from any
-// frame on.
+// From what arrives to a 12-bit picture: quantum noise, blur, grey levels.
+
+#include "view/xray/exposure.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace seldinger {
 
-/// Poisson number of that mean: products of uniforms below 12, above [Hörmann93, doi:10.1016/0167-6687(93)90997-4], algorithm
-/// PTRS. Both exact.
-/// @param stream  state of the generator [Steele14, doi:10.1145/2660193.2660195, SplitMix]; moves on
-[[nodiscard]] double draw_poisson(double mean, std::uint64_t& stream);
-
-/// The stream of a pixel.
-[[nodiscard]] std::uint64_t noise_stream(std::uint64_t seed, std::uint64_t frame, std::uint64_t pixel);
-
-/// What arrives, per pixel, as shares of the open beam.
-struct Exposure {
-    int columns = 0, rows = 0;
-    std::vector<float> signal;  // m over the open beam's, I/I_0
-    std::vector<float> second;  // q over the open beam's m and the mean energy of its photons; of one energy the same as signal
+struct DetectorSpec {
+    double photons = 1e5;    // per pixel in the open beam
+    double blur = 0;         // standard deviation of a Gaussian [pixels], edges held; less than 0.05: none
+    std::uint64_t seed = 0;  // of the noise
 };
 
-/// Replaces the signal by one that photons make. @param photons  per pixel in the open beam
-void add_quantum_noise(Exposure& exposure, double photons, std::uint64_t seed, std::uint64_t frame);
+/// Reads pictures one after another in memory that it keeps.
+class Detector {
+public:
+    explicit Detector(const DetectorSpec& spec);
+    /// Signal with noise and blur; it stands until the next.
+    /// @param frame  number of the picture, which its noise is drawn with; none: no noise
+    [[nodiscard]] const std::vector<float>& read(const Exposure& exposure, std::optional<std::uint64_t> frame);
 
-/// Gaussian of that standard deviation [pixels], edges held. Less than 0.05: nothing.
-void blur_picture(std::vector<float>& picture, int columns, int rows, double pixels);
+private:
+    void blur_down(int columns, int rows);
 
-/// Grey levels 0 ... 4095 of the signal. @param reference  signal that becomes `level`
+    DetectorSpec spec_;
+    std::vector<float> weight_;  // of the blur, from the middle outwards; one: none
+    std::vector<float> signal_, across_;
+};
+
+/// Grey levels 0 ... 4095 of the signal. @param reference  signal that becomes `reference_grey`
 [[nodiscard]] std::vector<std::uint16_t> grey_levels(const std::vector<float>& signal, double reference, bool logarithmic);
 
 inline constexpr int most_grey = 4095;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace seldinger {
 namespace {
@@ -71,50 +72,102 @@ void add_pieces(const CArmView& view, const Device& device, std::vector<Piece>& 
     pieces.insert(pieces.end(), own.begin(), own.end());
 }
 
+/// A vector of a piece's own axes, the third along it, as a ray (u, v) turns it: c + u du + v dv.
+struct Turning {
+    Vec3 c, du, dv;
+    [[nodiscard]] double at(int k, double u, double v) const { return c[k] + u * du[k] + v * dv[k]; }
+};
+
+/// What does not change from ray to ray of a piece.
+struct PieceRays {
+    Turning ray;  // per metre of depth
+    Turning from;  // from the piece's beginning to the ray at the piece's mean depth, so that no digits are lost over the source's distance
+    Vec3 begin_cut, end_cut;
+    double length;
+
+    PieceRays(const CArmView& view, const Piece& p)
+    {
+        Mat3 own;
+        own.row(2) = p.axis;
+        own.row(0) = p.axis.unitOrthogonal();
+        own.row(1) = p.axis.cross(Vec3(own.row(0)));
+        ray = {own * view.direction, own * view.right, own * view.up};
+        const double depth = 0.5 * (p.at[0].depth + p.at[1].depth);
+        from = {own * (view.source - p.begin) + depth * ray.c, depth * ray.du, depth * ray.dv};
+        begin_cut = own * p.begin_cut, end_cut = own * p.end_cut;
+        length = (p.end - p.begin).norm();
+    }
+};
+
 struct Chord {
     double from, to;
 };
 
-/// Where |p|^2 - a^2 <= (r + k a)^2 along p = at + t ray, a = p.axis.
-Chord inside_cone(const Vec3& at, const Vec3& ray, const Vec3& axis, double r, double k)
+constexpr double far = std::numeric_limits<double>::max();
+
+/// Keeps height + t rate >= 0.
+inline void cut(Chord& chord, double height, double rate)
 {
-    constexpr double far = std::numeric_limits<double>::max();
-    const double along = ray.dot(axis), a0 = at.dot(axis), here = r + k * a0;
-    const double a = ray.squaredNorm() - along * along * (1 + k * k);
-    const double b = at.dot(ray) - along * a0 - here * k * along;
-    const double c = at.squaredNorm() - a0 * a0 - here * here;
-    if (a < 1e-12) return c < 0 ? Chord{-far, far} : Chord{0, 0};  // along the axis
-    const double disc = b * b - a * c;
-    if (disc <= 0) return {0, 0};
-    const double root = std::sqrt(disc);
-    return {(-b - root) / a, (-b + root) / a};
+    const double at = -height / rate;
+    chord.from = rate > 0 ? std::max(chord.from, at) : chord.from;
+    chord.to = rate < 0 ? std::min(chord.to, at) : chord.to;
+    chord.to = rate == 0 && height < 0 ? -far : chord.to;
 }
 
-void cut(Chord& chord, const Vec3& at, const Vec3& ray, const Vec3& normal)  // keeps normal.(at + t ray) >= 0
+/// Depth that a ray passes inside of |p|^2 - a^2 <= (r + k a)^2, a along the axis, between the cuts.
+inline double depth_inside(const PieceRays& rays, double u, double v, double radius, double taper)
 {
-    const double rate = normal.dot(ray), height = normal.dot(at);
-    if (rate > 0) chord.from = std::max(chord.from, -height / rate);
-    else if (rate < 0) chord.to = std::min(chord.to, -height / rate);
-    else if (height < 0) chord.to = chord.from;
+    const double wx = rays.ray.at(0, u, v), wy = rays.ray.at(1, u, v), wz = rays.ray.at(2, u, v);
+    const double x = rays.from.at(0, u, v), y = rays.from.at(1, u, v), z = rays.from.at(2, u, v);
+    const double here = radius + taper * z, slope = taper * wz;
+    const double a = wx * wx + wy * wy - slope * slope, b = x * wx + y * wy - here * slope, c = x * x + y * y - here * here;
+    const double disc = b * b - a * c, root = std::sqrt(std::max(disc, 0.0));
+    const bool along = a < 1e-12;  // the ray runs along the axis
+    Chord chord{along ? -far : (-b - root) / a, along ? far : (-b + root) / a};
+    cut(chord, rays.begin_cut.x() * x + rays.begin_cut.y() * y + rays.begin_cut.z() * z,
+        rays.begin_cut.x() * wx + rays.begin_cut.y() * wy + rays.begin_cut.z() * wz);
+    cut(chord, -(rays.end_cut.x() * x + rays.end_cut.y() * y + rays.end_cut.z() * (z - rays.length)),
+        -(rays.end_cut.x() * wx + rays.end_cut.y() * wy + rays.end_cut.z() * wz));
+    return (along ? -c : disc) > 0 ? std::max(0.0, chord.to - chord.from) : 0.0;
 }
 
-/// Length of a ray in a piece, without its lumen.
-double solid_length(const CArmView& view, const Piece& p, double u, double v)
+/// A pixel's rays, row by row, as offsets of (u, v) from its middle.
+struct PixelGrid {
+    std::vector<double> u, v;
+
+    PixelGrid(const CArmView& view, int side)
+    {
+        const double per_pixel = view.pixel / view.sid;
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                u.push_back(((j + 0.5) / side - 0.5) * per_pixel);
+                v.push_back((0.5 - (i + 0.5) / side) * per_pixel);
+            }
+    }
+};
+
+/// Adds the lengths of a pixel's rays in a tapered cylinder. @param rays  by value: its own memory lets the loop be vectorised
+void add_lengths(const PieceRays rays, double radius, double taper, const PixelGrid& grid, double u, double v, double sign,
+                 std::vector<double>& length)
 {
-    const Vec3 ray = view.direction + u * view.right + v * view.up;
-    // from near the piece, so that no digits are lost over the distance to the source
-    const Vec3 from_begin = view.source - p.begin + 0.5 * (p.at[0].depth + p.at[1].depth) * ray;
-    const Vec3 from_end = from_begin + p.begin - p.end;
-    const auto length = [&](double radius, double taper) {
-        Chord chord = inside_cone(from_begin, ray, p.axis, radius, taper);
-        if (chord.to <= chord.from) return 0.0;
-        cut(chord, from_begin, ray, p.begin_cut);
-        cut(chord, from_end, ray, -p.end_cut);
-        return std::max(0.0, chord.to - chord.from);
-    };
-    const double outer = length(p.radius, p.taper);
-    const double inner = outer > 0 && p.lumen > 0 ? length(p.lumen, p.taper_lumen) : 0.0;
-    return (outer - inner) * ray.norm();
+    const double *du = grid.u.data(), *dv = grid.v.data();
+    double* out = length.data();
+    const auto count = static_cast<int>(length.size());
+    for (int k = 0; k < count; ++k) {
+        const double uk = u + du[k], vk = v + dv[k];
+        out[k] += sign * depth_inside(rays, uk, vk, radius, taper) * std::sqrt(1 + uk * uk + vk * vk);
+    }
+}
+
+/// Mean length of a pixel's rays in a piece, without its lumen.
+double mean_length(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v)
+{
+    std::vector<double> length(grid.u.size());
+    add_lengths(rays, p.radius, p.taper, grid, u, v, 1, length);
+    if (p.lumen > 0) add_lengths(rays, p.lumen, p.taper_lumen, grid, u, v, -1, length);
+    double sum = 0;
+    for (const double l : length) sum += std::max(0.0, l);
+    return sum / static_cast<double>(length.size());
 }
 
 /// Columns of a row that may lie in the piece's shadow.
@@ -148,20 +201,47 @@ bool near_axis(const Piece& p, int row, int column)
     return dx * dx + dy * dy <= p.reach * p.reach;
 }
 
-void trace_row(const CArmView& view, const Piece& p, int row, std::vector<DevicePath>& out)
-{
-    int first = 0, last = -1;
-    if (!columns_in(p, row, view.columns, first, last)) return;
-    for (int column = first; column <= last; ++column) {
-        if (!near_axis(p, row, column)) continue;
-        double sum = 0;
-        for (int i = 0; i < p.grid; ++i)
-            for (int j = 0; j < p.grid; ++j)
-                sum += solid_length(view, p, view.u(column + (j + 0.5) / p.grid - 0.5), view.v(row + (i + 0.5) / p.grid - 0.5));
-        if (sum > 0)
-            out.push_back({row * view.columns + column, p.material, static_cast<float>(sum / (p.grid * p.grid)), p.value});
+/// Pieces of all instruments and what each row of rays meets of them.
+class PieceTracer {
+public:
+    PieceTracer(const CArmView& view, const std::vector<Piece>& pieces) : view_(view), pieces_(pieces)
+    {
+        for (const Piece& p : pieces) {
+            rays_.emplace_back(view, p);
+            grids_.try_emplace(p.grid, view, p.grid);
+        }
     }
-}
+
+    /// Pieces that may lie in the shadow on these rows.
+    [[nodiscard]] std::vector<int> pieces_on(int first, int last) const
+    {
+        std::vector<int> found;
+        for (std::size_t k = 0; k < pieces_.size(); ++k) {
+            const auto [low, high] = std::minmax(pieces_[k].at[0].row, pieces_[k].at[1].row);
+            if (low - pieces_[k].reach <= last && high + pieces_[k].reach >= first) found.push_back(static_cast<int>(k));
+        }
+        return found;
+    }
+
+    void trace_row(int piece, int row, std::vector<DevicePath>& out) const
+    {
+        const Piece& p = pieces_[piece];
+        const PixelGrid& grid = grids_.at(p.grid);
+        int first = 0, last = -1;
+        if (!columns_in(p, row, view_.columns, first, last)) return;
+        for (int column = first; column <= last; ++column) {
+            if (!near_axis(p, row, column)) continue;
+            const auto length = static_cast<float>(mean_length(rays_[piece], p, grid, view_.u(column), view_.v(row)));
+            if (length > 0) out.push_back({row * view_.columns + column, p.material, length, p.value});
+        }
+    }
+
+private:
+    const CArmView& view_;
+    const std::vector<Piece>& pieces_;
+    std::vector<PieceRays> rays_;
+    std::map<int, PixelGrid> grids_;
+};
 
 }  // namespace
 
@@ -169,16 +249,14 @@ std::vector<DevicePath> trace_devices(const CArmView& view, const std::vector<De
 {
     std::vector<Piece> pieces;
     for (const Device& device : devices) add_pieces(view, device, pieces);
+    const PieceTracer tracer(view, pieces);
     const int count = (view.rows + band_rows - 1) / band_rows;
     std::vector<std::vector<DevicePath>> found(count);
     for_each_item(count, 1, [&](int k) {
         const int first = k * band_rows, last = std::min(first + band_rows, view.rows) - 1;
-        for (const Piece& p : pieces) {
-            const auto [low, high] = std::minmax(p.at[0].row, p.at[1].row);
-            const double from = std::max<double>(first, std::ceil(low - p.reach)),
-                         to = std::min<double>(last, std::floor(high + p.reach));
-            for (double row = from; row <= to; ++row) trace_row(view, p, static_cast<int>(row), found[k]);
-        }
+        const std::vector<int> on = tracer.pieces_on(first, last);
+        for (int row = first; row <= last; ++row)
+            for (const int piece : on) tracer.trace_row(piece, row, found[k]);
     });
     std::vector<DevicePath> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());

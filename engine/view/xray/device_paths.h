@@ -32,7 +32,7 @@ struct DevicePath {
     float value;
 };
 
-/// @return in the order of rows and, in a band of rows, of the pieces. @throws Error BadScene: not between source and detector
+/// @return row by row, a row's in the order of the pieces. @throws Error BadScene: not between source and detector
 [[nodiscard]] std::vector<DevicePath> trace_devices(const CArmView& view, const std::vector<Device>& devices);
 
 }  // namespace seldinger

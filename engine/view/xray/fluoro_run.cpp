@@ -7,11 +7,10 @@
 #include "io/mesh_file.h"
 #include "io/npy_write.h"
 #include "io/png_write.h"
-#include "vessel/extract_centreline.h"
-#include "vessel/inside.h"
 #include "vessel/repair.h"
 #include "view/solids.h"
-#include "view/xray/fluoroscope.h"
+#include "view/xray/detector.h"
+#include "view/xray/fluorography.h"
 
 #include <fmt/format.h>
 
@@ -25,95 +24,6 @@ namespace seldinger {
 namespace {
 
 namespace fs = std::filesystem;
-
-Vec3 middle_of(const RunFolder& run)
-{
-    Eigen::AlignedBox3d box;
-    for (const Vec3& v : run.wall.vertices) box.extend(v);
-    if (box.isEmpty())
-        for (const WireLine& wire : read_frame(run, run.frames.size() - 1).wires)
-            for (const Vec3& node : wire.nodes) box.extend(node);
-    return box.center();
-}
-
-Bolus find_bolus(const RunFolder& run, const FluoroOptions::Injection& injection)
-{
-    if (run.wall.triangles.empty()) throw Error(ExitCode::BadScene, "contrast: the run has no vessel for it to flow in");
-    const RepairReport report = describe(run.wall);
-    const Centreline centreline = extract_centreline(run.wall, report.loops, LumenQuery(run.wall, report.loops));
-    return make_bolus(centreline, injection);
-}
-
-/// One run as it is looked at, frame by frame.
-class Fluorography {
-public:
-    Fluorography(const fs::path& dir, const FluoroOptions& options, bool contrast)
-        : options_(options),
-          run_(read_run_folder(dir)),
-          arm_(options.arm),
-          contrast_(contrast && options.contrast),
-          matter_(materials_of(options.instruments)),
-          scope_(options.kev > 0 ? single_energy(options.kev) : tube_spectrum(options.kvp)),
-          walls_(std::any_of(run_.frames.begin(), run_.frames.end(), [](const FrameFile& f) { return fs::exists(f.wall); }))
-    {
-        if (options.auto_isocentre) arm_.isocentre = middle_of(run_);
-        if (contrast_) scope_.set_bolus(find_bolus(run_, *options.contrast));
-        scope_.set_wall(run_.wall);
-        if (!options.body.isZero()) scope_.set_body(options.body);
-        if (!options.bone.empty()) scope_.set_bone(load_bone(options));
-    }
-
-    [[nodiscard]] const RunFolder& run() const { return run_; }
-    [[nodiscard]] const CArm& arm() const { return arm_; }
-    Fluoroscope& scope() { return scope_; }
-
-    /// Looks at a frame as the C-arm stands at `time`.
-    void look(std::size_t index, double time)
-    {
-        aim(time);
-        if (walls_) scope_.set_wall(wall_of(index));
-        std::vector<Device> devices;
-        for (const WireLine& wire : read_frame(run_, index).wires)
-            if (wire.nodes.size() > 1) devices.push_back(device_of(wire, options_.instruments));
-        scope_.look(std::move(devices), matter_, contrast_ ? std::optional<double>(time) : std::nullopt);
-    }
-
-    /// The picture of the frame that was looked at.
-    std::vector<float> picture(std::uint64_t stream)
-    {
-        Exposure exposure = scope_.exposure();
-        if (options_.noise) add_quantum_noise(exposure, options_.photons, options_.seed, stream);
-        blur_picture(exposure.signal, arm_.columns, arm_.rows, options_.blur / arm_.pixel());
-        return std::move(exposure.signal);
-    }
-
-private:
-    void aim(double time)
-    {
-        CArm arm = arm_;
-        turn_arm(arm, options_.turning, time);
-        if (aimed_ && arm.primary == arm_.primary && arm.secondary == arm_.secondary) return;
-        arm_ = arm;
-        scope_.set_view(arm_);
-        aimed_ = true;
-    }
-
-    WallMesh wall_of(std::size_t index) const
-    {
-        WallMesh wall = run_.wall;
-        if (fs::exists(run_.frames[index].wall))
-            wall.vertices = read_moved_wall(run_, index, WallQuantity::Displacement).vertices;
-        return wall;
-    }
-
-    const FluoroOptions& options_;
-    RunFolder run_;
-    CArm arm_;
-    bool contrast_;
-    std::vector<Material> matter_;
-    Fluoroscope scope_;
-    bool walls_, aimed_ = false;
-};
 
 /// Everything that frames are gathered in.
 struct Gathered {
@@ -180,7 +90,7 @@ private:
 
     std::vector<std::uint16_t> levels(std::size_t index, double time)
     {
-        const std::vector<float> signal = main_.picture(2 * index);
+        const std::vector<float>& signal = main_.picture(2 * index);
         if (!mask_) return grey_levels(signal, main_.scope().reference(), options_.logarithmic);
         mask_->look(std::min(index, mask_->run().frames.size() - 1), time);
         return subtracted_levels(signal, mask_->picture(2 * index + 1));

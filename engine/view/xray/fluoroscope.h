@@ -4,13 +4,14 @@
 // Lengths: a lumen displaces the soft body around it, bone too, an instrument the blood and iodine of the lumen that it is in (of
 // a scene without a vessel, the body). Iodine adds c (mu/rho)_I to the blood. Scatter is not modelled: the contrast of a perfect
 // grid.
+// Body, bones and vessel are traced and their energies summed once for a view; a picture sums again only the rays that an
+// instrument or iodine is in. It is the same picture whatever was looked at before.
 
+#include "view/xray/beam.h"
 #include "view/xray/bolus.h"
-#include "view/xray/detector.h"
 #include "view/xray/device_paths.h"
-#include "view/xray/materials.h"
+#include "view/xray/exposure.h"
 #include "view/xray/mesh_paths.h"
-#include "view/xray/spectrum.h"
 
 #include <optional>
 
@@ -33,8 +34,8 @@ public:
     /// Instruments as they are now. @param of  materials that the stations number  @param time  of the bolus; none: no contrast
     void look(std::vector<Device> devices, const std::vector<Material>& of, std::optional<double> time);
 
-    /// What arrives, without noise.
-    [[nodiscard]] Exposure exposure();
+    /// What arrives, without noise; it stands until the next.
+    [[nodiscard]] const Exposure& exposure();
     /// -ln(I/I_0) of that.
     [[nodiscard]] std::vector<float> line_integrals();
     /// Median of I/I_0 over the middle quarter of the detector without instruments and contrast: what an exposure is set by.
@@ -44,35 +45,50 @@ public:
     [[nodiscard]] const CArmView& view() const { return view_; }
 
 private:
-    enum Matter { Soft, Blood, Bone, Iodine, MatterCount };
-    struct Row {
-        std::vector<float> amount[MatterCount];  // lengths [m]; of iodine, mass per area [kg/m^2]
+    /// Rays of a row and their columns.
+    struct PackedRow {
+        std::vector<std::int32_t> column;
+        Rays rays;
     };
     void trace_still();
+    /// Centre and width of the body, which the vessel's vertices say: of an arm that turns, once.
+    void fit_body();
     void find_body();
-    void fill_row(int row, bool full, Row& out) const;
-    /// sum_m mu_m L_m of a row. @param full  with instruments and contrast
-    void exponents(int row, std::size_t line, const Row& amounts, bool full, std::vector<float>& out) const;
+    void carry_iodine(std::vector<Device>& devices) const;
+    /// What arrives without instruments and contrast.
+    const Exposure& still();
+    [[nodiscard]] std::vector<std::int32_t> every_column() const;
+    /// Iodine that a row's rays meet [columns], or empty.
+    [[nodiscard]] std::vector<float> iodine_of(int row) const;
+    /// Columns of a row whose rays meet instruments or iodine.
+    [[nodiscard]] std::vector<std::int32_t> changed_columns(int row, const std::vector<float>& iodine) const;
+    /// What the rays of these columns run through, without instruments and contrast.
+    void pack_still(int row, const std::vector<std::int32_t>& columns, Rays& out) const;
+    /// With them.
+    void pack(int row, const std::vector<std::int32_t>& columns, const std::vector<float>& iodine, Rays& out) const;
 
-    std::vector<SpectrumLine> beam_;
-    double mean_energy_ = 0;
+    Beam beam_;
     CArm arm_;
     CArmView view_;
     WallMesh wall_, bone_;
     std::vector<float> arrival_;  // per vertex of the wall: time of travel of the bolus
-    Vec3 body_half_ = Vec3::Zero(), body_centre_ = Vec3::Zero();
+    Vec3 body_half_ = Vec3::Zero();
+    bool body_fits_ = false;
+    Vec3 body_centre_ = Vec3::Zero(), body_half_wide_ = Vec3::Zero();
     std::optional<Bolus> bolus_;
-    bool traced_ = false;
+    // of the view, until it or what stays changes
+    bool traced_ = false, summed_ = false;
     std::vector<float> body_path_, bone_path_;
     MeshPaths lumen_;
     std::vector<std::size_t> interval_row_;  // [rows + 1] where each row's intervals begin
     long mended_ = 0;
+    Exposure still_;
     std::optional<double> reference_;
-    std::vector<float> iodine_;  // [kg/m^2]; empty: none
+    // of the picture
+    std::optional<BolusMoment> iodine_;  // none: no contrast
     std::vector<DevicePath> devices_;
-    std::vector<std::int32_t> device_row_;  // where each row's paths begin
-    std::vector<std::vector<float>> mu_;    // per line of the beam: soft, blood, bone, iodine [1/m], [m^2/kg]
-    std::vector<std::vector<float>> mu_device_;
+    std::vector<std::int32_t> device_row_;  // [rows + 1] where each row's paths begin
+    Exposure exposure_;
 };
 
 }  // namespace seldinger

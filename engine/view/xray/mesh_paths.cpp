@@ -7,17 +7,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace seldinger {
 namespace {
 
 constexpr int sub_bits = 12, band_rows = 16;
 constexpr std::int64_t sub = 1 << sub_bits;
-constexpr double most_pixels = 1 << 18;  // beyond, products of corners leave 64 bits
+constexpr double most_pixels = 1 << 18;  // beyond, corners leave 32 bits and their products 64
 
 struct Corner {
     std::int64_t x, y;  // [pixel / sub]
     double inverse;     // 1/depth [1/m]
+};
+
+/// All corners of a mesh. Faces find them in any order: what most are looked up for is kept small and apart.
+struct Corners {
+    struct Place {
+        std::int32_t x, y;  // [pixel / sub]
+    };
+    std::vector<Place> place;
+    std::vector<double> inverse;
+
+    [[nodiscard]] Corner operator[](std::int32_t k) const { return {place[k].x, place[k].y, inverse[k]}; }
 };
 
 struct Hit {
@@ -38,16 +50,18 @@ Rows rows_of(std::int64_t low, std::int64_t high, int count)
             static_cast<int>(std::clamp<std::int64_t>(last, -1, count - 1))};
 }
 
-std::vector<Corner> project_corners(const CArmView& view, const WallMesh& mesh)
+Corners project_corners(const CArmView& view, const WallMesh& mesh)
 {
-    std::vector<Corner> corners(mesh.vertices.size());
-    std::vector<char> outside(corners.size());
-    for_each_item(static_cast<int>(corners.size()), 4096, [&](int i) {
+    Corners corners;
+    corners.place.resize(mesh.vertices.size()), corners.inverse.resize(mesh.vertices.size());
+    std::vector<char> outside(mesh.vertices.size());
+    for_each_item(static_cast<int>(outside.size()), 4096, [&](int i) {
         const CArmPoint at = project(view, mesh.vertices[i]);
         outside[i] = !(at.depth > 1e-3 && at.depth < view.sid);
         outside[i] |= 2 * !(std::abs(at.column) < most_pixels && std::abs(at.row) < most_pixels);
         if (outside[i]) return;
-        corners[i] = {std::llround(at.column * sub), std::llround(at.row * sub), 1 / at.depth};
+        corners.place[i] = {static_cast<std::int32_t>(std::llround(at.column * sub)), static_cast<std::int32_t>(std::llround(at.row * sub))};
+        corners.inverse[i] = 1 / at.depth;
     });
     const int worst = outside.empty() ? 0 : *std::max_element(outside.begin(), outside.end());
     if (worst == 2)
@@ -60,19 +74,22 @@ std::vector<Corner> project_corners(const CArmView& view, const WallMesh& mesh)
     return corners;
 }
 
-/// Faces of each band of rows, in their order.
+/// Faces of each band of rows that may cover a pixel's centre, in their order.
 struct Bands {
     std::vector<std::int32_t> first, face;
 };
 
-Bands deal_faces(const WallMesh& mesh, const std::vector<Corner>& corners, int rows)
+Bands deal_faces(const WallMesh& mesh, const std::vector<Corners::Place>& places, int columns, int rows)
 {
     const int count = (rows + band_rows - 1) / band_rows;
     std::vector<Rows> span(mesh.triangles.size());
     for_each_item(static_cast<int>(span.size()), 4096, [&](int t) {
         const auto& [a, b, c] = mesh.triangles[t];
-        const auto [low, high] = std::minmax({corners[a].y, corners[b].y, corners[c].y});
-        span[t] = rows_of(low, high, rows);
+        const auto [low, high] = std::minmax({places[a].y, places[b].y, places[c].y});
+        const auto [left, right] = std::minmax({places[a].x, places[b].x, places[c].x});
+        const Rows across = rows_of(left, right, columns);
+        // of a fine mesh most faces lie between the centres
+        span[t] = across.first > across.last ? Rows{0, -1} : rows_of(low, high, rows);
     });
     Bands bands;
     bands.first.assign(count + 1, 0);
@@ -148,7 +165,8 @@ public:
     void face(std::int32_t t, Band& band, std::vector<float>& sum) const
     {
         const auto& corner = mesh_.triangles[t];
-        const Corner* v[3] = {&corners_[corner[0]], &corners_[corner[1]], &corners_[corner[2]]};
+        const Corner own[3] = {corners_[corner[0]], corners_[corner[1]], corners_[corner[2]]};
+        const Corner* v[3] = {&own[0], &own[1], &own[2]};
         const std::int64_t area = (v[1]->x - v[0]->x) * (v[2]->y - v[0]->y) - (v[2]->x - v[0]->x) * (v[1]->y - v[0]->y);
         if (area == 0) return;
         // the normal, into the lumen, faces the source where corners turn from columns to rows: there the ray leaves
@@ -157,7 +175,6 @@ public:
         const auto [x_low, x_high] = std::minmax({v[0]->x, v[1]->x, v[2]->x});
         const auto [y_low, y_high] = std::minmax({v[0]->y, v[1]->y, v[2]->y});
         const Rows box = rows_of(x_low, x_high, view_.columns), rows = rows_of(y_low, y_high, view_.rows);
-        if (box.first > box.last) return;
         const Plane inverse(v, v[0]->inverse, v[1]->inverse, v[2]->inverse);
         for (int row = std::max(rows.first, band.first); row <= std::min(rows.last, band.last); ++row) {
             const Rows span = columns_of(edges, row, box);
@@ -196,10 +213,10 @@ private:
     const CArmView& view_;
     const WallMesh& mesh_;
     std::span<const float> value_;
-    std::vector<Corner> corners_;
+    Corners corners_;
 
 public:
-    [[nodiscard]] const std::vector<Corner>& corners() const { return corners_; }
+    [[nodiscard]] const std::vector<Corners::Place>& places() const { return corners_.place; }
 };
 
 /// Metres of ray per metre of depth.
@@ -209,11 +226,28 @@ double obliquity(const CArmView& view, int row, int column)
     return std::sqrt(1 + u * u + v * v);
 }
 
-/// Pairs what was met along each ray. Where lumens overlap a stretch counts as often as it is inside.
-std::vector<PathInterval> pair_hits(const CArmView& view, std::vector<Hit>& hits)
+/// By pixel, those of a pixel by depth; of equals, in the order that they were met.
+std::vector<Hit> sorted_hits(const Band& band, int columns)
 {
-    std::stable_sort(hits.begin(), hits.end(),
-                     [](const Hit& a, const Hit& b) { return a.pixel != b.pixel ? a.pixel < b.pixel : a.depth < b.depth; });
+    const int begin = band.first * columns, pixels = (band.last - band.first + 1) * columns;
+    std::vector<std::int32_t> next(pixels + 1);
+    for (const Hit& hit : band.hits) ++next[hit.pixel - begin + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    const std::vector<std::int32_t> first = next;
+    std::vector<Hit> sorted(band.hits.size());
+    for (const Hit& hit : band.hits) {
+        std::int32_t at = next[hit.pixel - begin]++;
+        // a ray meets a few faces: each is carried to its place
+        for (; at > first[hit.pixel - begin] && sorted[at - 1].depth > hit.depth; --at) sorted[at] = sorted[at - 1];
+        sorted[at] = hit;
+    }
+    return sorted;
+}
+
+/// Pairs what was met along each ray. Where lumens overlap a stretch counts as often as it is inside.
+std::vector<PathInterval> pair_hits(const CArmView& view, const Band& band)
+{
+    const std::vector<Hit> hits = sorted_hits(band, view.columns);
     std::vector<PathInterval> intervals;
     int inside = 0;
     for (std::size_t i = 0; i + 1 < hits.size(); ++i) {
@@ -265,7 +299,7 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
     MeshPaths paths;
     paths.length.assign(static_cast<std::size_t>(view.rows) * view.columns, 0.0f);
     const Raster raster(view, closed, value);
-    const Bands bands = deal_faces(closed, raster.corners(), view.rows);
+    const Bands bands = deal_faces(closed, raster.places(), view.columns, view.rows);
     const int count = static_cast<int>(bands.first.size()) - 1;
     std::vector<std::vector<PathInterval>> intervals(count);
     std::vector<long> mended(count);
@@ -274,7 +308,7 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
         band.crossings.assign(static_cast<std::size_t>(band_rows) * view.columns, 0);
         for (std::int32_t i = bands.first[k]; i < bands.first[k + 1]; ++i) raster.face(bands.face[i], band, paths.length);
         mended[k] = finish_rows(view, band, paths.length);
-        intervals[k] = pair_hits(view, band.hits);
+        intervals[k] = pair_hits(view, band);
     });
     for (int k = 0; k < count; ++k) {
         paths.mended += mended[k];
@@ -286,15 +320,20 @@ MeshPaths trace_mesh(const CArmView& view, const WallMesh& closed, std::span<con
 std::vector<float> trace_ellipsoid(const CArmView& view, const Vec3& centre, const Mat3& axes, const Vec3& half)
 {
     std::vector<float> length(static_cast<std::size_t>(view.rows) * view.columns);
-    // in the ellipsoid's own measure it is the unit ball: |o + t w| <= 1
+    // in the ellipsoid's own measure it is the unit ball: |o + t w| <= 1, w = ahead + u right + v up
     const Mat3 own = half.cwiseInverse().asDiagonal() * axes.transpose();
-    const Vec3 o = own * (view.source - centre);
+    const Vec3 o = own * (view.source - centre), ahead = own * view.direction, right = own * view.right, up = own * view.up;
+    const double beyond = o.squaredNorm() - 1, right2 = right.squaredNorm(), right_o = right.dot(o);
     for_each_item(view.rows, 8, [&](int row) {
+        const double v = view.v(row);
+        const Vec3 first = ahead + v * up;  // of the row, u = 0
+        const double first2 = first.squaredNorm(), first_o = first.dot(o), cross = 2 * first.dot(right), ray2 = 1 + v * v;
+        float* out = length.data() + static_cast<std::size_t>(row) * view.columns;
+        const double u0 = view.u(0), du = view.u(1) - u0;
         for (int x = 0; x < view.columns; ++x) {
-            const Vec3 ray = view.direction + view.u(x) * view.right + view.v(row) * view.up, w = own * ray;
-            const double a = w.squaredNorm(), b = w.dot(o), disc = b * b - a * (o.squaredNorm() - 1);
-            length[static_cast<std::size_t>(row) * view.columns + x] =
-                disc > 0 ? static_cast<float>(2 * std::sqrt(disc) / a * ray.norm()) : 0.0f;
+            const double u = u0 + x * du, a = first2 + u * (cross + u * right2), b = first_o + u * right_o;
+            const double disc = std::max(0.0, b * b - a * beyond);
+            out[x] = static_cast<float>(2 * std::sqrt(disc) / a * std::sqrt(ray2 + u * u));
         }
     });
     return length;

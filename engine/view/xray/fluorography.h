@@ -1,0 +1,42 @@
+#pragma once
+// One run as a fluoroscope looks at it, frame by frame.
+
+#include "view/xray/detector.h"
+#include "view/xray/fluoro_run.h"
+#include "view/xray/fluoroscope.h"
+
+namespace seldinger {
+
+class Fluorography {
+public:
+    /// @param options  must outlive it. @param contrast  whether what they inject is there. @throws Error BadFile, BadScene
+    Fluorography(const std::filesystem::path& dir, const FluoroOptions& options, bool contrast);
+
+    [[nodiscard]] const RunFolder& run() const { return run_; }
+    [[nodiscard]] const CArm& arm() const { return arm_; }
+    Fluoroscope& scope() { return scope_; }
+
+    /// Looks at a frame as the C-arm stands at `time`.
+    void look(std::size_t index, double time);
+
+    /// The picture of the frame that was looked at; it stands until the next. @param stream  that its noise is drawn with
+    const std::vector<float>& picture(std::uint64_t stream)
+    {
+        return detector_.read(scope_.exposure(), options_.noise ? std::optional(stream) : std::nullopt);
+    }
+
+private:
+    void aim(double time);
+    [[nodiscard]] WallMesh wall_of(std::size_t index) const;
+
+    const FluoroOptions& options_;
+    RunFolder run_;
+    CArm arm_;
+    bool contrast_;
+    std::vector<Material> matter_;
+    Fluoroscope scope_;
+    Detector detector_;
+    bool walls_, aimed_ = false;
+};
+
+}  // namespace seldinger
