@@ -30,6 +30,19 @@ device::Buffer filled(device::Context& context, const std::vector<T>& from)
     return buffer;
 }
 
+/// Calls f(wire, first, count) with the stretch of slots in which a wire's cells, of which of_wire tells the first, are listed.
+template <class F>
+void for_each_stretch(std::span<const std::uint32_t> listed, std::span<const int> of_wire, const F& f)
+{
+    auto from = listed.begin();
+    for (std::size_t w = 0; w + 1 < of_wire.size(); ++w) {
+        const auto end = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * of_wire[w + 1]);
+        const auto until = std::lower_bound(from, listed.end(), end);
+        if (from != until) f(static_cast<int>(w), std::size_t{*from}, std::size_t{*(until - 1)} - *from + 1);
+        from = until;
+    }
+}
+
 std::vector<int> firsts(std::span<const int> system_of)
 {
     std::vector<int> list;
@@ -198,7 +211,9 @@ void InstrumentContact::search(device::Queue queue)
     nodes_.upload(context_, queue);
     find_.launch(queue, params_.cell_count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
     // what earlier trials of this step have left is in slots that now stand for something else
-    context_.write(queue, states_, no_states_.data(), no_states_.size() * sizeof(InstrumentState));
+    for_each_stretch(found_, cells_.of_wire, [&](int, std::size_t first, std::size_t count) {
+        context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+    });
     context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
     searched_position_ = nodes_.position;
     list_found();
@@ -301,18 +316,15 @@ void InstrumentContact::couple(const SystemUnknowns& system, std::span<double> /
 void InstrumentContact::commit(std::span<const std::uint8_t> active)
 {
     context_.enter(device::Queue::Inline);
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (active[w]) cells_.rods[w].epoch++;
+    // records of earlier steps that stay where nothing is found are known by their epoch
     bool any = false;
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!active[w]) continue;
-        cells_.rods[w].epoch++;
-        const auto system = static_cast<std::size_t>(system_of_[w]);
-        if (found_of_[system] == found_of_[system + 1]) continue;
-        const std::size_t record = SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState);
-        context_.copy(device::Queue::Inline, states_, states_t0_,
-                      static_cast<std::size_t>(cells_.of_wire[w + 1] - cells_.of_wire[w]) * record,
-                      static_cast<std::size_t>(cells_.of_wire[w]) * record);
+    for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
+        if (!active[wire]) return;
+        context_.copy(device::Queue::Inline, states_, states_t0_, count * sizeof(InstrumentState), first * sizeof(InstrumentState));
         any = true;
-    }
+    });
     if (any) context_.finish(device::Queue::Inline);
 }
 

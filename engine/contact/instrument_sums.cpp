@@ -40,6 +40,42 @@ Vector row_of(const InstrumentForce& f, const InstrumentRow& row)
     return r;
 }
 
+/// Where on its piece of the curve a place is, 0 to 1, from its weights (kernels/shared/spline.h): a straight end has two.
+double place_of(const double* w) { return w[2] == 0 ? w[1] : w[0] == 0 ? w[2] : std::sqrt(2 * w[2]); }
+
+/// Weights of the curve's derivative there.
+std::array<double, 3> derivative_of(const double* w)
+{
+    if (w[2] == 0) return {-1, 1, 0};
+    if (w[0] == 0) return {0, -1, 1};
+    const double t = place_of(w);
+    return {t - 1, 1 - 2 * t, t};
+}
+
+/// The weights w of a place of derivative d moved to a point's: linear in the way where both are on one piece of the curve.
+std::array<double, 3> moved_to(const double* at_point, const double* w, const double* d, bool same_nodes)
+{
+    std::array<double, 3> moved;
+    const bool one_piece = same_nodes && (w[0] == 0) == (at_point[0] == 0) && (w[2] == 0) == (at_point[2] == 0);
+    const double way = one_piece ? place_of(at_point) - place_of(w) : 0;
+    for (int k = 0; k < 3; ++k) moved[k] = one_piece ? w[k] + way * d[k] : at_point[k];
+    return moved;
+}
+
+/// The row along the slip, as if friction acted at one of the points that push.
+Vector along_beside(const InstrumentForce& f, const InstrumentPoint& p)
+{
+    const InstrumentRow& row = f.along;
+    const auto wa = moved_to(p.wa, f.wa, f.da, f.node_a == p.node_a), wb = moved_to(p.wb, f.wb, f.db, f.node_b == p.node_b);
+    Vector r{};
+    put_side(r, 0, wa.data(), row.v, 1, derivative_of(p.wa).data(), row.turn_a, 1);
+    put_side(r, InstrumentSums::side, wb.data(), row.v, -1, p.db, row.turn_b, -1);
+    // an edge before the point's nodes, or beyond them, is left out
+    if (f.edge_a - p.node_a < 3) r[per_node * (f.edge_a - p.node_a) + RodDofs::spin_place] = row.spin_a;
+    if (f.edge_b - p.node_b < 3) r[InstrumentSums::side + per_node * (f.edge_b - p.node_b) + RodDofs::spin_place] = -row.spin_b;
+    return r;
+}
+
 void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size], double s, const Vector& u, const Vector& v)
 {
     if (s == 0) return;
@@ -48,6 +84,15 @@ void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size],
         if (su == 0) continue;
         for (int j = 0; j < InstrumentSums::size; ++j) to[i][j] += su * v[j];
     }
+}
+
+/// What sliding friction does as the normal force N_k at one point changes. Friction mu sum N_k acts at the middle of what touches,
+/// s = sum N_k s_k / sum N_k: with r(s) its row along the slip the change is
+///   mu (r dN + r' (d(sum N_k s_k) - s dN)) = mu sum r(s_k) dN_k,     r(s_k) = r + (s_k - s) r',     dN_k = -slope_k g_k.
+void add_load(double (&skew)[InstrumentSums::size][InstrumentSums::size], const InstrumentForce& f, const InstrumentPoint& p)
+{
+    const double share = f.slope_sum > 0 ? p.slope / f.slope_sum : 0;
+    add_outer_product(skew, -f.skew * share, along_beside(f, p), gap_gradient(p));
 }
 
 }  // namespace
@@ -105,6 +150,11 @@ void InstrumentSums::take(const InstrumentForce& force, const InstrumentPoint* p
         Vector pushed{};
         take_friction(force, at, pushed);
         rubbing = exert(at, pushed, moves);
+        for (std::uint32_t k = 0; k < force.count && (force.flags & SEL_FORCE_SLIDING); ++k) {
+            Block& beside = block(wire_a, wire_b, static_cast<int>(points[k].node_a), static_cast<int>(points[k].node_b));
+            beside.sliding = sliding_ = true;
+            add_load(beside.skew, force, points[k]);
+        }
     }
     const double normal = 0.5 * (pushing[0] + pushing[1]), friction = 0.5 * (rubbing[0] + rubbing[1]);
     const double to_a = 0.5 * (pushing[0] - pushing[1] + rubbing[0] - rubbing[1]);
@@ -118,20 +168,21 @@ void InstrumentSums::take_point(const InstrumentPoint& p, Block& block, Vector& 
 {
     const Vector g = gap_gradient(p);
     for (int i = 0; i < size; ++i) pushed[i] = p.force * g[i];
-    add_outer_product(block.symmetric, p.slope, g, g);
-    Vector h{};
+    Vector h{}, pairs, hessian;
     put_side(h, 0, p.wa, p.p, 1, nullptr, nullptr, 0);
     put_side(h, side, p.wb, p.p, -1, p.db, p.q, 1);
-    add_outer_product(block.symmetric, -p.force * p.bend, h, h);
-    static constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     double weight[6];
     for (int k = 0; k < 3; ++k) weight[k] = p.wa[k], weight[3 + k] = -p.wb[k];
-    for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) {
-            const double s = -p.force * weight[i] * weight[j];
-            for (int c = 0; c < 3; ++c)
-                for (int d = 0; d < 3; ++d) block.symmetric[per_node * i + c][per_node * j + d] += s * p.m[tri[c][d]];
+    const double m[3][per_node] = {{p.m[0], p.m[1], p.m[2]}, {p.m[1], p.m[3], p.m[4]}, {p.m[2], p.m[4], p.m[5]}};
+    for (int c = 0; c < 3; ++c) {  // a row of one coordinate has one row of m
+        for (int j = 0; j < size; ++j) hessian[j] = m[c][j % per_node];
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < size; ++j) pairs[j] = -p.force * weight[i] * weight[j / per_node];
+            double* row = block.symmetric[per_node * i + c];
+            const double push = p.slope * g[per_node * i + c], turn = -p.force * p.bend * h[per_node * i + c];
+            for (int j = 0; j < size; ++j) row[j] = row[j] + push * g[j] + turn * h[j] + pairs[j] * hessian[j];
         }
+    }
 }
 
 void InstrumentSums::take_friction(const InstrumentForce& f, Block& block, Vector& pushed)
@@ -140,9 +191,6 @@ void InstrumentSums::take_friction(const InstrumentForce& f, Block& block, Vecto
     const Vector along = row_of(f, f.along), across = row_of(f, f.across);
     add_outer_product(block.symmetric, f.stiff_along, along, along);
     add_outer_product(block.symmetric, f.stiff_across, across, across);
-    if (!(f.flags & SEL_FORCE_SLIDING)) return;
-    block.sliding = sliding_ = true;
-    add_outer_product(block.skew, -f.skew, along, gap_gradient(f));
 }
 
 std::array<double, 2> InstrumentSums::exert(const Block& block, const Vector& pushed, const InstrumentMoves& moves)

@@ -118,6 +118,45 @@ typedef struct Closest {
 #define SEL_CLOSEST_STEPS 40
 #define SEL_CLOSEST_ENOUGH ((real)1e-12)  // of an edge
 
+// One piece of the curve seen from a point x: with c = c_0 + c_1 t + c_2 t^2 and r = x - c_0
+//     slope   -(x - c) . c'  = -r.c_1 + (c_1.c_1 - 2 r.c_2) t + 3 c_1.c_2 t^2 + 2 c_2.c_2 t^3,    t = at - origin,
+//     square  c' . c'        = c_1.c_1 + 4 c_1.c_2 t + 4 c_2.c_2 t^2
+typedef struct SeenPiece {
+    real low, high, origin;                    // holds for low <= at < high
+    real first, linear, c1_c1, c1_c2, c2_c2;  // first, linear: of the slope
+} SeenPiece;
+
+SEL_FN SeenPiece seen_piece(SplineView rod, vec3 x, real at)
+{
+    SeenPiece piece;
+    const real end = (real)rod.count - (real)1.5;
+    vec3 c0, c1, c2 = make_vec3(0, 0, 0);
+    if (rod.count < 3 || at <= (real)0.5 || at >= end) {
+        const int begins = rod.count < 3 || at <= (real)0.5;
+        const uint node = begins ? 0 : rod.count - 2;
+        piece.low = begins ? (real)-1 : end;
+        piece.high = begins && rod.count > 2 ? (real)0.5 : (real)rod.count;
+        piece.origin = (real)node;
+        c0 = node_at(rod, node);
+        c1 = node_at(rod, node + 1) - c0;
+    } else {
+        const uint node = (uint)(at + (real)0.5);
+        const vec3 before = node_at(rod, node - 1), x_i = node_at(rod, node), after = node_at(rod, node + 1);
+        piece.low = piece.origin = (real)node - (real)0.5;
+        piece.high = (real)node + (real)0.5;
+        c0 = (real)0.5 * (before + x_i);
+        c1 = x_i - before;
+        c2 = (real)0.5 * (after - x_i - c1);
+    }
+    const vec3 r = x - c0;
+    piece.c1_c1 = dot3(c1, c1);
+    piece.c1_c2 = dot3(c1, c2);
+    piece.c2_c2 = dot3(c2, c2);
+    piece.first = -dot3(r, c1);
+    piece.linear = piece.c1_c1 - 2 * dot3(r, c2);
+    return piece;
+}
+
 // Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign
 // holds it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
@@ -126,10 +165,12 @@ SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real hig
     real least = low, most = high;
     found.at = clamp_r(start, low, high);
     found.bound = 0;
+    SeenPiece piece = seen_piece(rod, x, found.at);
     for (int k = 0; k < SEL_CLOSEST_STEPS; ++k) {
-        const SplinePlace p = spline_place(found.at, rod.count);
-        const vec3 away = x - spline_sum(rod, p.node, p.w), along = spline_sum(rod, p.node, p.d);
-        const real slope = -dot3(away, along), square = dot3(along, along);
+        if (found.at < piece.low || found.at >= piece.high) piece = seen_piece(rod, x, found.at);
+        const real t = found.at - piece.origin, bulge = piece.c1_c2 + piece.c2_c2 * t;
+        const real slope = piece.first + (piece.linear + (bulge + 2 * piece.c1_c2 + piece.c2_c2 * t) * t) * t;
+        const real square = piece.c1_c1 + 4 * bulge * t;
         if (slope > 0) most = found.at;
         else least = found.at;
         if (slope > 0 && found.at <= low) {
@@ -140,7 +181,7 @@ SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real hig
             found.bound = 1;
             return found;
         }
-        const real curved = square - dot3(away, spline_sum(rod, p.node, p.c));
+        const real curved = piece.linear + 6 * bulge * t;
         real step = -slope / (curved > (real)0.05 * square ? curved : square);
         step = clamp_r(step, -1, 1);
         real next = found.at + step;

@@ -120,6 +120,12 @@ Vec3 in_lumen(int wire, double s)
     return {along, 0, wire == 0 ? 0 : 3.02e-4 - 1e-2 * (along - 0.02) * (along - 0.02)};
 }
 
+Vec3 on_lumen(int wire, double s)
+{
+    const double along = 0.024 - s;
+    return {along, 0, wire == 0 ? 0 : 3.3e-4 - 0.6 * (along - 0.012) * (along - 0.012)};
+}
+
 /// Largest difference between K v and the change of the residual along v, of the largest of K v.
 double tangent_error(Term& at, double h, unsigned seed, double step = 1e-9)
 {
@@ -176,6 +182,14 @@ TEST_SUITE("contact/instrument_term")
             for (int i = 4 * nodes_each; i < 8 * nodes_each; i += 4) ply.unknown(i) += 1e-6;
             for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(ply, 1e-3, seed) < 2e-2);
         }
+    }
+
+    TEST_CASE("derivative: friction that slides follows the normal forces at the points where they act")
+    {
+        Term nested(on_lumen, true, 0.1);
+        for (int i = 4 * nodes_each; i < 8 * nodes_each; i += 4) nested.unknown(i) += 2e-4;
+        // the load at the middle of a cell alone misses 3.5e-2; what is left is the motion of the Gauss points and of the normal
+        for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(nested, 1e-3, seed, 1e-10) < 1.5e-2);
     }
 
     TEST_CASE("property: forces and moments of both rods balance")
