@@ -230,19 +230,10 @@ private:
         const auto is_count = [](std::int64_t count) { return count >= 0 && count <= std::int64_t{1} << 53; };
         static_assert(sizeof(StageTimes) % sizeof(double) == 0);
         const auto* stages = reinterpret_cast<const double*>(&totals_.stages);
-        bool sound = at_ <= worlds_.size() && open <= (at_ < worlds_.size()) && saved_status_ >= RunStatus::Running &&
-                     saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
-                     is_count(totals_.resumes) && is_time(totals_.wall) &&
-                     std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time);
-        std::vector<bool> seen(source_.sweep.run_count());
-        for (const BatchRow& row : rows_) {
-            const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-            sound = sound && row.run >= 0 && static_cast<std::size_t>(row.run) < seen.size() && !seen[static_cast<std::size_t>(row.run)] &&
-                    (row.status == RunStatus::Done || row.status == RunStatus::Stopped) &&
-                    std::all_of(row.state_hash.begin(), row.state_hash.end(), is_hex);
-            if (!sound) break;
-            seen[static_cast<std::size_t>(row.run)] = true;
-        }
+        const bool sound = at_ <= worlds_.size() && open <= (at_ < worlds_.size()) && saved_status_ >= RunStatus::Running &&
+                           saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
+                           is_count(totals_.resumes) && is_time(totals_.wall) &&
+                           std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time) && are_sound(rows_, begin_, end_);
         if (!sound) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
     }
 

@@ -457,6 +457,4 @@ DeviceCounts World::device_counts() const
     return {c.launches, c.reads, c.writes, c.buffers_created, c.programs_built};
 }
 
-const char* version() { return SELDINGER_VERSION; }
-
 }  // namespace seldinger

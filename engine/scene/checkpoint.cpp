@@ -74,7 +74,8 @@ bool is_sound(const LoadTally& t)
 {
     const auto values = {t.per_length, t.per_length_at, t.per_length_time, t.patch_force, t.patch_at,
                          t.patch_time, t.extent,        t.window,          t.patch};
-    return t.regions >= 0 && t.regions <= most_steps && std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; });
+    return t.regions >= 0 && t.regions <= most_steps && t.widened <= 1 &&
+           std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; });
 }
 
 bool is_sound(const ExitTally& t)

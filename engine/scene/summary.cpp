@@ -262,7 +262,7 @@ void LoadTally::take_in(const ContactAlong& now, double time)
     regions = std::max<std::int64_t>(regions, now.regions);
     window = std::max(window, now.window);
     patch = now.patch;
-    widened = widened || now.widened;
+    widened |= now.widened ? 1 : 0;
 }
 
 void RunTally::note_wall(unsigned flags)

@@ -27,7 +27,7 @@ struct LoadTally {
     double extent = 0;                                              // [m]
     std::int64_t regions = 0;
     double window = 0, patch = 0;  // [m]
-    bool widened = false;
+    std::uint8_t widened = 0;      // 0 or 1: a file may hold anything, which a bool may not
     void take_in(const ContactAlong& now, double time);
 };
 

@@ -8,6 +8,7 @@
 #include "session/coupling.h"
 #include "session/hand_channel.h"
 #include "session/pacer.h"
+#include "session/page_wish.h"
 #include "session/score.h"
 #include "session/session_record.h"
 #include "session/snapshot.h"
@@ -32,15 +33,6 @@ struct SessionOptions {
 
 /// Instruments of the first system of a world made from this that a hand can hold: those that are fed.
 [[nodiscard]] std::vector<int> live_instruments(const WorldSetup& setup);
-
-/// What a page wants; the newest counts.
-struct PageWish {
-    int instrument = 0;
-    double push = 0, turn = 0;  // [m/s], [rad/s]
-    double until = 0;           // on the session's clock: a page that falls silent pushes no more [s]
-    bool fluoroscopy = false, contrast = false, paused = false;
-    std::uint32_t resets = 0;  // asked for so far
-};
 
 class Session {
 public:

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::string_view magic = "SELLIVE1";
 constexpr std::uint32_t longest_header = 1 << 16;
+constexpr std::uint64_t most_wires = 1000;
 constexpr double most_asked = 1e9;  // [m] or [rad], as of a scene's keys
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what)
@@ -45,8 +46,10 @@ RecordHeader header_from(const std::string& text)
     h.scene_hash = hash("scene_hash");
     h.vessel_hash = hash("vessel_hash");
     h.dt = json.at("dt_s");
-    h.instruments = json.at("instruments");
-    if (!(h.dt > 0) || h.instruments < 1 || h.instruments > 1000) throw std::invalid_argument("out of range");
+    const auto& instruments = json.at("instruments");  // a number above what an int holds would be cut to another one
+    const bool counts = instruments.is_number_unsigned() && instruments.get<std::uint64_t>() - 1 < most_wires;
+    if (!(h.dt > 0) || !counts) throw std::invalid_argument("out of range");
+    h.instruments = instruments.get<int>();
     return h;
 }
 

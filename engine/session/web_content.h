@@ -28,7 +28,4 @@ struct WebFile {
 /// One frame: u32 length of the JSON, padded to four, the JSON, then per instrument u32 nodes and f32 x y z force of each.
 void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::string& into);
 
-/// A page's message. @return false: not one
-[[nodiscard]] bool read_wish(std::string_view text, struct PageWish& wish, bool& reset);
-
 }  // namespace seldinger

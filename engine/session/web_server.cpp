@@ -2,7 +2,9 @@
 #include "session/web_server.h"
 
 #include "core/error.h"
+#include "session/page_wish.h"
 #include "session/session.h"
+#include "session/session_limits.h"
 #include "session/web_content.h"
 #include "session/web_policy.h"
 
@@ -28,7 +30,6 @@ using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::size_t most_connections = 64, most_sockets = 8;
-constexpr std::size_t longest_message = 1024, longest_header = 8192;
 constexpr double messages_per_second = 120;
 constexpr auto frame_period = std::chrono::milliseconds(25);
 constexpr auto request_time = std::chrono::seconds(10);
@@ -85,7 +86,7 @@ public:
         hub_.sockets.insert(this);
         request_ = std::move(request);
         stream_.set_option(websocket::stream_base::timeout{request_time, std::chrono::seconds(20), true});
-        stream_.read_message_max(longest_message);
+        stream_.read_message_max(most_message_bytes);
         stream_.async_accept(request_, [self = shared_from_this()](error_code error) {
             if (error) return;
             ++self->hub_.counts.sockets;
@@ -143,7 +144,7 @@ private:
     websocket::stream<beast::tcp_stream> stream_;
     Hub& hub_;
     http::request<http::empty_body> request_;
-    beast::flat_buffer buffer_{longest_message};
+    beast::flat_buffer buffer_{most_message_bytes};
     RateLimit rate_{messages_per_second};
     Frame sending_;
     bool open_ = false;
@@ -158,7 +159,7 @@ public:
     void read()
     {
         parser_.emplace();
-        parser_->header_limit(longest_header);
+        parser_->header_limit(most_header_bytes);
         parser_->body_limit(0);
         stream_.expires_after(request_time);
         http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
@@ -242,7 +243,7 @@ private:
 
     beast::tcp_stream stream_;
     Hub& hub_;
-    beast::flat_buffer buffer_{longest_header};
+    beast::flat_buffer buffer_{most_header_bytes};
     std::optional<http::request_parser<http::empty_body>> parser_;
     http::response<http::span_body<const char>> response_;
     WebFile refusal_;  // kept while it is sent; the other files are the hub's

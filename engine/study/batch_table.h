@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,6 +60,9 @@ struct BatchRow {
     std::array<char, 16> state_hash{};                       // as summary.json of the run alone
 };
 static_assert(std::is_trivially_copyable_v<BatchRow>);
+
+/// Whether rows that were read from a file are of runs from `begin` to before `end`, none twice, and each says what a run can come to.
+[[nodiscard]] bool are_sound(std::span<const BatchRow> rows, std::size_t begin, std::size_t end);
 
 /// @param system  of the world, in the state that the row is to show; tip and hand are its first instrument's
 [[nodiscard]] BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally);

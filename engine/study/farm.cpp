@@ -13,6 +13,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -25,6 +26,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view rows_magic = "SELFARM1";
+// beyond what any farm has, and little enough to be listed in memory
+constexpr std::size_t most_tasks = 1'000'000, most_items = 10'000'000, last_frame = 1'000'000'000;
 
 std::string number(std::size_t task) { return fmt::format("{:06}", task); }
 
@@ -116,6 +119,12 @@ FarmPlan read_farm(const fs::path& dir)
         throw Error(ExitCode::BadFile, dir.string() + ": no farm.json in it; give the folder that `seldinger farm -o` made");
     try {
         const Json in = Json::parse(read_file(file));
+        const auto count = [&](const char* key, std::size_t most) {
+            const Json& value = in.at(key);
+            if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
+                throw Error(ExitCode::BadFile, fmt::format("{}: {} out of range; make the farm again in another folder", file.string(), key));
+            return value.get<std::size_t>();
+        };
         FarmPlan plan;
         plan.kind = in.at("kind") == "sweep" ? FarmKind::Sweep : FarmKind::Frames;
         plan.source = in.at("source").get<std::string>();
@@ -123,13 +132,13 @@ FarmPlan read_farm(const fs::path& dir)
             plan.sweep = in.at("sweep").get<std::string>();
             plan.overrides = in.at("set").get<std::vector<std::string>>();
         } else {
-            plan.first = in.at("first").get<std::size_t>();
+            plan.first = count("first", last_frame);
             plan.render = in.at("render").get<std::vector<std::string>>();
         }
-        plan.items = in.at(plan.kind == FarmKind::Sweep ? "runs" : "frames").get<std::size_t>();
-        plan.tasks = in.at("tasks").get<std::size_t>();
+        plan.items = count(plan.kind == FarmKind::Sweep ? "runs" : "frames", most_items);
+        plan.tasks = count("tasks", std::min(plan.items, most_tasks));
         plan.key = in.at("key").get<std::string>();
-        if (plan.tasks < 1 || plan.tasks > plan.items) throw Error(ExitCode::BadFile, file.string() + ": tasks out of range");
+        if (plan.tasks < 1) throw Error(ExitCode::BadFile, file.string() + ": is a farm of nothing; make it again in another folder");
         return plan;
     } catch (const nlohmann::json::exception& error) {
         throw Error(ExitCode::BadFile,
@@ -250,8 +259,11 @@ std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPl
     const FarmPlan::Part part = plan.part(task);
     if (key != plan.key || count != part.end - part.begin)
         throw Error(ExitCode::BadFile, file.string() + ": is of another farm; remove it and do the task again");
-    std::vector<BatchRow> rows(count);
-    take_bytes(at, end, rows.data(), count);
+    const bool filled = static_cast<std::size_t>(end - at) == count * sizeof(BatchRow);
+    std::vector<BatchRow> rows(filled ? count : 0);
+    take_bytes(at, end, rows.data(), rows.size());
+    if (!filled || !are_sound(rows, part.begin, part.end))
+        throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; remove it and do the task again");
     return rows;
 }
 

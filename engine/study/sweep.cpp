@@ -6,6 +6,7 @@
 #include "core/fnv1a.h"
 #include "scene/toml_parse.h"
 #include "scene/toml_table.h"
+#include "scene/toml_text.h"
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@ namespace seldinger {
 namespace {
 
 constexpr double most_runs = 1e6;
+constexpr std::size_t most_values = 4'000'000;  // in all axes: some 300 MB
 
 std::string number_text(double value)
 {
@@ -35,7 +37,7 @@ std::string value_text(const toml::node& node)
         return "[" + text + "]";
     }
     if (const toml::table* table = node.as_table()) {
-        for (const auto& [key, item] : *table) join(fmt::format("\"{}\" = {}", key.str(), value_text(item)));
+        for (const auto& [key, item] : *table) join(toml_quoted(key.str()) + " = " + value_text(item));
         return "{" + text + "}";
     }
     if (node.is_floating_point()) return number_text(*node.value<double>());
@@ -54,7 +56,8 @@ double draw(std::int64_t seed, const std::string& key, std::uint64_t k)
     return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-void draw_values(const toml::table& table, std::int64_t seed, SweepAxis& axis)
+/// @param most  values that may be drawn, of those of all axes
+void draw_values(const toml::table& table, std::int64_t seed, std::size_t most, SweepAxis& axis)
 {
     const TableReader t(table, axis.key, {"min", "max", "n", "log"});
     double low = 0, high = 0;
@@ -66,6 +69,8 @@ void draw_values(const toml::table& table, std::int64_t seed, SweepAxis& axis)
     t.number("max", high, any_number);
     t.count("n", n, 1, static_cast<int>(most_runs));
     if (!(high >= low)) t.fail("max", fmt::format("expected at least min, {}", low));
+    if (static_cast<std::size_t>(n) > most)
+        t.fail("n", fmt::format("makes more than {} values of all keys together; draw fewer, or vary fewer keys", most_values));
     axis.drawn = true;
     for (int k = 0; k < n; ++k) {
         const double u = draw(seed, axis.key, static_cast<std::uint64_t>(k));
@@ -85,7 +90,9 @@ void read_axis(const std::string& key, const toml::node& node, std::int64_t seed
         return;
     }
     if (is_draw) {
-        draw_values(*table, seed, axis);
+        std::size_t values = 0;
+        for (const SweepAxis& other : sweep.axes) values += other.values.size();
+        draw_values(*table, seed, most_values - std::min(values, most_values), axis);
     } else if (const toml::array* list = node.as_array(); list && !list->empty()) {
         for (const toml::node& item : *list) axis.values.push_back(value_text(item));
     } else {

@@ -99,19 +99,19 @@ double curvature_along(const Pair& pair, const std::vector<double>& v)
     return quad + g.bend * along * along;
 }
 
-constexpr double edge = 1e-3, step = 1e-8;
+constexpr double edge = 1e-3, nudge = 1e-8;
 
 std::vector<double> differences(Pair pair)
 {
     std::vector<double> all(pair.size());
     for (std::size_t k = 0; k < pair.size(); ++k) {
         const double was = pair.coordinate(k);
-        pair.coordinate(k) = was + step;
+        pair.coordinate(k) = was + nudge;
         const double up = pair.gap().gap;
-        pair.coordinate(k) = was - step;
+        pair.coordinate(k) = was - nudge;
         const double down = pair.gap().gap;
         pair.coordinate(k) = was;
-        all[k] = (up - down) / (2 * step);
+        all[k] = (up - down) / (2 * nudge);
     }
     return all;
 }
@@ -127,7 +127,7 @@ double curvature_difference(Pair pair, const std::vector<double>& v)
         for (std::size_t k = 0; k < v.size(); ++k) sum += g[k] * v[k];
         return sum;
     };
-    return (slope_at(step) - slope_at(-step)) / (2 * step);
+    return (slope_at(nudge) - slope_at(-nudge)) / (2 * nudge);
 }
 
 GapPart outside_part(const Nodes& b)
@@ -168,7 +168,7 @@ Pair near_pair(unsigned seed, uint touch)
 void check_gradient(const Pair& pair)
 {
     const std::vector<double> exact = gradient(pair), found = differences(pair);
-    // gap of 1e-3 m to 1e-16 of it over 2e-8 m, and the third derivative, 1/(0.3 mm)^2, times step^2
+    // gap of 1e-3 m to 1e-16 of it over 2e-8 m, and the third derivative, 1/(0.3 mm)^2, times nudge^2
     for (std::size_t k = 0; k < exact.size(); ++k) CHECK(exact[k] == doctest::Approx(found[k]).epsilon(1e-7).scale(1));
 }
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Faults x commands: what is done to a run or a batch, and whether it goes on to the bits of one that was left alone.
 
-faults.py SELDINGER [--long] [--seed N]: prints the table; exit 1 where something was not survived. Survived: no end by a signal that
+faults.py SELDINGER [--long] [--seed N] [--only WORDS]: prints the table, each row on stderr as it ends, so that a long one that is stopped has told
+what it knew; exit 1 where something was not survived. Survived: no end by a signal that
 was not sent, an error of one line, nothing half written left after the next run, and the same hash once resumed.
 """
 import argparse, os, random, resource, shutil, signal, subprocess, sys, tempfile, time
@@ -145,9 +146,15 @@ def main():
     options.add_argument("app")
     options.add_argument("--long", action="store_true")
     options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--only", default="", help="rows that have these words in them")
     given = options.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="seldinger-faults-"))
-    table, bad = [], 0
+    table, begun = [], time.monotonic()
+
+    def note(*row):
+        table.append(row)
+        print(f"{time.monotonic() - begun:.0f} s: {row[1]}, {row[0]}: {row[3]} of {row[2]}", file=sys.stderr, flush=True)
+
     try:
         shims = {name: folder / f"{name}.so" for name in ("fail_write", "jump_clock", "lose_device")}
         compiler = shutil.which("cc") or shutil.which("gcc")
@@ -179,22 +186,22 @@ def main():
                                                               for n in (range(1, 20000, 199) if given.long else (1, 40, 400, 1500, 4000, 8000))]),
                     ("kernel cache not writable", [lambda: bench.no_cache(name)])]
             for what, tries in rows:
-                survived = sum(bool(one()) for one in tries)
-                table.append((what, name, len(tries), survived))
+                if given.only in what: note(what, name, len(tries), sum(bool(one()) for one in tries))
+            what = "disk full from the n-th write on, every n" + ("" if given.long else " of 7")
+            if given.only not in what: continue
             tried = survived = 0
             n, step = 1, 1 if given.long else 7
             while True:  # until a run no longer notices
                 done, ok = bench.full(name, n, shim)
                 tried, survived, n = tried + 1, survived + ok, n + step
                 if done.returncode == 0: break
-            table.append(("disk full from the n-th write on, every n" + ("" if given.long else " of 7"), name, tried, survived))
+            note(what, name, tried, survived)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     print("| fault | command | tried | survived |\n|---|---|---|---|")
     for what, name, tried, survived in table:
         print(f"| {what} | `{name}` | {tried} | {survived} |")
-        bad += tried != survived
-    return 1 if bad else 0
+    return 1 if any(tried != survived for _, _, tried, survived in table) else 0
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
-    static const seldinger::fuzz::Target* const target = seldinger::fuzz::find_target(SEL_FUZZ_TARGET);
-    target->run(bytes, size);
+    seldinger::fuzz::SEL_FUZZ_TARGET({bytes, size});
     return 0;
 }

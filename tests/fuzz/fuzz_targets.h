@@ -1,18 +1,36 @@
 #pragma once
-// What is fed with any bytes: each reader of meshes, and what a mesh goes through before a run. An Error is an answer; anything
-// else that is thrown, and whatever the sanitizers see, is a crash.
+// What is fed with any bytes: each reader of what comes from outside. An Error is an answer; anything else that is thrown, and whatever
+// the sanitizers see, is a crash. Where a checksum guards a file it is put right first, so that what lies behind it is reached.
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace seldinger::fuzz {
 
-struct Target {
-    const char* name;
-    void (*run)(const std::uint8_t* bytes, std::size_t size);
-};
+using Bytes = std::span<const std::uint8_t>;
 
-/// @return null when there is none of that name
-[[nodiscard]] const Target* find_target(const char* name);
+// fuzz_meshes.cpp
+void stl(Bytes bytes);
+void obj(Bytes bytes);
+void ply(Bytes bytes);
+void vtp(Bytes bytes);
+void vtk(Bytes bytes);
+void centreline(Bytes bytes);
+void pipeline(Bytes bytes);
+void pipeline_raw(Bytes bytes);
+
+// fuzz_scenes.cpp
+void scene(Bytes bytes);
+void sweep(Bytes bytes);
+
+// fuzz_saved.cpp
+void checkpoint(Bytes bytes);
+void record(Bytes bytes);
+void farm(Bytes bytes);
+
+// fuzz_live.cpp
+void web(Bytes bytes);
+void hand(Bytes bytes);
 
 }  // namespace seldinger::fuzz

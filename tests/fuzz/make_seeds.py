@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Small files to begin fuzzing with, a folder for each target: make_seeds.py DIR. Every encoding that a reader knows, once."""
+"""Small files to begin fuzzing with, a folder for each target: make_seeds.py DIR. Every encoding that a reader knows, once; scenes are the
+project's own, and their words DIR/scene.dict. What the engine's own writers make is fuzz_seeds.cpp's."""
 import base64
 import math
 import pathlib
+import re
 import struct
 import sys
 import zlib
@@ -119,8 +121,54 @@ def raw(points, faces):
     return data + bytes(flat(faces))
 
 
+def scenes():
+    """Each scene of the project, with its mesh and what it includes by the names that the target has; then a sweep of each key."""
+    root = pathlib.Path(__file__).resolve().parents[2]
+    files = sorted([*root.glob('assets/scenes/**/*.toml'), *root.glob('tests/golden/*.toml'), *root.glob('assets/instruments/*.toml')])
+    return {'-'.join(file.relative_to(root).parts): re.sub(r'(?m)^(mesh|centreline)( *= *)".*"', r'\1\2"mesh.stl"', file.read_text())
+            for file in files}
+
+
+PART = 'include = "part.toml"\n[scene]\nduration_s = 1.0\ndt_s = 0.01\n\x1e{}\x1ewire.preset="cobra-2-5f"\ncontact.normal="barrier"\nfeed.keys=[]\n'
+SWEEP = """[vary]
+"wire.bend_nm2" = [4.0e-5, 5.0e-5]
+"contact.detection" = ["capsule", "nodes"]
+"wire.density" = {min = 6000.0, max = 8000.0, n = 6}
+"contact.mu_sliding" = {min = 0.01, max = 0.3, n = 6, log = true}
+"feed.keys" = [[{t_s = 0.0, advance_m = 0.004}], [{t_s = 0.0, advance_m = 0.005}]]
+"""
+
+
+def words_of(texts):
+    """A dictionary of libFuzzer's: keys, tables and words in quotes."""
+    words = {word for text in texts for word in re.findall(r'(?m)^ *([\w.]+) *=|^(\[+[\w.]+\]+)|("[\w-]+")', text) for word in word if word}
+    return ''.join('"%s"\n' % word.replace('"', '\\"') for word in sorted(words))
+
+
+def page(path='/ws', more='', frames=b''):
+    lines = [f'GET {path} HTTP/1.1', 'Host: 127.0.0.1:8080', 'Upgrade: websocket', 'Connection: Upgrade', 'Sec-WebSocket-Version: 13',
+             'Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==' + more, '', '']
+    return '\r\n'.join(lines).encode() + b'\x1e' + frames
+
+
+def frame(text, opcode=1, last=True):
+    """As a browser masks it, by a mask of zeros."""
+    head = bytes([opcode | (0x80 if last else 0)])
+    head += bytes([0x80 | len(text)]) if len(text) < 126 else bytes([0x80 | 126]) + struct.pack('>H', len(text))
+    return head + bytes(4) + text
+
+
+def pages():
+    wish = b'{"push": 0.03, "turn": -2, "instrument": 1, "fluoro": true, "contrast": false, "pause": true, "reset": true}'
+    return {'plain': b'GET /?token=secret HTTP/1.1\r\nHost: localhost\r\nCookie: a=b; seldinger_token=secret\r\nOrigin: http://localhost\r\n\r\n',
+            'wish': page(frames=frame(wish)), 'token': page('/ws?x=y&token=secret', '\r\nOrigin: http://127.0.0.1:8080', frame(b'{}')),
+            'pieces': page(frames=frame(wish[:20], last=False) + frame(b'ping', 9) + frame(wish[20:], 0) + frame(wish, 2)),
+            'long': page(frames=frame(b' ' * 900 + wish)), 'closed': page(frames=frame(wish) + frame(b'\x03\xe8bye', 8))}
+
+
 def main():
-    seeds = {name: {} for name in ('stl', 'obj', 'ply', 'vtp', 'vtk', 'centreline', 'pipeline', 'pipeline_raw')}
+    names = ('stl', 'obj', 'ply', 'vtp', 'vtk', 'centreline', 'pipeline', 'pipeline_raw', 'scene', 'sweep', 'web')
+    seeds = {name: {} for name in names}
     for label, mesh in (('tetrahedron', TETRAHEDRON), ('tube', tube(5, 3))):
         seeds['stl'][label] = stl(*mesh)
         seeds['stl'][label + '_text'] = stl_text(*mesh)
@@ -141,11 +189,17 @@ def main():
         seeds['pipeline'][f'tube{sides}'] = obj(*mesh)
         seeds['pipeline'][f'torn{sides}'] = obj(mesh[0], mesh[1][:-3] + mesh[1][:2])
         seeds['pipeline_raw'][f'tube{sides}'] = raw(*mesh)
+    texts = scenes()
+    seeds['scene'] = {name: text.encode() for name, text in texts.items()}
+    seeds['scene']['layers'] = PART.format(next(iter(texts.values()))).encode()
+    seeds['sweep'] = {'all': SWEEP.encode()}
+    seeds['web'] = pages()
     for target, files in seeds.items():
         folder = pathlib.Path(sys.argv[1]) / target
         folder.mkdir(parents=True, exist_ok=True)
         for label, data in files.items():
             (folder / label).write_bytes(data)
+    (pathlib.Path(sys.argv[1]) / 'scene.dict').write_text(words_of([*texts.values(), SWEEP]))
 
 
 if __name__ == '__main__':

@@ -223,6 +223,16 @@ TEST_SUITE("scene/checkpoint mutants")
         CHECK(refusal({"vessel.radius_m=0.005"}).find("[vessel] radius_m") != std::string::npos);
     }
 
+    TEST_CASE("property: a flag that is neither 0 nor 1 is refused")
+    {
+        Checkpoint saved;
+        const Scene scene = read_case(cases()[0]);
+        saved.trace_bytes = {0};
+        CHECK_NOTHROW(check_checkpoint("D/checkpoint.bin", saved, scene, ""));
+        saved.tally.on_wall.widened = 2;
+        CHECK_THROWS_AS(check_checkpoint("D/checkpoint.bin", saved, scene, ""), Error);
+    }
+
     TEST_CASE("analytic: the first difference of two scenes")
     {
         CHECK(first_difference("[a]\nx = 1\n", "[a]\nx = 1\n").empty());

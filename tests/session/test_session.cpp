@@ -272,6 +272,33 @@ TEST_SUITE("session/session")
         }
     }
 
+    // a page cannot ask for this; steps of 1e-151 s make of a way that it can ask for energies that are no numbers
+    TEST_CASE("property: a session whose step ends in what is no number stops, says so and shows numbers")
+    {
+        std::string text = live_scene;
+        text.replace(text.find("length_m = 0.1"), 14, "length_m = 1e4");
+        text.erase(text.find("[vessel]"), text.find("[feed]") - text.find("[vessel]"));
+        text.erase(text.find("[task]"));
+        const Scene scene = scene_of(text);
+        SessionOptions options;
+        options.rate = 1e151;
+        options.advance.speed_limit = 1e300;
+        Session session(scene, make_setup(scene), options, nullptr);
+        PageWish wish;
+        wish.push = 1e155;
+        wish.until = session.clock() + 1e3;
+        session.page.put(wish);
+        session.start();
+        for (int k = 0; k < 1000 && session.running() && session.steps_so_far() < 1; ++k) rest(0.01);
+        rest(0.1);
+        session.stop();
+        session.finish();
+        CHECK(session.failure().find("found no state") != std::string::npos);
+        REQUIRE(session.view.take());
+        for (const auto& nodes : session.view.front().nodes)
+            for (const auto& node : nodes) CHECK(std::isfinite(node.x + node.y + node.z));
+    }
+
     TEST_CASE("derivative: hand_stiffness is how the hand's force grows with what is fed within a step")
     {
         Scene scene = scene_of();

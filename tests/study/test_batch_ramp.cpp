@@ -3,6 +3,7 @@
 #include "apps/app_fixture.h"
 #include "study/batch.h"
 
+#include <cmath>
 #include <numeric>
 
 using namespace seldinger;
@@ -28,6 +29,50 @@ TEST_SUITE("study/batch_ramp")
         std::iota(expected.begin(), expected.end(), std::size_t{0});
         CHECK(all == expected);
         CHECK(plan_worlds(source).front().size() == most_wires);
+    }
+
+    // steps of 1e-151 s: a way of four kilometres in one of them has energies that are no numbers, a wire that stays has none
+    TEST_CASE("property: a run whose readings are no numbers is stopped, and the other of its world goes on")
+    {
+        BatchSource source{R"([scene]
+duration_s = 3e-151
+dt_s = 1e-151
+[wire]
+length_m = 1e4
+radius_m = 0.0004445
+density = 7900.0
+bend_nm2 = 1.0e-5
+twist_nm2 = 8.0e-6
+stretch_n = 1.0e4
+nodes = 21
+[feed]
+point = [0.0, 0.0, 0.0]
+direction = [1.0, 0.0, 0.0]
+keys = [{t_s = 0.0, advance_m = 5000.0}]
+)",
+                           "fast.toml", {}, {}};
+        source.sweep = read_sweep_text(
+            "[vary]\n\"feed.keys\" = [[{t_s = 0.0, advance_m = 5000.0}], [{t_s = 0.0, advance_m = 5000.0}, {t_s = 1e-151, advance_m = "
+            "9000.0}]]\n",
+            "sweep.toml", 0);
+        const auto worlds = plan_worlds(source);
+        REQUIRE(worlds.size() == 1);
+        BatchWorld world(source, worlds[0], {}, -1);
+        std::vector<BatchRow> rows;
+        unsigned said = 0;  // of the step that stopped it
+        while (!world.finished())
+            for (const BatchRow& row : world.step()) {
+                if (row.run == 1) said = world.world().report(1).flags;
+                rows.push_back(row);
+            }
+        REQUIRE(rows.size() == 2);
+        CHECK(rows[0].run == 1);
+        CHECK(rows[0].status == RunStatus::Stopped);
+        CHECK((said & (StepNonFinite | StepEnergy)) != 0);
+        CHECK(rows[1].status == RunStatus::Done);
+        for (const double number : rows[1].numbers) CHECK(std::isfinite(number));
+        const std::string table = batch_csv(source.sweep, rows);
+        for (const char* odd : {"inf", "nan"}) CHECK(table.find(odd) == std::string::npos);
     }
 
     TEST_CASE("property: a limit leaves finished runs, and the rest comes with --resume, to the bits of a batch without one")

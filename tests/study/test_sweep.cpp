@@ -4,6 +4,7 @@
 #include "study/sweep.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -58,6 +59,7 @@ TEST_SUITE("study/sweep")
         CHECK(sweep.axes[2].values == std::vector<std::string>{"0.0001", "2"});
         CHECK(sweep.axes[3].values[0] == "\"adaptive\"");
         CHECK(sweep.axes[4].values[0] == "{\"bend_radius_m\" = 0.1, \"shape\" = \"arc\"}");
+        CHECK(sweep_of("[vary]\nwire.place = [{'a\"b' = 1}]\n").axes[0].values[0] == R"({"a\"b" = 1})");
     }
 
     TEST_CASE("property: draws fill their range evenly, in the logarithm where that is asked for")
@@ -123,5 +125,9 @@ TEST_SUITE("study/sweep")
         for (int k = 1; k < 1001; ++k) list += ", " + std::to_string(k);
         CHECK(complaint("[vary]\n\"a.x\" = " + list + "]\n\"a.y\" = " + list + "]\n").find("more than 1000000 runs") !=
               std::string::npos);
+        // few bytes that would draw values without end
+        std::string draws = "[vary]\n";
+        for (int k = 0; k < 9; ++k) draws += fmt::format("\"a.x{}\" = {{min = 0, max = 1, n = 1000000}}\n", k);
+        CHECK(complaint(draws).find("a.x4.n: makes more than 4000000 values") != std::string::npos);
     }
 }

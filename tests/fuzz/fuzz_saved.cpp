@@ -1,0 +1,108 @@
+// Fuzz targets of what a run, a live session and a farm save: their checksums are put right, so that what is behind them is reached.
+#include "fuzz_saved.h"
+#include "fuzz_support.h"
+
+#include "scene/checkpoint.h"
+#include "scene/scene.h"
+#include "session/session_record.h"
+#include "study/farm.h"
+#include "support/temporary_folder.h"
+
+#include <cmath>
+
+namespace seldinger::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Scene& known_scene()
+{
+    static const Scene scene = read_scene_text(saved_scene, "saved.toml");
+    return scene;
+}
+
+const fs::path& folder()
+{
+    static const TemporaryFolder made;
+    static const bool filled = [] {
+        for (const char* name : {"todo", "running", "done", "rows", "log"}) fs::create_directory(made.path() / name);
+        put_file(made.path() / "running/000001@w", "");
+        put_file(made.path() / "done/000002", "");
+        return true;
+    }();
+    (void)filled;
+    return made.path();
+}
+
+void read_plan(const std::string& json, const std::string& log)
+{
+    put_file(folder() / "farm.json", json);
+    put_file(folder() / "log/000000.csv", log);
+    answer([&] {
+        FarmPlan plan = read_farm(folder());
+        require(plan.tasks >= 1 && plan.part(plan.tasks - 1).end == plan.items);
+        if (plan.tasks > 1000) return;  // each is looked for in the folder
+        const FarmReport report = look_at_farm(folder(), plan);
+        require(report.state.size() == plan.tasks && report.count(TaskState::Done) <= 1);
+        (void)report.list_missing();
+    });
+}
+
+void read_results(const std::string& payload)
+{
+    FarmPlan plan;
+    plan.items = 5;
+    plan.tasks = 2;
+    plan.key = std::string(16, '0');
+    put_file(folder() / "rows/000001.rows", sealed(rows_magic, payload));
+    answer([&] {
+        const auto rows = read_rows(folder(), plan, 1);
+        require(rows && rows->size() == 3);
+        for (const BatchRow& row : *rows) require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]));
+    });
+}
+
+}  // namespace
+
+/// The payload; taken for one of its own scene, too, since no mutation finds the words of a scene.
+void checkpoint(Bytes bytes)
+{
+    const fs::path file = folder() / "checkpoint.bin";
+    put_file(file, sealed(checkpoint_magic, text_of(bytes)));
+    std::optional<Checkpoint> saved;
+    answer([&] { saved = read_checkpoint(file); });
+    if (!saved) return;
+    static const std::string words = write_scene(known_scene(), folder());
+    answer([&] { check_checkpoint(file, *saved, known_scene(), words); });
+    answer([&] {
+        check_checkpoint(file, *saved, known_scene(), saved->scene);
+        require(is_sound(saved->tally, known_scene().steps()) && std::isfinite(saved->tally.friction_max));
+    });
+}
+
+/// A record without the checksums of its blocks.
+void record(Bytes bytes)
+{
+    const fs::path file = folder() / "live.rec";
+    put_file(file, with_sums(text_of(bytes)));
+    answer([&] {
+        const SessionRecord record = read_record(file);
+        const std::size_t hubs = static_cast<std::size_t>(2 * record.header.instruments);
+        for (const RecordEntry& entry : record.entries) {
+            if (entry.kind == RecordEntry::Kind::Step) require(entry.hubs.size() == hubs);
+            for (const double value : entry.hubs) require(std::isfinite(value));
+        }
+        require(record.steps() <= static_cast<long>(record.entries.size()));
+        check_record(record, file, known_scene(), 0);
+    }, ExitCode::BadScene);
+}
+
+/// farm.json and a task's log, or, after a first byte of 'r', the payload of a task's results.
+void farm(Bytes bytes)
+{
+    if (!bytes.empty() && bytes[0] == 'r') return read_results(text_of(bytes.subspan(1)));
+    const std::vector<std::string> parts = parts_of(bytes, 2);
+    read_plan(parts[0], parts[1]);
+}
+
+}  // namespace seldinger::fuzz

@@ -1,0 +1,107 @@
+// fuzz_seeds DIR: files to begin fuzzing with that only the engine's own writers can make; the others are make_seeds.py's.
+#include "fuzz_saved.h"
+#include "fuzz_support.h"
+
+#include "engine.h"
+#include "scene/checkpoint.h"
+#include "session/hand_packet.h"
+#include "session/session_record.h"
+#include "study/farm.h"
+#include "support/temporary_folder.h"
+
+namespace seldinger::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string slurp(const fs::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void put_seed(const fs::path& dir, const char* target, const char* name, const std::string& content)
+{
+    fs::create_directories(dir / target);
+    put_file(dir / target / name, content);
+}
+
+void make_checkpoints(const fs::path& dir, const fs::path& scratch)
+{
+    Checkpoint saved;
+    saved.version = version();
+    saved.device = "a device";
+    saved.trace_bytes = {1000};
+    write_checkpoint(scratch, saved);
+    put_seed(dir, "checkpoint", "empty", unsealed(slurp(scratch)));
+    saved.scene = write_scene(read_scene_text(saved_scene, "saved.toml"), scratch.parent_path());
+    saved.tally.steps = 120;
+    saved.tally.exits.count = 1;
+    saved.wire_frames = saved.contact_frames = {{0, 0}, {100, 0.1}};
+    saved.state.assign(64, 1);
+    write_checkpoint(scratch, saved);
+    put_seed(dir, "checkpoint", "full", unsealed(slurp(scratch)));
+}
+
+void make_records(const fs::path& dir, const fs::path& scratch)
+{
+    const Scene scene = read_scene_text(saved_scene, "saved.toml");
+    RecordWriter writer(scratch, {version(), "a scene", "a device", record_hash(scene), 0, 0.001, 1});
+    const double hubs[2] = {0.01, -0.5};
+    std::vector<std::uint8_t> entries;
+    put_step(entries, 0, hubs, 1);
+    put_reset(entries);
+    put_step(entries, RecordEntry::contrast, hubs, 1);
+    writer.append(entries);
+    writer.finish(std::string(16, 'a'));
+    put_seed(dir, "record", "short", without_sums(slurp(scratch)));
+}
+
+void make_farms(const fs::path& dir, const fs::path& folder)
+{
+    FarmPlan plan;
+    plan.source = "/s.toml";
+    plan.sweep = "v.toml";
+    plan.overrides = {"wire.nodes=41"};
+    plan.items = 5;
+    plan.tasks = 2;
+    plan.key = std::string(16, '0');
+    write_farm(folder, plan);
+    const std::string log = "\x1eunix_s,event,worker,process_s,work_s,message\n1.0,began,w,0.1,0.0,\n2.0,finished,w,0.5,0.3,\n3.0,failed,w,0,0,a, b\n";
+    put_seed(dir, "farm", "sweep", slurp(folder / "farm.json") + log);
+    std::vector<BatchRow> rows(3);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(2 + k), rows[k].state_hash.fill('a');
+    write_rows(folder, plan, 1, rows);
+    put_seed(dir, "farm", "rows", "r" + unsealed(slurp(folder / "rows/000001.rows")));
+    plan.kind = FarmKind::Frames;
+    plan.render = {"--size", "640x480"};
+    fs::remove(folder / "farm.json");
+    write_farm(folder, plan);
+    put_seed(dir, "farm", "frames", slurp(folder / "farm.json"));
+}
+
+void make_packets(const fs::path& dir)
+{
+    std::string packets;
+    for (std::uint64_t k = 1; k <= 4; ++k) {
+        const SelHandRequest request{static_cast<std::uint16_t>(k % 2), k, 0.01 * static_cast<double>(k), 1e-3 * static_cast<double>(k), 0.1, k == 3 ? SEL_HAND_REBASE : 0};
+        unsigned char bytes[SEL_HAND_REQUEST_BYTES];
+        sel_write_request(&request, bytes);
+        packets += std::string{'\x20', '\1'};
+        packets.append(reinterpret_cast<const char*>(bytes), sizeof bytes);
+    }
+    put_seed(dir, "hand", "four", packets);
+}
+
+}  // namespace
+}  // namespace seldinger::fuzz
+
+int main(int count, char** words)
+{
+    if (count != 2) return 2;
+    const seldinger::TemporaryFolder scratch;
+    seldinger::fuzz::make_checkpoints(words[1], scratch.path() / "checkpoint.bin");
+    seldinger::fuzz::make_records(words[1], scratch.path() / "live.rec");
+    seldinger::fuzz::make_farms(words[1], scratch.path() / "farm");
+    seldinger::fuzz::make_packets(words[1]);
+}
