@@ -321,9 +321,7 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     if (state.setup.integrator.scheme == Scheme::Newton && !state.reports[wire].best_effort)
         for_each_of_group(state, wire, [&](int w) { input.work += state.solver->residual_work(w); });
     audit.next = audit.balance;
-    EnergyLimits limits = audit.limits;
-    limits.still_too = state.reports[wire].best_effort;
-    if (audit.known) return audit.next.take_in(energy_now(state, wire), input, limits);
+    if (audit.known) return audit.next.take_in(energy_now(state, wire), input, audit.limits);
     audit.next.begin_after(energy_now(state, wire), input);
     return true;
 }

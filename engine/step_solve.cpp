@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "core/prefetch.h"
 #include "merged.h"
+#include "rod/torn.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -58,6 +59,10 @@ Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
+        if (solved.converged && solved.best_effort && !state.is_passenger(w) && is_torn(state.rods.view(w))) {
+            to.failed[w] = 1;
+            continue;
+        }
         if (solved.converged && adds_up[w]) continue;
         (solved.converged && sub.halvings >= most_energy_halvings ? to.ended : to.failed)[w] = 1;
     }

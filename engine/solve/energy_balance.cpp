@@ -45,9 +45,7 @@ bool EnergyBalance::take_in(const WireEnergy& now, const EnergyInput& input, con
     most_made_ = std::max(most_made_, made);
     const double rounding = rounding_share * (std::abs(now.kinetic) + std::abs(now.stored) + std::abs(work_));
     // what this step itself released counts: a bent wire that is let go turns it over in its first step
-    const double honest = limits.floor + unseen_ + rounding;
-    if (limits.still_too && made > turned_over_ + most_released_ + honest) return false;
-    return std::min(made, now.kinetic) <= limits.fraction * (turned_over + most_released_) + honest;
+    return std::min(made, now.kinetic) <= limits.fraction * (turned_over + most_released_) + limits.floor + unseen_ + rounding;
 }
 
 }  // namespace seldinger

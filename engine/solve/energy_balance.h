@@ -17,9 +17,7 @@
 // turned over: kinetic at the start and |work|, summed; released: the largest fall of the stored energy, which a wire that was
 // placed bent turns over without any work. Made energy counts as far as it shows as kinetic energy: forces at the ends of steps
 // give the work of the hand to a share of what the wire stores only, and where nothing moves, nothing is growing. unseen: work
-// that a hand may have done between the ends of steps (see EnergyInput). rounding: 1e-9 of the terms. A state that missed the solver's
-// tolerance is held to more: there `made` counts whether it shows or not, against all that was turned over, this step's |work|
-// included (a wire jammed head-on at 0.5 m/s, whose last iterate holds 4e8 J and hardly moves, is no state).
+// that a hand may have done between the ends of steps (see EnergyInput). rounding: 1e-9 of the terms.
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +41,6 @@ struct EnergyInput {
 struct EnergyLimits {
     double fraction = 0.10;  // of the energy turned over [-]
     double floor = 1e-6;     // [J]
-    bool still_too = false;  // of a state that missed the tolerance
 };
 
 class EnergyBalance {
