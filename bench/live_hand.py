@@ -251,14 +251,14 @@ def plot(options):
         axes.axhline(500, color=BLUE, linestyle="--", label="default stiffness")
         axes.set(yscale="log", title=scene)
     panels[0][0].set(ylabel="coupling stiffness [N/m]")
-    figure.supxlabel("delay of the force beside the period that it is held for [ms]")
+    figure.supxlabel("delay of the force beside the period that it is held for [ms]", fontsize="medium")
     handles, labels = panels[0][0].get_legend_handles_labels()
     for axes in panels[0][1:]:
         for handle, label in zip(*axes.get_legend_handles_labels()):
             if label not in labels:
                 handles.append(handle), labels.append(label)
-    figure.legend(handles, labels, loc="outside upper center", ncols=2)
-    figure.set_layout_engine("constrained")
+    figure.legend(handles, labels, loc="upper center", ncols=2)
+    figure.set_layout_engine("constrained", rect=(0, 0, 1, 0.85))  # the legend above
     figure.savefig(options.output, dpi=200)
 
 
