@@ -170,12 +170,12 @@ def test_controls_that_cannot_be(control, error):
     assert world.state_hash() == before
 
 
-def test_a_step_whose_readings_are_no_numbers_has_failed():
+def test_a_step_that_no_number_can_tell_of_has_failed():
     world = seldinger.World("experiment2")
     assert not world.step([0.02, 0.0]).failed
-    report = world.step([0.02, 1e154])  # its energy is just a number, its force is none
-    assert report.failed and "non_finite" in report.names
-    assert not np.isfinite(world.output.hand_force)
+    report = world.step([0.02, 1e154])  # its energy is just a number, its force would be none
+    assert report.failed
+    assert np.isfinite(world.output.hand_force) and world.output.turned == 0
 
 
 @pytest.mark.parametrize("n", [0, -1, 1.5, True])

@@ -127,8 +127,8 @@ TEST_SUITE("step/requests")
         CHECK(world.state_hash() != before);
     }
 
-    // a turn whose energy is just a number and whose force is none
-    TEST_CASE("property: a step whose readings are no numbers has failed, and the report of that instrument says so")
+    // a turn whose energy is just a number and whose force would be none
+    TEST_CASE("property: a step that no number can tell of has failed, the report of that instrument says so, and readings stay numbers")
     {
         TestSetup setup = two_wires();
         setup.systems = {1, 1};
@@ -138,8 +138,9 @@ TEST_SUITE("step/requests")
         CHECK(report.failed());
         CHECK(world.report(0).failed());
         CHECK_FALSE(world.report(1).failed());
-        CHECK_FALSE(std::isfinite(world.readings(0).hand_force));
+        CHECK(std::isfinite(world.readings(0).hand_force));
         CHECK(std::isfinite(world.readings(0).elastic));
+        CHECK(world.readings(0).turned == 0);
     }
 
     TEST_CASE("property: a state of another world is refused and changes nothing")
