@@ -175,7 +175,7 @@ def test_a_step_that_no_number_can_tell_of_has_failed():
     assert not world.step([0.02, 0.0]).failed
     report = world.step([0.02, 1e154])  # its energy is just a number, its force would be none
     assert report.failed
-    assert np.isfinite(world.output.hand_force) and world.output.turned == 0
+    assert np.isfinite(world.output.hand_force)
 
 
 @pytest.mark.parametrize("n", [0, -1, 1.5, True])
