@@ -28,6 +28,10 @@ def _check_processor() -> None:
 _check_processor()
 _os.environ.setdefault("SELDINGER_ASSETS", str(_Path(__file__).parent / "assets"))
 
+from ._opencl import find_opencl as _find_opencl  # noqa: E402
+
+_find_opencl()
+
 from . import _engine  # noqa: E402
 from ._engine import InstrumentOutput, Output, State  # noqa: E402
 from ._errors import Error  # noqa: E402

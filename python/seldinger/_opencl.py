@@ -1,0 +1,49 @@
+"""Which OpenCL the engine finds where the system has none: those that PyPI carries, which no loader finds by itself.
+
+The loader (ocl-icd) reads /etc/OpenCL/vendors, or what OCL_ICD_VENDORS names. `pocl-binary-distribution` and `intel-opencl-rt`
+install their libraries inside the environment and tell the loader nothing of it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+from importlib import metadata
+from pathlib import Path
+
+# by preference: PoCL is what the engine is tested on; the second has the same bits
+_PACKAGES = (("pocl-binary-distribution", r"libpocl.*\.so"), ("intel-opencl-rt", r"libintelocl\.so"))
+
+
+def _library(package: str, name: str) -> Path | None:
+    """The file of an installed package whose name matches."""
+    try:
+        files = metadata.files(package) or []
+    except metadata.PackageNotFoundError:
+        return None
+    for file in files:
+        path = Path(file.locate())
+        if re.fullmatch(name, path.name) and path.is_file():
+            return path.resolve()
+    return None
+
+
+def packaged_library() -> Path | None:
+    """The OpenCL library of a package from PyPI that is installed beside this one, if any."""
+    return next((found for package, name in _PACKAGES if (found := _library(package, name))), None)
+
+
+def has_system_opencl(vendors: str = "/etc/OpenCL/vendors") -> bool:
+    return any(Path(vendors).glob("*.icd"))
+
+
+def find_opencl() -> None:
+    """Before the engine is loaded. What the environment names goes first, then what the system has, then packages."""
+    named = os.environ.get("OCL_ICD_VENDORS") or os.environ.get("OPENCL_VENDOR_PATH")
+    if not named and not has_system_opencl() and (found := packaged_library()):
+        named = os.environ["OCL_ICD_VENDORS"] = str(found)
+    if named and "libintelocl" in named and (threads := _library("tbb", r"libtbb\.so\.12")):
+        # Intel's runtime wants symbols that the libtbb of Debian, which the engine is linked with, does not have yet; a newer one
+        # serves both, if it is the first that is loaded
+        ctypes.CDLL(str(threads), mode=ctypes.RTLD_GLOBAL)
