@@ -45,11 +45,6 @@ public:
     [[nodiscard]] const CArmView& view() const { return view_; }
 
 private:
-    /// Rays of a row and their columns.
-    struct PackedRow {
-        std::vector<std::int32_t> column;
-        Rays rays;
-    };
     void trace_still();
     /// Centre and width of the body, which the vessel's vertices say: of an arm that turns, once.
     void fit_body();
