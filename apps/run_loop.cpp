@@ -96,6 +96,11 @@ private:
     bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
     /// A recorded hand cannot be halved, and a wall that yields would be made a second time: that only if asked.
     bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
+    StepTwin::Finer finer_twins(RunStatus status) const
+    {
+        if (status != RunStatus::Done) return StepTwin::Finer::Never;  // who interrupts is not kept waiting
+        return options_.asked_estimate ? StepTwin::Finer::Always : StepTwin::Finer::WhereCheap;
+    }
     double wall() const { return earlier_wall_ + seconds_since(loop_start_); }
 
     bool settle_first()
@@ -139,7 +144,7 @@ private:
     RunOutcome stop(RunStatus status)
     {
         RunOutcome outcome;
-        if (twin_) recorder_.estimated(twin_->finish());
+        if (twin_) recorder_.estimated(twin_->finish(finer_twins(status)));
         outcome.summary = recorder_.finish(world_, status, wall());
         const std::string dir = options_.dir.string();
         const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume",

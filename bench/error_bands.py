@@ -61,8 +61,11 @@ def scenes(shared):
              "bend of 150 degrees": (BEND, []),
              "phantom guide3d": (shared / "phantom/guide3d/example-feed.toml", []),
              "stiff wire, tha001-arch": (assets / "patients/tha001-arch.toml", stiff + ["scene.duration_s=14",
-                                         f'vessel.mesh="{shared}/vessels/tha001-arch/aorta_arch_30k.stl"'])}
-    meshes = {"phantom guide3d": "phantom/guide3d/mesh.stl", "stiff wire, tha001-arch": "vessels/tha001-arch/aorta_arch_30k.stl"}
+                                         f'vessel.mesh="{shared}/vessels/tha001-arch/aorta_arch_30k.stl"']),
+             "lunderquist, tha001-arch": (assets / "patients/tha001-arch.toml", ["wire.preset=lunderquist-035", "scene.duration_s=20",
+                                          f'vessel.mesh="{shared}/vessels/tha001-arch/aorta_arch_30k.stl"'])}
+    meshes = {"phantom guide3d": "phantom/guide3d/mesh.stl"} | dict.fromkeys(("stiff wire, tha001-arch", "lunderquist, tha001-arch"),
+                                                                             "vessels/tha001-arch/aorta_arch_30k.stl")
     return {name: case for name, case in table.items() if name not in meshes or (shared / meshes[name]).exists()}
 
 

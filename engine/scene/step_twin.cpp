@@ -1,4 +1,4 @@
-// Windows of a run, some taken again at half the step.
+// Windows of a run, some taken again with shorter steps.
 #include "scene/step_twin.h"
 
 #include "math/running_peak.h"
@@ -36,11 +36,14 @@ double largest_mean(const std::vector<double>& values, double dt)
 // sixty-seven times as short.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
+/// What a difference from steps of 1/parts as long is multiplied by.
+double margin(int parts) { return StepTwin::safety * parts / (parts - 1.0); }
+
 bool is_resolved(const ErrorBand& band) { return band.band <= std::max(StepTwin::wanted * std::abs(band.value), StepTwin::least_force); }
 
-ErrorBand band_of(double value, double twin, double least, double history)
+ErrorBand band_of(double value, double twin, int parts, double least, double history)
 {
-    ErrorBand made{value, twin, StepTwin::safety * std::abs(value - twin), true};
+    ErrorBand made{value, twin, margin(parts) * std::abs(value - twin), true, false, parts};
     made.band = std::max({made.band, least, history * std::abs(value)});
     made.resolved = is_resolved(made);
     return made;
@@ -73,6 +76,8 @@ void StepTwin::open(const World& run, long taken)
 {
     window_ = {};
     window_.state = run.save_state();
+    window_.earlier = last_.state;
+    window_.lead = last_.steps;
     window_.first = taken;
 }
 
@@ -80,6 +85,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
 {
     const auto begun = std::chrono::steady_clock::now();
     ++window_.steps;
+    ++seen_;
     window_.hand.push_back(std::abs(readings.hand_force));
     window_.friction.push_back(readings.friction);
     hand_release_.add(window_.hand.back());
@@ -99,7 +105,7 @@ void StepTwin::close()
     window_.hand_peak = largest_mean(window_.hand, scene_.dt);
     window_.friction_peak = largest_mean(window_.friction, scene_.dt);
     if (++closed_ % periodic == 0) {
-        (void)examine(window_);
+        (void)examine(window_, 2);
         window_.examined = true;
     }
     if (window_.hand_peak > best_hand_.hand_peak) best_hand_ = window_;
@@ -107,27 +113,32 @@ void StepTwin::close()
     last_ = std::move(window_);
 }
 
-StepTwin::Examined StepTwin::examine(const Window& window)
+StepTwin::Examined StepTwin::examine(const Window& window, int parts)
 {
-    Examined twin{0, 0, 0, 0, false};
+    // no window: the run has none, or was never above zero, which a twin of nothing says too
+    if (window.steps == 0) return {0, 0, 0, 0, parts, closed_ > 0};
+    Examined twin{0, 0, 0, 0, parts, false};
     if (!world_) world_ = std::make_unique<World>(run_.setup());
-    world_->restore_state(window.state);
+    const long lead = parts > 2 ? window.lead : 0;
+    world_->restore_state(lead > 0 ? window.earlier : window.state);
     std::vector<double> hand, friction;
-    for (long k = 0; k < 2 * window.steps; ++k) {
-        const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(window.first + k / 2) / 2);
+    for (long k = -lead * parts; k < parts * window.steps; ++k) {
+        const long of_run = window.first + (k + lead * parts) / parts - lead;
+        const StepReport report = step(*world_, key_frames_.control(), scene_.step_length(of_run) / parts);
         ++estimate_.steps;
         if (report.failed()) {
             ++estimate_.failed;
             return twin;
         }
+        if (k < 0) continue;
         const WireReadings now = joint_readings(*world_, 0);
         hand.push_back(std::abs(now.hand_force));
         friction.push_back(now.friction);
     }
-    twin = {mean(hand), mean(friction), largest_mean(hand, scene_.dt / 2), largest_mean(friction, scene_.dt / 2), true};
+    twin = {mean(hand), mean(friction), largest_mean(hand, scene_.dt / parts), largest_mean(friction, scene_.dt / parts), parts, true};
     ++estimate_.windows;
-    const auto worst = [](ErrorBand& so_far, double value, double other) {
-        so_far.band = std::max(so_far.band, safety * std::abs(value - other));
+    const auto worst = [&](ErrorBand& so_far, double value, double other) {
+        so_far.band = std::max(so_far.band, margin(parts) * std::abs(value - other));
     };
     worst(estimate_.hand, mean(window.hand), twin.hand);
     worst(estimate_.friction, mean(window.friction), twin.friction);
@@ -135,11 +146,24 @@ StepTwin::Examined StepTwin::examine(const Window& window)
     worst(estimate_.friction_peak, window.friction_peak, twin.friction_peak);
     other_hand_peak_ = std::max(other_hand_peak_, twin.hand_peak);
     other_friction_peak_ = std::max(other_friction_peak_, twin.friction_peak);
-    estimate_.tip = std::max(estimate_.tip, safety * (world_->rod(0).pos(0) - window.tip).norm());
+    estimate_.tip = std::max(estimate_.tip, margin(parts) * (world_->rod(0).pos(0) - window.tip).norm());
     return twin;
 }
 
-ErrorEstimate StepTwin::finish()
+StepTwin::Examined StepTwin::examine_largest(const Window& window, Finer finer)
+{
+    const Examined halved = examine(window, 2);
+    const int parts = static_cast<int>(std::clamp(std::lround(scene_.dt / fine_step), 2L, static_cast<long>(most_parts)));
+    const double cost = static_cast<double>(parts * (window.lead + window.steps));
+    const bool wanted = finer == Finer::Always || (finer == Finer::WhereCheap && cost <= cheap * static_cast<double>(seen_));
+    if (parts == 2 || !wanted) return halved;
+    const Examined fine = examine(window, parts);
+    if (!fine.found) return halved;
+    estimate_.finest = parts;
+    return fine;
+}
+
+ErrorEstimate StepTwin::finish(Finer finer)
 {
     const auto begun = std::chrono::steady_clock::now();
     // the last whole window tells more of the end than a few steps do
@@ -148,21 +172,18 @@ ErrorEstimate StepTwin::finish()
     const bool short_end = window_.steps < enough && last_.steps > 0;
     close();  // what is left of the last one; a short one leaves the whole one before it as the end
     const Window end = short_end ? before : last_;
-    const auto again = [&](const Window& window) {
-        // no window: the run has none, or was never above zero, which a twin of nothing says too
-        return window.steps > 0 ? examine(window) : Examined{0, 0, 0, 0, closed_ > 0};
-    };
-    const Examined of_end = again(end), of_hand = again(best_hand_), of_friction = again(best_friction_);
+    const Examined of_end = examine(end, 2), of_hand = examine_largest(best_hand_, finer);
+    const bool same = best_friction_.first == best_hand_.first && best_friction_.steps == best_hand_.steps;
+    const Examined of_friction = same ? of_hand : examine_largest(best_friction_, finer);
     // until here each band is the largest that any window has shown; a twin that has more elsewhere shows that the largest is not
     // known better than that
-    const auto set = [](ErrorBand& band, bool found, double value, double twin, double more, double history) {
-        band = found ? band_of(value, twin, std::max(band.band, more - value), history) : ErrorBand{value, 0, 0, false};
+    const auto set = [](ErrorBand& band, const Examined& of, double value, double twin, double more, double history) {
+        band = of.found ? band_of(value, twin, of.parts, std::max(band.band, more - value), history) : ErrorBand{value, 0, 0, false};
     };
-    set(estimate_.hand, of_end.found, mean(end.hand), of_end.hand, 0, hand_history);
-    set(estimate_.friction, of_end.found, mean(end.friction), of_end.friction, 0, friction_history);
-    set(estimate_.hand_peak, of_hand.found, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_, hand_history);
-    set(estimate_.friction_peak, of_friction.found, best_friction_.friction_peak, of_friction.friction_peak, other_friction_peak_,
-        friction_history);
+    set(estimate_.hand, of_end, mean(end.hand), of_end.hand, 0, hand_history);
+    set(estimate_.friction, of_end, mean(end.friction), of_end.friction, 0, friction_history);
+    set(estimate_.hand_peak, of_hand, best_hand_.hand_peak, of_hand.hand_peak, other_hand_peak_, hand_history);
+    set(estimate_.friction_peak, of_friction, best_friction_.friction_peak, of_friction.friction_peak, other_friction_peak_, friction_history);
     if (of_hand.found) widen(estimate_.hand_peak, hand_release_);
     if (of_friction.found) widen(estimate_.friction_peak, friction_release_);
     estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -175,16 +196,16 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
     const auto look = [&](const char* what, const ErrorBand& band) {
         if (band.resolved) return;
         if (band.band == 0)
-            list.push_back(fmt::format("{} of {:.3g} N: its error is not known, half the step found no state there", what, band.value));
+            list.push_back(fmt::format("{} of {:.3g} N: its error is not known, shorter steps found no state there", what, band.value));
         else if (band.let_go)
             list.push_back(fmt::format("{} of {:.3g} N is where something that held lets go, after a rise of {:.2g} N in {:.2g} s: when it does "
                                        "differs from run to run and is not resolved by steps of {:.3g} ms, the band is +- {:.2g} N; "
                                        "compare with other scene.dt_s",
                                        what, band.value, band.band, ReleaseWatch::release_time, 1e3 * e.dt, band.band));
         else
-            list.push_back(fmt::format("{} of {:.3g} N is not resolved by steps of {:.3g} ms: half the step gives {:.3g} N from the same "
+            list.push_back(fmt::format("{} of {:.3g} N is not resolved by steps of {:.3g} ms: steps of {:.3g} ms give {:.3g} N from the same "
                                        "state, the band is +- {:.2g} N; make scene.dt_s smaller",
-                                       what, band.value, 1e3 * e.dt, band.twin, band.band));
+                                       what, band.value, 1e3 * e.dt, 1e3 * e.dt / band.parts, band.twin, band.band));
     };
     look("the mean hand force at the end", e.hand);
     look("the largest hand force (20 ms mean)", e.hand_peak);

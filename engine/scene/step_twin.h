@@ -14,6 +14,12 @@
 // end: single values of a wire that sticks, slips and strikes differ however short the step is, and a hand that starts at once
 // feels more the shorter the step.
 //
+// Of a wire that catches and slips halves agree where both are wrong: backward Euler with steps of 17 and of 8 ms damps the
+// oscillations that a slip leaves, which steps of 1 ms show, and which change what it is held by next. The windows of the largest hand
+// force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th part of the step where that is longer, and
+// with r parts of a step of which a first-order scheme's error is r/(r - 1) |Q(h) - Q(h/r)| the band is half as wide again as that:
+// safety, for r = 2.
+//
 // A largest force that is where something lets go has a band of its own (scene/release_watch.h): a twin lets go where the run did.
 //
 // What it cannot see: a history that has gone another way before the window began (a branch missed, a slip that came earlier).
@@ -35,17 +41,19 @@ struct Scene;
 
 /// One reading with its band.
 struct ErrorBand {
-    double value = 0, twin = 0;  // with the run's step, with half of it
+    double value = 0, twin = 0;  // with the run's step, with 1/parts of it
     double band = 0;
     bool resolved = true;  // the band is at most a fifth of the value, or below what is told apart
     bool let_go = false;   // the band is that of a release
+    int parts = 2;
 };
 
 struct ErrorEstimate {
-    long windows = 0, failed = 0;  // compared; that found no state at half the step
+    long windows = 0, failed = 0;  // compared; that found no state with shorter steps
     long steps = 0, from_step = 0; // of the twin; of the run when it began (after --resume)
     double seconds = 0;            // that it took
     double dt = 0;                 // of the run [s]
+    int finest = 2;                // parts of a step of the run in the shortest of a twin
     ErrorBand hand, hand_peak, friction, friction_peak;  // means over the last window; largest 20 ms means of the run [N]
     double tip = 0;                                      // [m]
 };
@@ -55,9 +63,14 @@ struct ErrorEstimate {
 
 class StepTwin {
 public:
+    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs twice as much with it.
+    enum class Finer { Never, WhereCheap, Always };
     static constexpr int window_steps = 50;
     static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
-    static constexpr double safety = 3;
+    static constexpr double safety = 1.5;           // times r/(r - 1)
+    static constexpr double fine_step = 1e-3;       // [s]
+    static constexpr int most_parts = 16;
+    static constexpr double cheap = 0.25;           // of the run's steps
     static constexpr double mean_time = 0.02;     // [s]
     static constexpr double wanted = 0.2;         // band over value that counts as resolved
     static constexpr double least_force = 1e-3;   // bands below are resolved: forces that no hand feels [N]
@@ -68,12 +81,12 @@ public:
     /// After each accepted step. @param readings  of all instruments as one   @param taken  steps of the run with this one
     void stepped(const World& run, const WireReadings& readings, long taken);
     /// Looks at what is left to look at. @return the estimate over all
-    [[nodiscard]] ErrorEstimate finish();
+    [[nodiscard]] ErrorEstimate finish(Finer finer);
 
 private:
     struct Window {
-        std::vector<std::uint8_t> state;  // at its beginning
-        long first = 0, steps = 0;
+        std::vector<std::uint8_t> state, earlier;  // at its beginning; at that of the window before it
+        long first = 0, steps = 0, lead = 0;       // lead: steps of the window before it
         std::vector<double> hand, friction;       // of each step [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
@@ -81,11 +94,15 @@ private:
     };
     struct Examined {
         double hand, friction, hand_peak, friction_peak;  // of the twin [N]
+        int parts = 2;
         bool found = false;
     };
     void open(const World& run, long taken);
     void close();
-    Examined examine(const Window& window);
+    /// @param parts  of each of the run's steps; of more than two the window before is taken again too
+    Examined examine(const Window& window, int parts);
+    /// At half the step, and finer where that is wanted and the step is a long one. @return the finest that found its states
+    Examined examine_largest(const Window& window, Finer finer);
 
     const Scene& scene_;
     const World& run_;
@@ -93,7 +110,7 @@ private:
     std::unique_ptr<World> world_;  // made when first needed
     Window window_, last_, best_hand_, best_friction_;
     ReleaseWatch hand_release_, friction_release_;
-    long closed_ = 0;
+    long closed_ = 0, seen_ = 0;  // windows, steps
     double other_hand_peak_ = 0, other_friction_peak_ = 0;  // largest of all twins [N]
     ErrorEstimate estimate_;
 };

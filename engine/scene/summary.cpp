@@ -34,13 +34,14 @@ Json exits_json(const ExitTally& exits, const std::vector<BoundaryLoop>& opening
 Json estimate_json(const ErrorEstimate& e)
 {
     const auto band = [](const ErrorBand& b) -> Json {
-        return {{"value", b.value}, {"half_step", b.twin}, {"band", b.band}, {"resolved", b.resolved}, {"let_go", b.let_go}};
+        return {{"value", b.value}, {"twin", b.twin}, {"parts", b.parts}, {"band", b.band}, {"resolved", b.resolved}, {"let_go", b.let_go}};
     };
     return {{"windows", e.windows},
             {"failed_windows", e.failed},
             {"window_steps", StepTwin::window_steps},
             {"peak_mean_s", StepTwin::mean_time},
             {"steps", e.steps},
+            {"shortest_step_s", e.dt / e.finest},
             {"from_step", e.from_step},
             {"seconds", e.seconds},
             {"hand_force_n", band(e.hand)},
@@ -333,14 +334,16 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir);
 /// The bands, against the same windows at half the step.
 std::string estimate_for_people(const Json& e)
 {
-    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again at half of it\n";
+    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
     const auto band = [&](const char* key) {
         return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
     };
-    return fmt::format("  error of the step, from {} windows of {} steps taken again at half of it: hand {} (largest 20 ms mean {}), "
-                       "friction {} (largest {}), tip +- {:.2g} mm\n",
-                       e.at("windows").get<long>(), e.at("window_steps").get<int>(), band("hand_force_n"), band("hand_force_peak_n"),
-                       band("friction_n"), band("friction_peak_n"), 1e3 * e.at("tip_band_m").get<double>());
+    const double shortest = e.at("shortest_step_s").get<double>();
+    const char* more = shortest > 1.5 * StepTwin::fine_step ? "; --error-estimate on takes the largest again with steps of about 1 ms too" : "";
+    return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
+                       "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
+                       e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,
+                       band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"), 1e3 * e.at("tip_band_m").get<double>(), more);
 }
 
 }  // namespace

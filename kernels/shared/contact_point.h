@@ -7,6 +7,7 @@
 #include "shared/contact_records.h"
 #include "shared/opposite_wall.h"
 #include "shared/point_motion.h"
+#include "shared/wall_crossing.h"
 
 SEL_BEGIN
 
@@ -24,6 +25,7 @@ SEL_FN int same_side(ContactState state, vec3 normal)
 
 typedef struct ContactPointPair {
     ContactPoint first, second;  // the nearer side of the lumen, and the opposite one
+    int behind;                  // the nearest facet is seen from behind, and was not touched in the last step
 } ContactPointPair;
 
 SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, const StatePair* was)
@@ -35,8 +37,8 @@ SEL_FN ContactPointPair contact_points_of(ContactBall ball, NearWallView near, c
     if (was->b_lives) near2 = min_r(near2, triangle_distance2(ball.p, ball.origin, was->b.triangle, near.wall.vertices));
     NearList list;
     ContactPoint first = nearest_contact_point(ball, near, 0, near2, &list);
-    if (first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal)))
-        first = nearest_contact_point(ball, near, 1, near2, &list);
+    out.behind = first.outside && !(was->a_lives && same_side(was->a, first.normal)) && !(was->b_lives && same_side(was->b, first.normal));
+    if (out.behind) first = nearest_contact_point(ball, near, 1, near2, &list);
     if (was->a_lives) first.side = make_vec3(was->a.normal[0], was->a.normal[1], was->a.normal[2]);
     else if (was->b_lives) first.side = make_vec3(was->b.normal[0], was->b.normal[1], was->b.normal[2]);
     ContactPoint second = smooth_and_oppose(&first, ball, near, &list);
@@ -123,6 +125,7 @@ SEL_FN ContactForce evaluate_point(PointView point, ContactParams par, NodeView 
     now[0] = now[1] = no_contact_state();
     const ContactBall ball = contact_ball(at.offset, at.origin, c.m.radius, c.m.reach, par.smoothing);
     ContactPointPair touching = contact_points_of(ball, point.near, &was);
+    if (touching.behind && !par.known && gone_through(at.offset, c.mv.move, at.origin, point.near)) out.flags |= SEL_FORCE_BLOCKED;
     if (touching.first.found) {
         // which of the two records speaks of this side of the lumen: the one whose last normal is nearer
         const int plain = par.normal_law == SEL_NORMAL_DAMPED || par.normal_law == SEL_NORMAL_BARRIER;

@@ -236,6 +236,27 @@ TEST_SUITE("contact/law")
         CHECK_FALSE(refused(v3(0, 0, 0)));              // it lies there
     }
 
+    // A fold of a segmented mesh, sharper than a point of the axis moves in a step: what it comes to lies behind the nearest facet, which it
+    // has not touched, and which therefore pushes nobody.
+    TEST_CASE("analytic: a point that a step brings into a sharp fold of the wall is refused, one that comes out of it or never was in front is not")
+    {
+        OneQuadraturePoint point(line_model(steel(), {}, wall(), INFINITY, 1e-3));
+        const double half = 0.2 * r, high = 20 * r;  // a ridge across the wire's way, from z = -high to its edge at z = 0
+        point.soup.add_patch(v3(-half, -0.01, -high), v3(half, 0, high), v3(0, 0.02, 0));
+        point.soup.add_patch(v3(0, -0.01, 0), v3(half, 0, -high), v3(0, 0.02, 0));
+        for (uint t = 0; t < 4; ++t) REQUIRE(triangle_normal(load_triangle(point.soup.vertices.data(), t, v3(0, 0, 0))).z > 0);
+        const auto refused = [&](const vec3& from, const vec3& to) {
+            point.start = from;
+            return (point.at({to.x, to.y, to.z, point.theta0}).flags & SEL_FORCE_BLOCKED) != 0;
+        };
+        const vec3 before = v3(-1.2 * r, 0, -2 * r), inside = v3(0, 0, -2 * r), beyond = v3(1.2 * r, 0, -2 * r);
+        CHECK(refused(before, inside));
+        CHECK(refused(v3(0, 0, 1.2 * r), inside));                // over the edge, where neither facet is met alone
+        CHECK_FALSE(refused(inside, v3(0, 0, -2.1 * r)));         // it was there: where a run begins, or beyond an opening
+        CHECK_FALSE(refused(inside, beyond));
+        CHECK_FALSE(refused(before, v3(-1.1 * r, 0, -2 * r)));
+    }
+
     TEST_CASE("property: the damped force never pulls, and grows with depth")
     {
         const QuadratureModel m = line_model(steel(), {}, wall(), INFINITY, 1e-3);

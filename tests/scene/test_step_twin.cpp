@@ -37,7 +37,7 @@ struct Told {
     ErrorEstimate estimate;
 };
 
-Told run(double dt, bool with_twin)
+Told run(double dt, bool with_twin, StepTwin::Finer finer = StepTwin::Finer::Always)
 {
     const Scene scene = bend(dt);
     World world(make_setup(scene));
@@ -52,7 +52,7 @@ Told run(double dt, bool with_twin)
         hand.push_back(std::abs(now.hand_force));
         if (twin) twin->stepped(world, now, k + 1);
     }
-    if (twin) told.estimate = twin->finish();
+    if (twin) told.estimate = twin->finish(finer);
     // means over 20 ms, whatever window they lie in
     const auto wide = static_cast<std::size_t>(std::lround(0.02 / dt));
     for (std::size_t k = 0; k + wide <= hand.size(); ++k)
@@ -87,6 +87,14 @@ TEST_SUITE("scene/step_twin")
         // and it says something: a band that is as wide as the value would hold anything
         CHECK(coarse.estimate.hand_peak.band < 0.1 * coarse.hand_peak);
         CHECK(fine.estimate.hand_peak.band <= coarse.estimate.hand_peak.band * 1.1);
+    }
+
+    TEST_CASE("property: long steps have a twin of 1 ms where it is asked for, and by themselves where it is a small part of the run")
+    {
+        // 150 steps; 8 parts of 100 steps would be five times as many
+        CHECK(run(8e-3, true, StepTwin::Finer::Always).estimate.finest == 8);
+        CHECK(run(8e-3, true, StepTwin::Finer::WhereCheap).estimate.finest == 2);
+        CHECK(run(2e-3, true, StepTwin::Finer::Always).estimate.finest == 2);
     }
 
     TEST_CASE("property: what the step does not resolve is said, with both values")
