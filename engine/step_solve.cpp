@@ -4,7 +4,7 @@
 #include "core/parallel.h"
 #include "core/prefetch.h"
 #include "merged.h"
-#include "rod/torn.h"
+#include "rod/no_state.h"
 #include "step_stages.h"
 #include "world.h"
 
@@ -59,7 +59,8 @@ Outcomes judge(World::Impl& state, const SubStep& sub, StepReport& report)
         if (!state.active[w]) continue;
         const SolveReport& solved = state.reports[w];
         note(state, report, w, solved.best_effort ? StepBestEffort : StepOk, solved.iterations);
-        if (solved.converged && solved.best_effort && !state.is_passenger(w) && is_torn(state.rods.view(w))) {
+        const bool missed = solved.converged && solved.best_effort && !state.is_passenger(w);
+        if (missed && (is_torn(state.rods.view(w)) || is_thrown(state.rods.view(w), solved.residual, sub.h))) {
             to.failed[w] = 1;
             continue;
         }
