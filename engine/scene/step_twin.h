@@ -15,7 +15,7 @@
 // feels more the shorter the step.
 //
 // Of a wire that catches and slips halves agree where both are wrong: backward Euler with steps of 17 and of 8 ms damps the
-// oscillations that a slip leaves, which steps of 1 ms show, and which change what it is held by next. The windows of the largest hand
+// oscillations that a slip leaves, which steps of 1 ms and less show, and which change what it is held by next. The windows of the largest hand
 // force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th part of the step where that is longer, and
 // with r parts of a step of which a first-order scheme's error is r/(r - 1) |Q(h) - Q(h/r)| the band is half as wide again as that:
 // safety, for r = 2.
@@ -63,14 +63,14 @@ struct ErrorEstimate {
 
 class StepTwin {
 public:
-    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs twice as much with it.
+    /// Whether the largest forces are taken again with fine_step too: a run of a thousand steps of 17 ms costs two to three times as much with it.
     enum class Finer { Never, WhereCheap, Always };
     static constexpr int window_steps = 50;
     static constexpr int periodic = 20;  // a twin of a window costs two: a tenth of the run's time
     static constexpr double safety = 1.5;           // times r/(r - 1)
-    static constexpr double fine_step = 1e-3;       // [s]
+    static constexpr double fine_step = 2.5e-4;     // [s]
     static constexpr int most_parts = 16;
-    static constexpr double cheap = 0.25;           // of the run's steps
+    static constexpr double cheap = 0.1;            // of the run's steps
     static constexpr double mean_time = 0.02;     // [s]
     static constexpr double wanted = 0.2;         // band over value that counts as resolved
     static constexpr double least_force = 1e-3;   // bands below are resolved: forces that no hand feels [N]

@@ -339,7 +339,7 @@ std::string estimate_for_people(const Json& e)
         return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
     };
     const double shortest = e.at("shortest_step_s").get<double>();
-    const char* more = shortest > 1.5 * StepTwin::fine_step ? "; --error-estimate on takes the largest again with steps of about 1 ms too" : "";
+    const char* more = shortest > 1e-3 ? "; --error-estimate on takes the largest again with steps of 1 ms or less" : "";
     return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
                        "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
                        e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,

@@ -89,12 +89,13 @@ TEST_SUITE("scene/step_twin")
         CHECK(fine.estimate.hand_peak.band <= coarse.estimate.hand_peak.band * 1.1);
     }
 
-    TEST_CASE("property: long steps have a twin of 1 ms where it is asked for, and by themselves where it is a small part of the run")
+    TEST_CASE("property: the largest forces have a twin of a quarter of a millisecond, at most a sixteenth of the step, where asked for or cheap")
     {
-        // 150 steps; 8 parts of 100 steps would be five times as many
-        CHECK(run(8e-3, true, StepTwin::Finer::Always).estimate.finest == 8);
+        // 150 steps; 16 parts of 100 steps would be ten times as many
+        CHECK(run(8e-3, true, StepTwin::Finer::Always).estimate.finest == 16);
         CHECK(run(8e-3, true, StepTwin::Finer::WhereCheap).estimate.finest == 2);
-        CHECK(run(2e-3, true, StepTwin::Finer::Always).estimate.finest == 2);
+        CHECK(run(2e-3, true, StepTwin::Finer::Always).estimate.finest == 8);
+        CHECK(run(2e-3, true, StepTwin::Finer::Never).estimate.finest == 2);
     }
 
     TEST_CASE("property: what the step does not resolve is said, with both values")
