@@ -96,6 +96,9 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     for (std::size_t s = 0; s < systems; ++s) sums_.emplace_back(rods, first_wire_[s], first_wire_[s + 1] - first_wire_[s]);
     found_of_.assign(systems + 1, 0);
     picked_of_.assign(systems + 1, 0);
+    cleared_.assign(systems, 0);
+    moved_.assign(setup.system_of.size(), 0);
+    cleared_position_ = nodes_.position;
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
@@ -230,23 +233,65 @@ void InstrumentContact::list_found()
             if (slots_host_[k].touch != SEL_TOUCH_NONE) found_.push_back(k);
     }
     found_of_.back() = found_.size();
+    touches_.assign(found_.size(), 0);
+    clear_.assign(found_.size(), 0);
+    std::fill(cleared_.begin(), cleared_.end(), std::uint8_t{0});
 }
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
 
+/// What is near in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial: what the
+/// first one of a step has found to be farther apart than both rods have moved since is not evaluated.
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
+    place_.clear();
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
         picked_of_[s] = picked_.size();
         bool any = false;
         for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) any = any || active[w];
         if (!any) continue;
         sums_[s].clear();
-        picked_.insert(picked_.end(), found_.begin() + static_cast<std::ptrdiff_t>(found_of_[s]),
-                       found_.begin() + static_cast<std::ptrdiff_t>(found_of_[s + 1]));
+        for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) moved_[w] = moved_since_cleared(w);
+        for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
+            const InstrumentPair& pair = cells_.pairs[slots_host_[found_[k]].pair];
+            if (cleared_[s] && moved_[pair.a] + moved_[pair.b] < clear_[k]) continue;
+            picked_.push_back(found_[k]);
+            place_.push_back(static_cast<std::uint32_t>(k));
+        }
     }
     picked_of_.back() = picked_.size();
+}
+
+/// The largest move of a node since the first trial that was evaluated on what is near [m].
+double InstrumentContact::moved_since_cleared(int wire) const
+{
+    double square = 0;
+    const auto begin = 3 * static_cast<std::size_t>(rods_.node_begin(wire));
+    for (std::size_t i = begin; i < begin + 3 * static_cast<std::size_t>(rods_.node_count(wire)); i += 3) {
+        double sum = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d = nodes_.position[i + c] - cleared_position_[i + c];
+            sum += d * d;
+        }
+        square = std::max(square, sum);
+    }
+    return std::sqrt(square);
+}
+
+/// What the trial has told of touching; its first one also how far apart the others are.
+void InstrumentContact::note_clear()
+{
+    for (std::size_t s = 0; s < cleared_.size(); ++s) {
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0;
+        if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
+        cleared_[s] = 1;
+        for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) clear_[place_[k]] = forces_[k].clear;
+        for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) {
+            const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(w)), count = 3 * static_cast<std::ptrdiff_t>(rods_.node_count(w));
+            std::copy_n(nodes_.position.begin() + begin, count, cleared_position_.begin() + begin);
+        }
+    }
 }
 
 void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
@@ -296,6 +341,7 @@ void InstrumentContact::provide_records(std::size_t slots)
 
 void InstrumentContact::take_records()
 {
+    note_clear();
     const InstrumentMoves moves{nodes_.position, nodes_t0_.position, nodes_.theta, nodes_t0_.theta};
     for_each_item(static_cast<int>(sums_.size()), 1, [&](int s) {
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) {
@@ -315,6 +361,8 @@ void InstrumentContact::couple(const SystemUnknowns& system, std::span<double> /
 
 void InstrumentContact::commit(std::span<const std::uint8_t> active)
 {
+    const auto start = Clock::now();
+    follow(active);
     context_.enter(device::Queue::Inline);
     for (int w = 0; w < rods_.wire_count(); ++w)
         if (active[w]) cells_.rods[w].epoch++;
@@ -326,6 +374,20 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
         any = true;
     });
     if (any) context_.finish(device::Queue::Inline);
+    times_.detect += since(start);
+}
+
+/// States of what is near and does not touch, of which trials write none.
+void InstrumentContact::follow(std::span<const std::uint8_t> active)
+{
+    picked_.clear();
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s)
+        for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]]; ++k)
+            if (!touches_[k]) picked_.push_back(found_[k]);
+    if (picked_.empty()) return;
+    params_.follow = 1;
+    launch(queue_for_slots(picked_.size()));
+    params_.follow = 0;
 }
 
 }  // namespace seldinger

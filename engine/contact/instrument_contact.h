@@ -84,7 +84,10 @@ private:
     void search(device::Queue queue);
     void list_found();
     void pick(std::span<const std::uint8_t> active);
+    [[nodiscard]] double moved_since_cleared(int wire) const;
+    void note_clear();
     void launch(device::Queue queue);
+    void follow(std::span<const std::uint8_t> active);
     void provide_records(std::size_t slots);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
@@ -102,8 +105,14 @@ private:
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
-    std::vector<std::uint32_t> found_, picked_;      // slots that something is near in; of the systems evaluated
+    // slots that something is near in; of these the ones evaluated: of systems that are, and not known to be clear
+    std::vector<std::uint32_t> found_, picked_;
     std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
+    std::vector<std::uint32_t> place_;               // [picked] in found_
+    std::vector<std::uint8_t> touches_;              // [found] at its last evaluation
+    std::vector<double> clear_, moved_;              // [found] InstrumentForce's, at the first evaluation; [wires] since [m]
+    std::vector<std::uint8_t> cleared_;              // [systems] whether that is known
+    std::vector<double> cleared_position_;           // where nodes were then
     std::vector<InstrumentForce> forces_;            // [picked], at least
     std::vector<InstrumentPoint> points_;            // [picked][SEL_INSTRUMENT_POINTS], at least
     StageTimes times_;

@@ -182,10 +182,10 @@ SEL_FN real most_curved(SplineView rod, real from, real until)
     return most;
 }
 
-// Whether nothing between two points touches, by what their gaps and curvatures leave room for: with g'' <= k,
+// By how much the gap between two points is positive at least, by what their gaps and curvatures leave room for: with g'' <= k,
 // g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
-// a lumen, where the gap falls with D, the last term is none.
-SEL_FN int cell_is_clear(const InstrumentScene* scene, CellMark left, CellMark right)
+// a lumen, where the gap falls with D, the last term is none. 0: nothing can be told.
+SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right)
 {
     const real gap = min_r(left.gap, right.gap);
     if (gap <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
@@ -196,7 +196,20 @@ SEL_FN int cell_is_clear(const InstrumentScene* scene, CellMark left, CellMark r
     const real far = inside ? scene->part.reach_b : max_r(left.gap, right.gap) + reach + (right.s - left.s);
     if (3 * b * far > 1) return 0;
     const real k = a + (real)1.5 * b + (inside ? (real)0 : 1 / reach), length = right.s - left.s;
-    return gap > (real)0.125 * (real)1.1 * k * length * length;  // 1.1: of a wire that is stretched
+    return gap - (real)0.125 * (real)1.1 * k * length * length;  // 1.1: of a wire that is stretched
+}
+
+// How far both rods together move at least before a cell whose gaps are `room` and more touches: no distance between curves changes by
+// more than they move. Known in a lumen only, as far from its mouth and its end as the place along b may have moved.
+SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark right, real room)
+{
+    const GapPart part = scene->part;
+    if (part.touch != SEL_TOUCH_INSIDE || room <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
+    const real low = min_r(left.at, right.at), high = max_r(left.at, right.at);
+    if (low <= part.low || high >= part.high) return 0;
+    const real from_mouth = spline_material(scene->b, low) - spline_material(scene->b, part.low);
+    const real from_end = spline_material(scene->b, part.high) - spline_material(scene->b, high);
+    return min_r(room, (real)0.5 * min_r(from_mouth, from_end));
 }
 
 // ---- of one piece -----------------------------------------------------------------------------------------------------------
@@ -420,7 +433,7 @@ SEL_FN InstrumentForce no_instrument_force(void)
 {
     InstrumentForce none;
     none.normal_sum = none.friction_sum = none.sliding_sum = none.length = none.friction_work = none.stored = 0;
-    none.slope_sum = 0;
+    none.slope_sum = none.clear = 0;
     none.stiff_along = none.stiff_across = none.skew = 0;
     none.node_a = none.node_b = none.edge_a = none.edge_b = none.count = none.flags = none.pair = none.pad = 0;
     none.depth = -SEL_FAR;
@@ -459,7 +472,7 @@ SEL_FN void write_deepest(CellPoint deepest, const InstrumentScene* scene, Closi
     now->contact.triangle = edge_of_material(scene->b, now->along_b);
 }
 
-// @param s0, s1  ends of the cell [m]     start  near where along b     track  gap within which the cell is followed [m]
+// @param s0, s1  ends of the cell [m]     start  near where along b     track  gap within which its state is written [m]
 // @param fresh  `old` is none             c->mv.epoch: of this step     points  [SEL_INSTRUMENT_POINTS] as many as push are written
 SEL_FN InstrumentForce cell_force(const InstrumentScene* scene, real s0, real s1, real start, real track, ContactState old,
                                   int fresh, LawContext* c, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
@@ -471,15 +484,18 @@ SEL_FN InstrumentForce cell_force(const InstrumentScene* scene, real s0, real s1
     uint deepest = 0;
     cuts.pieces = 0;
     least[0] = first.gap < last.gap ? first : last;
-    if (!cell_is_clear(scene, first, last)) {
+    real room = least_room(scene, first, last);
+    if (room <= 0) {
         cut_cell(scene, first, last, &cuts);
         for (uint k = 0; k < cuts.pieces; ++k) {
             least[k] = least_gap(scene, cuts.at[k], cuts.at[k + 1]);
             if (least[k].gap < least[deepest].gap) deepest = k;
         }
+        room = least[deepest].gap;
     }
     const real depth = -least[deepest].gap;
     out.depth = depth;
+    out.clear = clear_move(scene, first, last, room);
     if (-depth > track) return out;
     const CellPoint bottom = cell_point(scene, least[deepest].s, least[deepest].at);
     const Closing closing = cell_closing(scene, bottom, old, fresh, c);

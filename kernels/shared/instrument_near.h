@@ -233,8 +233,9 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
     const real s0 = a.spacing * (real)(cell - a.cell);
     now->pair = slot.pair;
     now->touch = slot.touch;
-    InstrumentForce force = cell_force(&scene, s0, s0 + a.spacing, slot.at, (real)0.5 * surface_a.radius,
-                                       states_t0[fresh ? 0 : old].contact, fresh, &c, now, points);
+    const real track = par.follow ? (real)0.5 * surface_a.radius : (real)0;
+    InstrumentForce force =
+        cell_force(&scene, s0, s0 + a.spacing, slot.at, track, states_t0[fresh ? 0 : old].contact, fresh, &c, now, points);
     force.pair = slot.pair;
     return force;
 }

@@ -93,6 +93,7 @@ typedef struct InstrumentForce {
     real stiff_along, stiff_across;      // -df/dslip [N/m]
     real skew;                           // mu times the slope of the normal force: -df/dq = -skew along (x) d gap
     real depth;                          // deepest, negative: gap [m]
+    real clear;                          // so far do both rods together move at least before anything touches [m]; 0: not known
     real normal_sum, friction_sum, sliding_sum, length;
     real slope_sum;      // of the points: growth of the normal force with depth [N/m]
     real friction_work;  // on both rods together, over the step [J]
@@ -108,6 +109,8 @@ typedef struct InstrumentParams {
     uint item_count, cell_count;
     uint friction;  // SEL_FRICTION_*
     uint settling;  // SEL_SETTLE_*
+    uint follow;    // 1: what is near is followed, whether it touches or not; 0: what touches is
+    uint pad;
     real inv_dt;    // 0 in static equilibrium
     real smooth_speed;
     real skin;  // gap up to which cells are listed, for nodes that move by half of it [m]
