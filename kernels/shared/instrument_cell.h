@@ -27,6 +27,7 @@ typedef struct InstrumentScene {
     SplineView a, b, a_t0, b_t0;
     GapPart part;
     real apart;  // self: how far along the wire two points that touch are at least [m]
+    uint edge;   // of a that the cell begins on
 } InstrumentScene;
 
 // A point of the cell.
@@ -47,7 +48,7 @@ SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
 {
     CellPoint point;
     point.s = s;
-    point.a = spline_place(spline_at(scene->a, s), scene->a.count);
+    point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
     point.g = instrument_gap(scene->b, spline_sum(scene->a, point.a.node, point.a.w), start, part_for(scene, scene->b, s));
     point.gap = point.g.gap;
     const vec3 along = spline_sum(scene->a, point.a.node, point.a.d);
@@ -71,7 +72,21 @@ SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
     return mark;
 }
 
+// A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
+SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
+{
+    return cell_mark(scene, left.s + share * (right.s - left.s), left.at + share * (right.at - left.at));
+}
+
 // ---- pieces -----------------------------------------------------------------------------------------------------------------
+
+// The root in [0, 1] of c + b u + a u^2, which has one sign at 0 and the other at 1.
+SEL_FN real root_between(real a, real b, real c)
+{
+    const real root = sqrt(max_r(b * b - 4 * a * c, 0));
+    const real q = (real)-0.5 * (b < 0 ? b - root : b + root), first = q != 0 ? c / q : (real)0.5;
+    return first >= 0 && first <= 1 ? first : clamp_r(a != 0 ? q / a : (real)0.5, 0, 1);
+}
 
 // Ends of the pieces.
 typedef struct CellCuts {
@@ -93,14 +108,32 @@ SEL_FN real next_knot(SplineView rod, real from, real until)
     return knot;
 }
 
+// Where a goes through the plane across b at `knot`, as a share of the way between two points of a that are on one piece of its
+// curve: a quadratic equation of the coordinate along it. < 0: there is no one place.
+SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
+{
+    const SplinePlace b = spline_place(knot, scene->b.count);
+    const vec3 centre = spline_sum(scene->b, b.node, b.w), normal = spline_sum(scene->b, b.node, b.d);
+    const real from = spline_at_near(scene->a, left.s, scene->edge), until = spline_at_near(scene->a, right.s, scene->edge);
+    real beyond[3];
+    for (int k = 0; k < 3; ++k) {
+        const SplinePlace a = spline_place(from + (real)0.5 * (real)k * (until - from), scene->a.count);
+        beyond[k] = dot3(spline_sum(scene->a, a.node, a.w) - centre, normal);
+    }
+    if (!(beyond[0] * beyond[2] < 0)) return -1;
+    const real u = root_between(2 * (beyond[0] - 2 * beyond[1] + beyond[2]), 4 * beyond[1] - 3 * beyond[0] - beyond[2], beyond[0]);
+    return (spline_material(scene->a, from + u * (until - from)) - left.s) / (right.s - left.s);
+}
+
 // Where b's coordinate is `knot`, which it passes between two points.
 SEL_FN CellMark cut_at(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
 {
-    const real onwards = right.at > left.at ? (real)1 : (real)-1;
+    const real onwards = right.at > left.at ? (real)1 : (real)-1, plane = share_at_plane(scene, left, right, knot);
     CellMark best = left;
     for (int k = 0; k < SEL_CUT_STEPS; ++k) {
-        const real share = k % 2 == 0 ? clamp_r((knot - left.at) / (right.at - left.at), (real)0.01, (real)0.99) : (real)0.5;
-        best = cell_mark(scene, left.s + share * (right.s - left.s), left.at);
+        real share = k % 2 == 0 ? clamp_r((knot - left.at) / (right.at - left.at), (real)0.01, (real)0.99) : (real)0.5;
+        if (k == 0 && plane >= 0) share = plane;
+        best = cell_mark(scene, left.s + share * (right.s - left.s), k == 0 ? knot : left.at);
         if (fabs(best.at - knot) < SEL_NO_CUT) break;
         if ((best.at - knot) * onwards < 0) left = best;
         else right = best;
@@ -127,7 +160,7 @@ SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until,
     const real bulge = 6 * ((right.gap - left.gap) / length - (real)0.5 * (left.slope + right.slope));
     const real turns = right.slope - left.slope;
     if (fabs(turns) >= fabs(bulge)) return;
-    add_cut(cell_mark(scene, left.s + ((real)0.5 + (real)0.5 * turns / bulge) * length, left.at), until, cuts);
+    add_cut(mark_between(scene, left, right, (real)0.5 + (real)0.5 * turns / bulge), until, cuts);
 }
 
 // Cuts what lies between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
@@ -152,10 +185,10 @@ SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until
 // @param right  the end of the cell
 SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right, CellCuts* cuts)
 {
-    const real last = spline_at(scene->a, right.s);
+    const real last = spline_at_near(scene->a, right.s, scene->edge);
     cuts->at[0] = left;
     cuts->pieces = 0;
-    real at = spline_at(scene->a, left.s);
+    real at = spline_at_near(scene->a, left.s, scene->edge);
     for (int more = 1; more;) {
         at = next_knot(scene->a, at, last);
         more = at != last;
@@ -191,7 +224,7 @@ SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark rig
     if (gap <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
     const int inside = scene->part.touch == SEL_TOUCH_INSIDE;
     if (inside && min_r(left.at, right.at) <= scene->part.low) return 0;  // a mouth
-    const real a = most_curved(scene->a, spline_at(scene->a, left.s), spline_at(scene->a, right.s));
+    const real a = most_curved(scene->a, spline_at_near(scene->a, left.s, scene->edge), spline_at_near(scene->a, right.s, scene->edge));
     const real b = most_curved(scene->b, left.at, right.at), reach = scene->part.reach_a + scene->part.reach_b;
     const real far = inside ? scene->part.reach_b : max_r(left.gap, right.gap) + reach + (right.s - left.s);
     if (3 * b * far > 1) return 0;
@@ -218,7 +251,24 @@ SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark rig
 #define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
 #define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
 
-// The least gap between two points: where its slope changes sign, by turns of the secant and of halving.
+// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the way between them.
+typedef struct GapCubic {
+    real c[4];
+} GapCubic;
+
+SEL_FN GapCubic cubic_between(CellMark left, CellMark right)
+{
+    const real length = right.s - left.s, rise = right.gap - left.gap;
+    GapCubic cubic;
+    cubic.c[0] = left.gap;
+    cubic.c[1] = length * left.slope;
+    cubic.c[2] = 3 * rise - length * (2 * left.slope + right.slope);
+    cubic.c[3] = length * (left.slope + right.slope) - 2 * rise;
+    return cubic;
+}
+
+// The least gap between two points: where its slope changes sign, by that of the cubic between them, and by halving where that leads
+// nowhere.
 SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark right)
 {
     if (left.slope >= 0 && right.slope <= 0) return left.gap < right.gap ? left : right;
@@ -226,8 +276,10 @@ SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark 
     if (right.slope <= 0) return right;
     CellMark best = left.gap < right.gap ? left : right;
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
-        const real share = k % 2 == 0 ? left.slope / (left.slope - right.slope) : (real)0.5;
-        const CellMark middle = cell_mark(scene, left.s + share * (right.s - left.s), best.at);
+        const GapCubic cubic = cubic_between(left, right);
+        const int smooth = k % 3 < 2 && left.gap < SEL_FAR && right.gap < SEL_FAR;
+        const real share = smooth ? root_between(3 * cubic.c[3], 2 * cubic.c[2], cubic.c[1]) : (real)0.5;
+        const CellMark middle = mark_between(scene, left, right, share);
         if (middle.gap < best.gap) best = middle;
         if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
         if (middle.slope < 0) left = middle;
@@ -236,30 +288,45 @@ SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark 
     return best;
 }
 
+// Where the cubic between a point that overlaps and one that does not is none: three steps of Newton's method from the chord's zero.
+SEL_FN real zero_between(CellMark in, CellMark out)
+{
+    const GapCubic cubic = cubic_between(in, out);
+    const real chord = in.gap / (in.gap - out.gap);
+    real u = chord;
+    for (int k = 0; k < 3; ++k) {
+        const real value = cubic.c[0] + (cubic.c[1] + (cubic.c[2] + cubic.c[3] * u) * u) * u;
+        const real slope = cubic.c[1] + (2 * cubic.c[2] + 3 * cubic.c[3] * u) * u;
+        if (!(slope > 0)) return chord;
+        u = clamp_r(u - value / slope, 0, 1);
+    }
+    return u > 0 && u < 1 ? u : chord;
+}
+
 // Where the gap closes, between a point that overlaps and one that does not.
-SEL_FN real gap_zero(const InstrumentScene* scene, CellMark in, CellMark out)
+SEL_FN CellMark gap_zero(const InstrumentScene* scene, CellMark in, CellMark out)
 {
     const real enough = SEL_ZERO * fabs(in.gap);
     for (int k = 0; k < SEL_CELL_STEPS; ++k) {
-        const real share = k % 2 == 0 && out.gap < SEL_FAR ? in.gap / (in.gap - out.gap) : (real)0.5;
-        const CellMark middle = cell_mark(scene, in.s + share * (out.s - in.s), in.at);
-        if (fabs(middle.gap) <= enough) return middle.s;
+        const real share = k % 3 < 2 && out.gap < SEL_FAR ? zero_between(in, out) : (real)0.5;
+        const CellMark middle = mark_between(scene, in, out, share);
+        if (fabs(middle.gap) <= enough) return middle;
         if (middle.gap < 0) in = middle;
         else out = middle;
     }
-    return in.s;
+    return in;
 }
 
-SEL_FN vec3 point_of_material(SplineView rod, real s)
+SEL_FN vec3 point_near(SplineView rod, real s, uint edge)
 {
-    const SplinePlace p = spline_place(spline_at(rod, s), rod.count);
+    const SplinePlace p = spline_place(spline_at_near(rod, s, edge), rod.count);
     return spline_sum(rod, p.node, p.w);
 }
 
 // The gap of the same material point of a at the start of the step.
 SEL_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
 {
-    return instrument_gap(scene->b_t0, point_of_material(scene->a_t0, s), start, part_for(scene, scene->b_t0, s)).gap;
+    return instrument_gap(scene->b_t0, point_near(scene->a_t0, s, scene->edge), start, part_for(scene, scene->b_t0, s)).gap;
 }
 
 // Gauss-Legendre on [-1, 1].
@@ -310,14 +377,14 @@ SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawCont
 }
 
 // The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
-SEL_FN real push_along(const InstrumentScene* scene, real left, real right, real start, Closing closing, const LawContext* c,
+SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
                        InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
-    const real half_length = (real)0.5 * (right - left), middle = (real)0.5 * (left + right);
+    const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
     real moment = 0;
     for (uint k = 0; k < SEL_INSTRUMENT_POINTS / SEL_CELL_PIECES; ++k) {
         const real s = middle + half_length * gauss_place(k), before = out->normal_sum;
-        const CellPoint point = cell_point(scene, s, start);
+        const CellPoint point = cell_point(scene, s, (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at)));
         if (point.gap >= 0) continue;
         Closing here = closing;
         here.depth = -point.gap;
@@ -342,19 +409,21 @@ typedef struct SurfaceMotion {
     vec3 move;     // of the contact over the step [m]
 } SurfaceMotion;
 
-SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, real material, vec3 lever)
+// @param edge  near the material point
+SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, real material, uint edge, vec3 lever)
 {
     SurfaceMotion m;
     m.place = spline_place(at, now.count);
     m.lever = lever;
-    m.edge = edge_of_material(now, material);
+    m.edge = edge_near(now, material, edge);
+    const uint edge_t0 = edge_near(then, material, edge);
     const vec3 along = spline_sum(now, m.place.node, m.place.d);
     m.length = sqrt(dot3(along, along));
     m.tangent = (1 / m.length) * along;
-    const SplinePlace old = spline_place(spline_at(then, material), then.count);
+    const SplinePlace old = spline_place(spline_at_edge(then, material, edge_t0), then.count);
     const vec3 along_t0 = spline_sum(then, old.node, old.d);
     const vec3 turn = m.tangent - (1 / sqrt(dot3(along_t0, along_t0))) * along_t0;
-    const real spin = now.theta[m.edge] - then.theta[edge_of_material(then, material)];
+    const real spin = now.theta[m.edge] - then.theta[edge_t0];
     m.move = spline_sum(now, m.place.node, m.place.w) - spline_sum(then, old.node, old.w) + spin * cross3(m.tangent, lever) +
              dot3(m.tangent, lever) * turn - dot3(lever, turn) * m.tangent;
     return m;
@@ -394,8 +463,8 @@ SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState c
     const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
     const vec3 lever = -(c->m.radius) * n;
     const real along_b = spline_material(scene->b, point.g.at);
-    const SurfaceMotion a = surface_motion(scene->a, scene->a_t0, spline_at(scene->a, point.s), point.s, lever);
-    const SurfaceMotion b = surface_motion(scene->b, scene->b_t0, point.g.at, along_b, x + lever - point.g.centre);
+    const SurfaceMotion a = surface_motion(scene->a, scene->a_t0, spline_at_near(scene->a, point.s, scene->edge), point.s, scene->edge, lever);
+    const SurfaceMotion b = surface_motion(scene->b, scene->b_t0, point.g.at, along_b, (uint)point.g.at, x + lever - point.g.centre);
     place_friction(point, a, b, out);
     vec3 move = a.move - b.move;
     move = move - dot3(move, n) * n;
@@ -469,61 +538,78 @@ SEL_FN void write_deepest(CellPoint deepest, const InstrumentScene* scene, Closi
     store_vec(now->contact.point, x);
     now->along_a = deepest.s;
     now->along_b = spline_material(scene->b, deepest.g.at);
-    now->contact.triangle = edge_of_material(scene->b, now->along_b);
+    now->contact.triangle = edge_near(scene->b, now->along_b, (uint)deepest.g.at);
 }
 
-// @param s0, s1  ends of the cell [m]     start  near where along b     track  gap within which its state is written [m]
-// @param fresh  `old` is none             c->mv.epoch: of this step     points  [SEL_INSTRUMENT_POINTS] as many as push are written
-SEL_FN InstrumentForce cell_force(const InstrumentScene* scene, real s0, real s1, real start, real track, ContactState old,
-                                  int fresh, LawContext* c, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
-{
-    InstrumentForce out = no_instrument_force();
-    const CellMark first = cell_mark(scene, s0, start), last = cell_mark(scene, s1, first.at);
-    CellCuts cuts;
+// A cell as it lies: its pieces and the least gap of each.
+typedef struct CellPieces {
+    CellCuts cuts;  // none where the whole cell is known to be clear
     CellMark least[SEL_CELL_PIECES];
-    uint deepest = 0;
-    cuts.pieces = 0;
-    least[0] = first.gap < last.gap ? first : last;
+    uint deepest;
+} CellPieces;
+
+// @param s0, s1  ends of the cell [m]     start  near where along b     out  depth and `clear` are written
+SEL_FN void look_through(const InstrumentScene* scene, real s0, real s1, real start, CellPieces* cell, InstrumentForce* out)
+{
+    const CellMark first = cell_mark(scene, s0, start), last = cell_mark(scene, s1, first.at);
+    cell->deepest = cell->cuts.pieces = 0;
+    cell->least[0] = first.gap < last.gap ? first : last;
     real room = least_room(scene, first, last);
     if (room <= 0) {
-        cut_cell(scene, first, last, &cuts);
-        for (uint k = 0; k < cuts.pieces; ++k) {
-            least[k] = least_gap(scene, cuts.at[k], cuts.at[k + 1]);
-            if (least[k].gap < least[deepest].gap) deepest = k;
+        cut_cell(scene, first, last, &cell->cuts);
+        for (uint k = 0; k < cell->cuts.pieces; ++k) {
+            cell->least[k] = least_gap(scene, cell->cuts.at[k], cell->cuts.at[k + 1]);
+            if (cell->least[k].gap < cell->least[cell->deepest].gap) cell->deepest = k;
         }
-        room = least[deepest].gap;
+        room = cell->least[cell->deepest].gap;
     }
-    const real depth = -least[deepest].gap;
-    out.depth = depth;
-    out.clear = clear_move(scene, first, last, room);
-    if (-depth > track) return out;
-    const CellPoint bottom = cell_point(scene, least[deepest].s, least[deepest].at);
+    out->depth = -cell->least[cell->deepest].gap;
+    out->clear = clear_move(scene, first, last, room);
+}
+
+// The state of a cell that touches nothing: how it closes. (Its approach speed is taken when it touches.)
+SEL_FN void follow_cell(const InstrumentScene* scene, const CellPieces* cell, real inv_dt, uint epoch, InstrumentState* now)
+{
+    const CellMark least = cell->least[cell->deepest];
+    const CellPoint bottom = cell_point(scene, least.s, least.at);
+    const real gap_t0 = gap_at_start(scene, bottom.s, bottom.g.at);
+    Closing closing;
+    closing.rate = gap_t0 < SEL_FAR ? (gap_t0 - bottom.gap) * inv_dt : (real)0;
+    closing.approach = closing.rate;
+    write_deepest(bottom, scene, closing, epoch, now);
+}
+
+// What a cell that touches exerts, and its state.
+// @param fresh  `old` is none             c->mv.epoch: of this step     points  [SEL_INSTRUMENT_POINTS] as many as push are written
+SEL_FN void cell_force(const InstrumentScene* scene, const CellPieces* cell, ContactState old, int fresh, LawContext* c,
+                       InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    const CellMark least = cell->least[cell->deepest];
+    const CellPoint bottom = cell_point(scene, least.s, least.at);
     const Closing closing = cell_closing(scene, bottom, old, fresh, c);
     write_deepest(bottom, scene, closing, c->mv.epoch, now);
-    if (blocked(closing, c)) out.flags |= SEL_FORCE_BLOCKED;
-    if (depth <= 0) return out;
+    if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     real moment = 0, touching = 0;
-    for (uint k = 0; k < cuts.pieces; ++k) {
-        if (least[k].gap >= 0) continue;
-        const CellMark left = cuts.at[k], right = cuts.at[k + 1];
-        const real from = left.gap < 0 ? left.s : gap_zero(scene, least[k], left);
-        const real until = right.gap < 0 ? right.s : gap_zero(scene, least[k], right);
-        moment += push_along(scene, from, until, least[k].at, closing, c, &out, points);
-        touching += until - from;
+    for (uint k = 0; k < cell->cuts.pieces; ++k) {
+        if (cell->least[k].gap >= 0) continue;
+        const CellMark left = cell->cuts.at[k], right = cell->cuts.at[k + 1];
+        const CellMark from = left.gap < 0 ? left : gap_zero(scene, cell->least[k], left);
+        const CellMark until = right.gap < 0 ? right : gap_zero(scene, cell->least[k], right);
+        moment += push_along(scene, from, until, closing, c, out, points);
+        touching += until.s - from.s;
     }
-    if (out.count == 0) return out;
-    now->length = out.length = touching;
+    if (out->count == 0) return;
+    now->length = out->length = touching;
     now->contact.flags |= SEL_CONTACT_ACTIVE;
-    now->contact.normal_force = out.normal_sum;
-    if (c->par.friction == SEL_FRICTION_NONE) return out;
-    const CellPoint middle = cell_point(scene, moment / out.normal_sum, least[deepest].at);
-    if (middle.gap >= SEL_FAR) return out;
+    now->contact.normal_force = out->normal_sum;
+    if (c->par.friction == SEL_FRICTION_NONE) return;
+    const CellPoint middle = cell_point(scene, moment / out->normal_sum, least.at);
+    if (middle.gap >= SEL_FAR) return;
     CarriedState carried;
     carried.old = old;
     carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
     c->m.weight = touching;
-    rub_at(scene, middle, carried, c, now, &out);
-    return out;
+    rub_at(scene, middle, carried, c, now, out);
 }
 
 SEL_END

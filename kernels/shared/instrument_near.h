@@ -121,6 +121,12 @@ SEL_FN real way_limit(real way, uint rod, InstrumentBodies bodies)
     return rod == SEL_NO_ROD ? way : way + bodies.rods[rod].inside;
 }
 
+SEL_FN vec3 point_of_material(SplineView rod, real s)
+{
+    const SplinePlace p = spline_place(spline_at(rod, s), rod.count);
+    return spline_sum(rod, p.node, p.w);
+}
+
 // Slots of one cell, unused ones with touch 0.
 SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentParams par)
 {
@@ -213,6 +219,18 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
     const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(b, along_b, bodies.surfaces);
     scene.part = gap_part(pair, surface_a, surface_b, scene.b);
     scene.apart = SEL_SELF_APART * surface_a.radius;
+    scene.edge = edge_of_material(scene.a, a.spacing * (real)(cell - a.cell));
+    now->pair = slot.pair;
+    now->touch = slot.touch;
+    InstrumentForce force = no_instrument_force();
+    force.pair = slot.pair;
+    CellPieces pieces;
+    const real s0 = a.spacing * (real)(cell - a.cell);
+    look_through(&scene, s0, s0 + a.spacing, slot.at, &pieces, &force);
+    if (force.depth <= 0) {
+        if (par.follow && -force.depth <= (real)0.5 * surface_a.radius) follow_cell(&scene, &pieces, par.inv_dt, a.epoch, now);
+        return force;
+    }
     const uint old = old_slot(states_t0, slot.pair, along_b, 4 * (a.spacing + b.spacing), a.epoch);
     const int fresh = old == SEL_INSTRUMENT_SLOTS;
     LawContext c;
@@ -221,22 +239,14 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
     c.mv.length = c.mv.spin = c.mv.radius_reduction = 0;
     c.mv.fresh = fresh;
     c.mv.epoch = a.epoch;
-    ContactParams laws;
-    laws.item_count = laws.slots = laws.known = 0;
-    laws.normal_law = SEL_NORMAL_DAMPED;
-    laws.smoothing = 0;
-    laws.friction = par.friction;
-    laws.settling = par.settling;
-    laws.inv_dt = par.inv_dt;
-    laws.smooth_speed = par.smooth_speed;
-    c.par = laws;
-    const real s0 = a.spacing * (real)(cell - a.cell);
-    now->pair = slot.pair;
-    now->touch = slot.touch;
-    const real track = par.follow ? (real)0.5 * surface_a.radius : (real)0;
-    InstrumentForce force =
-        cell_force(&scene, s0, s0 + a.spacing, slot.at, track, states_t0[fresh ? 0 : old].contact, fresh, &c, now, points);
-    force.pair = slot.pair;
+    c.par.item_count = c.par.slots = c.par.known = 0;
+    c.par.normal_law = SEL_NORMAL_DAMPED;
+    c.par.smoothing = 0;
+    c.par.friction = par.friction;
+    c.par.settling = par.settling;
+    c.par.inv_dt = par.inv_dt;
+    c.par.smooth_speed = par.smooth_speed;
+    cell_force(&scene, &pieces, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
     return force;
 }
 

@@ -95,10 +95,18 @@ SEL_FN uint edge_of_material(SplineView rod, real s)
     return low;
 }
 
-// `at` of a material point; of the ends beyond them.
-SEL_FN real spline_at(SplineView rod, real s)
+// The same, looked for from an edge that is near.
+SEL_FN uint edge_near(SplineView rod, real s, uint from)
 {
-    const uint edge = edge_of_material(rod, s);
+    uint edge = from + 1 < rod.count ? from : rod.count - 2;
+    while (edge > 0 && s < rod.material[edge]) --edge;
+    while (edge + 2 < rod.count && s >= rod.material[edge + 1]) ++edge;
+    return edge;
+}
+
+// `at` of a material point on an edge; of the ends beyond them.
+SEL_FN real spline_at_edge(SplineView rod, real s, uint edge)
+{
     const real from = rod.material[edge], to = rod.material[edge + 1], middle = (real)0.5 * (from + to);
     const int left = s < middle;
     if ((left && edge == 0) || (!left && edge + 2 >= rod.count)) return (real)edge + clamp_r((s - from) / (to - from), 0, 1);
@@ -109,6 +117,9 @@ SEL_FN real spline_at(SplineView rod, real s)
     return (real)node - (real)0.5 + clamp_r(2 * way / (before + root), 0, 1);
 }
 
+SEL_FN real spline_at(SplineView rod, real s) { return spline_at_edge(rod, s, edge_of_material(rod, s)); }
+SEL_FN real spline_at_near(SplineView rod, real s, uint from) { return spline_at_edge(rod, s, edge_near(rod, s, from)); }
+
 // Where on the curve a point's distance is least, near where it is looked for.
 typedef struct Closest {
     real at;
@@ -117,6 +128,7 @@ typedef struct Closest {
 
 #define SEL_CLOSEST_STEPS 40
 #define SEL_CLOSEST_ENOUGH ((real)1e-12)  // of an edge
+#define SEL_CLOSEST_NEAR ((real)1e-7)     // of an edge: its square, which a Newton step within a piece leaves, is less than enough
 
 // One piece of the curve seen from a point x: with c = c_0 + c_1 t + c_2 t^2 and r = x - c_0
 //     slope   -(x - c) . c'  = -r.c_1 + (c_1.c_1 - 2 r.c_2) t + 3 c_1.c_2 t^2 + 2 c_2.c_2 t^3,    t = at - origin,
@@ -182,7 +194,8 @@ SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real hig
             return found;
         }
         const real curved = piece.linear + 6 * bulge * t;
-        real step = -slope / (curved > (real)0.05 * square ? curved : square);
+        const int newton = curved > (real)0.05 * square;
+        real step = -slope / (newton ? curved : square);
         step = clamp_r(step, -1, 1);
         real next = found.at + step;
         if (next >= most && most < high) next = (real)0.5 * (found.at + most);
@@ -190,7 +203,8 @@ SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real hig
         next = clamp_r(next, low, high);
         const real moved = fabs(next - found.at);
         found.at = next;
-        if (moved < SEL_CLOSEST_ENOUGH && next > low && next < high) return found;
+        const int within = newton && next >= piece.low && next < piece.high;
+        if (moved < (within ? SEL_CLOSEST_NEAR : SEL_CLOSEST_ENOUGH) && next > low && next < high) return found;
     }
     return found;
 }
