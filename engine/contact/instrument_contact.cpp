@@ -307,24 +307,25 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
     if (picked_.empty()) return;
     start = Clock::now();
     params_.inv_dt = h > 0 ? 1 / h : 0;
-    launch(queue_for_slots(picked_.size()));
+    const device::Queue queue = queue_for_slots(picked_.size());
+    provide_records(picked_.size());
+    launch(queue, forces_buffer_);
+    context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
+    context_.read(queue, points_buffer_, points_.data(), picked_.size() * SEL_INSTRUMENT_POINTS * sizeof(InstrumentPoint));
     times_.evaluate += since(start);
     start = Clock::now();
     take_records();
     times_.reduce += since(start);
 }
 
-void InstrumentContact::launch(device::Queue queue)
+void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
 {
     context_.enter(queue);
     nodes_.upload(context_, queue);
     context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
-    provide_records(picked_.size());
     params_.item_count = static_cast<uint>(picked_.size());
     evaluate_.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
-                     nodes_t0_, states_t0_, states_, forces_buffer_, points_buffer_);
-    context_.read(queue, forces_buffer_, forces_.data(), picked_.size() * sizeof(InstrumentForce));
-    context_.read(queue, points_buffer_, points_.data(), picked_.size() * SEL_INSTRUMENT_POINTS * sizeof(InstrumentPoint));
+                     nodes_t0_, states_t0_, states_, forces, points_buffer_);
 }
 
 /// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.
@@ -382,12 +383,16 @@ void InstrumentContact::follow(std::span<const std::uint8_t> active)
 {
     picked_.clear();
     for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s)
-        for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]]; ++k)
+        for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]] && cleared_[s]; ++k)
             if (!touches_[k]) picked_.push_back(found_[k]);
     if (picked_.empty()) return;
+    const device::Queue queue = queue_for_slots(picked_.size());
+    if (followed_buffer_.bytes() < picked_.size() * sizeof(InstrumentForce))
+        followed_buffer_ = device::Buffer(context_, 2 * picked_.size() * sizeof(InstrumentForce));
     params_.follow = 1;
-    launch(queue_for_slots(picked_.size()));
+    launch(queue, followed_buffer_);  // nothing of it is read: none touches, and the trial's records may be asked for a tangent
     params_.follow = 0;
+    context_.finish(queue);
 }
 
 }  // namespace seldinger

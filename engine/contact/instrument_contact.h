@@ -86,7 +86,7 @@ private:
     void pick(std::span<const std::uint8_t> active);
     [[nodiscard]] double moved_since_cleared(int wire) const;
     void note_clear();
-    void launch(device::Queue queue);
+    void launch(device::Queue queue, const device::Buffer& forces);
     void follow(std::span<const std::uint8_t> active);
     void provide_records(std::size_t slots);
     void take_records();
@@ -100,7 +100,7 @@ private:
     device::Kernel find_, evaluate_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
-    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_;
+    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
     InstrumentParams params_{};
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;

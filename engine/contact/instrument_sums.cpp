@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace seldinger {
 
@@ -89,10 +90,38 @@ void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size],
 /// What sliding friction does as the normal force N_k at one point changes. Friction mu sum N_k acts at the middle of what touches,
 /// s = sum N_k s_k / sum N_k: with r(s) its row along the slip the change is
 ///   mu (r dN + r' (d(sum N_k s_k) - s dN)) = mu sum r(s_k) dN_k,     r(s_k) = r + (s_k - s) r',     dN_k = -slope_k g_k.
-void add_load(double (&skew)[InstrumentSums::size][InstrumentSums::size], const InstrumentForce& f, const InstrumentPoint& p)
+void add_load(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentForce& f, const InstrumentPoint& p)
 {
     const double share = f.slope_sum > 0 ? p.slope / f.slope_sum : 0;
-    add_outer_product(skew, -f.skew * share, along_beside(f, p), gap_gradient(p));
+    add_outer_product(to, -f.skew * share, along_beside(f, p), gap_gradient(p));
+}
+
+/// K = slope g g^T - force (d2 gap)
+void add_point(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentPoint& p)
+{
+    constexpr int size = InstrumentSums::size;
+    const Vector g = gap_gradient(p);
+    Vector h{}, pairs, hessian;
+    put_side(h, 0, p.wa, p.p, 1, nullptr, nullptr, 0);
+    put_side(h, InstrumentSums::side, p.wb, p.p, -1, p.db, p.q, 1);
+    double weight[6];
+    for (int k = 0; k < 3; ++k) weight[k] = p.wa[k], weight[3 + k] = -p.wb[k];
+    const double m[3][per_node] = {{p.m[0], p.m[1], p.m[2]}, {p.m[1], p.m[3], p.m[4]}, {p.m[2], p.m[4], p.m[5]}};
+    for (int c = 0; c < 3; ++c) {  // a row of one coordinate has one row of m
+        for (int j = 0; j < size; ++j) hessian[j] = m[c][j % per_node];
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < size; ++j) pairs[j] = -p.force * weight[i] * weight[j / per_node];
+            double* row = to[per_node * i + c];
+            const double push = p.slope * g[per_node * i + c], turn = -p.force * p.bend * h[per_node * i + c];
+            for (int j = 0; j < size; ++j) row[j] = row[j] + push * g[j] + turn * h[j] + pairs[j] * hessian[j];
+        }
+    }
+}
+
+void add_friction(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentForce& f)
+{
+    add_outer_product(to, f.stiff_along, row_of(f, f.along), row_of(f, f.along));
+    add_outer_product(to, f.stiff_across, row_of(f, f.across), row_of(f, f.across));
 }
 
 }  // namespace
@@ -106,16 +135,17 @@ InstrumentSums::InstrumentSums(const RodArrays& rods, int first_wire, int wires)
 
 void InstrumentSums::clear()
 {
-    if (used_ > 0 || blocked_) {
+    if (!taken_.empty() || blocked_) {
         std::fill(nodal_.begin(), nodal_.end(), std::array<double, per_node>{});
         std::fill(wires_.begin(), wires_.end(), OfWire{});
     }
+    taken_.clear();
     used_ = 0;
-    blocked_ = sliding_ = false;
+    blocked_ = sliding_ = assembled_ = false;
 }
 
 /// That of the last call, most often: cells come in order.
-InstrumentSums::Block& InstrumentSums::block(int wire_a, int wire_b, int node_a, int node_b)
+InstrumentSums::Block& InstrumentSums::block(int wire_a, int wire_b, int node_a, int node_b) const
 {
     for (std::size_t k = used_; k > 0 && k + 8 > used_; --k) {
         Block& b = blocks_[k - 1];
@@ -123,7 +153,7 @@ InstrumentSums::Block& InstrumentSums::block(int wire_a, int wire_b, int node_a,
     }
     if (used_ == blocks_.size()) blocks_.emplace_back();
     Block& b = blocks_[used_++];
-    b = Block{};
+    std::memset(b.value, 0, sizeof b.value);
     b.wire_a = wire_a;
     b.wire_b = wire_b;
     b.node_a = node_a;
@@ -136,68 +166,58 @@ void InstrumentSums::take(const InstrumentForce& force, const InstrumentPoint* p
 {
     if (force.flags & SEL_FORCE_BLOCKED) blocked_ = true;
     if (force.count == 0) return;
+    taken_.push_back({&force, points, wire_a, wire_b});
+    const Taken taken = taken_.back();
     std::array<double, 2> pushing{}, rubbing{};
     for (std::uint32_t k = 0; k < force.count; ++k) {
         const InstrumentPoint& point = points[k];
-        Block& at = block(wire_a, wire_b, static_cast<int>(point.node_a), static_cast<int>(point.node_b));
-        Vector pushed{};
-        take_point(point, at, pushed);
-        const auto work = exert(at, pushed, moves);
+        Vector pushed = gap_gradient(point);
+        for (double& value : pushed) value *= point.force;
+        const auto work = exert(taken, static_cast<int>(point.node_a), static_cast<int>(point.node_b), pushed, moves);
         for (int s = 0; s < 2; ++s) pushing[s] += work[s];
     }
     if (force.flags & SEL_FORCE_COUPLE) {
-        Block& at = block(wire_a, wire_b, static_cast<int>(force.node_a), static_cast<int>(force.node_b));
-        Vector pushed{};
-        take_friction(force, at, pushed);
-        rubbing = exert(at, pushed, moves);
-        for (std::uint32_t k = 0; k < force.count && (force.flags & SEL_FORCE_SLIDING); ++k) {
-            Block& beside = block(wire_a, wire_b, static_cast<int>(points[k].node_a), static_cast<int>(points[k].node_b));
-            beside.sliding = sliding_ = true;
-            add_load(beside.skew, force, points[k]);
-        }
+        rubbing = exert(taken, static_cast<int>(force.node_a), static_cast<int>(force.node_b), row_of(force, force.force), moves);
+        sliding_ = sliding_ || (force.flags & SEL_FORCE_SLIDING);
     }
     const double normal = 0.5 * (pushing[0] + pushing[1]), friction = 0.5 * (rubbing[0] + rubbing[1]);
     const double to_a = 0.5 * (pushing[0] - pushing[1] + rubbing[0] - rubbing[1]);
     sum_up(force, wire_a, normal, friction, to_a);
     if (wire_a != wire_b) sum_up(force, wire_b, normal, friction, -to_a);
-    else of(wire_a).totals.work.normal += normal, of(wire_a).totals.work.friction += friction, of(wire_a).from_other -= to_a;
-}
-
-/// K = slope g g^T - force (d2 gap)
-void InstrumentSums::take_point(const InstrumentPoint& p, Block& block, Vector& pushed) const
-{
-    const Vector g = gap_gradient(p);
-    for (int i = 0; i < size; ++i) pushed[i] = p.force * g[i];
-    Vector h{}, pairs, hessian;
-    put_side(h, 0, p.wa, p.p, 1, nullptr, nullptr, 0);
-    put_side(h, side, p.wb, p.p, -1, p.db, p.q, 1);
-    double weight[6];
-    for (int k = 0; k < 3; ++k) weight[k] = p.wa[k], weight[3 + k] = -p.wb[k];
-    const double m[3][per_node] = {{p.m[0], p.m[1], p.m[2]}, {p.m[1], p.m[3], p.m[4]}, {p.m[2], p.m[4], p.m[5]}};
-    for (int c = 0; c < 3; ++c) {  // a row of one coordinate has one row of m
-        for (int j = 0; j < size; ++j) hessian[j] = m[c][j % per_node];
-        for (int i = 0; i < 6; ++i) {
-            for (int j = 0; j < size; ++j) pairs[j] = -p.force * weight[i] * weight[j / per_node];
-            double* row = block.symmetric[per_node * i + c];
-            const double push = p.slope * g[per_node * i + c], turn = -p.force * p.bend * h[per_node * i + c];
-            for (int j = 0; j < size; ++j) row[j] = row[j] + push * g[j] + turn * h[j] + pairs[j] * hessian[j];
-        }
+    else {
+        OfWire& sum = of(wire_a);
+        sum.totals.work.normal += normal;
+        sum.totals.work.friction += friction;
+        sum.from_other -= to_a;
     }
 }
 
-void InstrumentSums::take_friction(const InstrumentForce& f, Block& block, Vector& pushed)
+void InstrumentSums::assemble(bool symmetric) const
 {
-    pushed = row_of(f, f.force);
-    const Vector along = row_of(f, f.along), across = row_of(f, f.across);
-    add_outer_product(block.symmetric, f.stiff_along, along, along);
-    add_outer_product(block.symmetric, f.stiff_across, across, across);
+    if (assembled_ && symmetric_ == symmetric) return;
+    assembled_ = true;
+    symmetric_ = symmetric;
+    used_ = 0;
+    for (const Taken& of : taken_) {
+        const InstrumentForce& force = *of.force;
+        const bool slides = !symmetric && (force.flags & SEL_FORCE_SLIDING);
+        const auto block_at = [&](const auto& place) -> Block& {
+            return block(of.wire_a, of.wire_b, static_cast<int>(place.node_a), static_cast<int>(place.node_b));
+        };
+        for (std::uint32_t k = 0; k < force.count; ++k) {
+            Block& at = block_at(of.points[k]);
+            add_point(at.value, of.points[k]);
+            if (slides) add_load(at.value, force, of.points[k]);
+        }
+        if (force.flags & SEL_FORCE_COUPLE) add_friction(block_at(force).value, force);
+    }
 }
 
-std::array<double, 2> InstrumentSums::exert(const Block& block, const Vector& pushed, const InstrumentMoves& moves)
+std::array<double, 2> InstrumentSums::exert(const Taken& of, int node_a, int node_b, const Vector& pushed, const InstrumentMoves& moves)
 {
     std::array<double, 2> work{};
     for (int s = 0; s < 2; ++s) {
-        const int first = rods_.node_begin(s == 0 ? block.wire_a : block.wire_b) + (s == 0 ? block.node_a : block.node_b);
+        const int first = s == 0 ? rods_.node_begin(of.wire_a) + node_a : rods_.node_begin(of.wire_b) + node_b;
         for (int k = 0; k < 3; ++k) {
             const double* force = pushed.data() + side * s + per_node * k;
             if (force[0] == 0 && force[1] == 0 && force[2] == 0 && force[3] == 0) continue;
@@ -229,11 +249,12 @@ void InstrumentSums::sum_up(const InstrumentForce& force, int wire, double own_n
 
 void InstrumentSums::add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const
 {
-    if (used_ == 0) return;
+    if (taken_.empty()) return;
     const int first = rods_.node_begin(wire) - first_node_;
     for (int i = 0; i < rods_.node_count(wire); ++i)
         for (int c = 0; c < per_node; ++c) residual[RodDofs::position(i, c)] -= nodal_[static_cast<std::size_t>(first + i)][c];
     if (!tangent) return;
+    assemble(symmetric);
     for (std::size_t b = 0; b < used_; ++b)
         for (int s = 0; s < 2; ++s) {
             const Block& block = blocks_[b];
@@ -241,7 +262,7 @@ void InstrumentSums::add(int wire, std::span<double> residual, BandRows* tangent
             const int at = RodDofs::position(s == 0 ? block.node_a : block.node_b);
             for (int i = 0; i < side; ++i)
                 for (int j = 0; j < side; ++j) {
-                    const double value = block.at(side * s + i, side * s + j, symmetric);
+                    const double value = block.value[side * s + i][side * s + j];
                     if (value != 0) tangent->add(at + i, at + j, value);
                 }
         }
@@ -249,6 +270,7 @@ void InstrumentSums::add(int wire, std::span<double> residual, BandRows* tangent
 
 void InstrumentSums::couple(const SystemUnknowns& system, BandedSolver& tangent, bool symmetric) const
 {
+    assemble(symmetric);
     for (std::size_t b = 0; b < used_; ++b) {
         const Block& block = blocks_[b];
         const int a_rod = system.rod_of(block.wire_a), b_rod = system.rod_of(block.wire_b);
@@ -260,10 +282,10 @@ void InstrumentSums::couple(const SystemUnknowns& system, BandedSolver& tangent,
                 const int i = per_node * k, j = side + per_node * l;
                 auto& ab = tangent.far.block(row, col);
                 for (int c = 0; c < per_node; ++c)
-                    for (int d = 0; d < per_node; ++d) ab.value[c][d] += block.at(i + c, j + d, symmetric);
+                    for (int d = 0; d < per_node; ++d) ab.value[c][d] += block.value[i + c][j + d];
                 auto& ba = tangent.far.block(col, row);
                 for (int c = 0; c < per_node; ++c)
-                    for (int d = 0; d < per_node; ++d) ba.value[d][c] += block.at(j + d, i + c, symmetric);
+                    for (int d = 0; d < per_node; ++d) ba.value[d][c] += block.value[j + d][i + c];
             }
     }
 }

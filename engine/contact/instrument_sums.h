@@ -33,7 +33,7 @@ public:
     InstrumentSums(const RodArrays& rods, int first_wire, int wires);
 
     void clear();
-    /// @param points  of the slot, [force.count]
+    /// @param force, points  of the slot, [force.count] points: they stay where they are until clear(), for the tangent
     void take(const InstrumentForce& force, const InstrumentPoint* points, int wire_a, int wire_b, const InstrumentMoves& moves);
 
     [[nodiscard]] bool blocked() const { return blocked_; }
@@ -49,12 +49,7 @@ public:
 private:
     struct Block {
         int wire_a, wire_b, node_a, node_b;
-        double symmetric[size][size], skew[size][size];
-        bool sliding;
-        [[nodiscard]] double at(int i, int j, bool without_skew) const
-        {
-            return symmetric[i][j] + (without_skew || !sliding ? 0 : skew[i][j]);
-        }
+        double value[size][size];
     };
     struct OfWire {
         ContactTotals totals;
@@ -62,19 +57,27 @@ private:
     };
     [[nodiscard]] OfWire& of(int wire) { return wires_[static_cast<std::size_t>(wire - first_wire_)]; }
     [[nodiscard]] const OfWire& of(int wire) const { return wires_[static_cast<std::size_t>(wire - first_wire_)]; }
-    Block& block(int wire_a, int wire_b, int node_a, int node_b);
-    void take_point(const InstrumentPoint& point, Block& block, Vector& pushed) const;
-    void take_friction(const InstrumentForce& force, Block& block, Vector& pushed);
+    /// A record that exerts something.
+    struct Taken {
+        const InstrumentForce* force;
+        const InstrumentPoint* points;
+        int wire_a, wire_b;
+    };
+    /// The tangent, put together when it is asked for: the last trial of a step is asked for forces only.
+    void assemble(bool symmetric) const;
+    Block& block(int wire_a, int wire_b, int node_a, int node_b) const;
     /// Adds a force on six nodes to those of the wires. @return work on a, on b
-    std::array<double, 2> exert(const Block& block, const Vector& pushed, const InstrumentMoves& moves);
+    std::array<double, 2> exert(const Taken& of, int node_a, int node_b, const Vector& pushed, const InstrumentMoves& moves);
     void sum_up(const InstrumentForce& force, int wire, double own_normal, double own_friction, double from_other);
 
     const RodArrays& rods_;
     int first_wire_, first_node_;
     std::vector<OfWire> wires_;
     std::vector<std::array<double, RodDofs::per_node>> nodal_;  // of the system's wires, from first_node_ on
-    std::vector<Block> blocks_;
-    std::size_t used_ = 0;  // of them
+    std::vector<Taken> taken_;
+    mutable std::vector<Block> blocks_;
+    mutable std::size_t used_ = 0;  // of them
+    mutable bool assembled_ = false, symmetric_ = false;  // whether they are the tangent; without what sliding does
     bool blocked_ = false, sliding_ = false;
 };
 
