@@ -13,6 +13,7 @@ namespace {
 
 constexpr int most_chord_steps = 4;
 constexpr int most_mode_perturbations = 3;
+constexpr double most_contraction = 0.03, new_factors = 1.0 / 300;
 
 }  // namespace
 
@@ -35,7 +36,7 @@ void NewtonSystem::prefetch(SolveStage next) const
 void NewtonSystem::advance(bool finite, const ForceTerms& terms)
 {
     ++evaluations_;
-    took_trial_ = false;
+    took_trial_ = corrected_ = false;
     bool usable = finite;
     double open = 1;  // share of the way to the trial
     for (const WireProblem* wire : problem.solved()) {
@@ -56,10 +57,24 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
         else give_up();
         return;
     }
+    const bool keep = keeps_factors();
     take_base();
-    new_direction(terms);
+    if (keep) std::copy_n(correction_.begin(), problem.size(), direction_.begin());
+    else new_direction(terms);
     launch();
     chord_steps(terms);
+}
+
+/// Whether the next direction is the correction that the last factors have given for the trial, which is at hand. Of instruments that
+/// touch only, whose factors cost more than the test, and whose tangent leaves things out (how the Gauss points of their contact move):
+/// with the last factors corrections shrink by the contraction from trial to trial, with new ones by new_factors or so, and the last
+/// ones do where they need no more trials.
+bool NewtonSystem::keeps_factors() const
+{
+    const bool whole = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
+    if (!whole || !problem.keeps_tangent() || contraction_ > most_contraction) return false;
+    const auto trials = [left = std::log(problem.residual_share())](double contraction) { return std::ceil(left / -std::log(contraction)); };
+    return trials(std::max(contraction_, 1e-6)) <= trials(new_factors);
 }
 
 /// Converged, failed, or a new trial set without a new direction. @return whether that is all

@@ -14,7 +14,8 @@
 // |R(q + alpha d).d| <= max(0.9, 1 - alpha/2) |R(q).d|. Else alpha is reduced. No edge turns by more than half a radian and no
 // node moves farther than force terms have searched in one update. Between two evaluations of these, which cost most of a step,
 // the equations with the terms taken as linear are solved on by further back-substitutions (chord steps), so that what the next
-// evaluation finds is the terms' own curvature only.
+// evaluation finds is the terms' own curvature only. Where instruments touch, the factors may serve for the next direction too: the
+// correction of the test is that direction (keeps_factors).
 //
 // Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, no larger than makes the exact matrix positive definite, turns each
 // iteration into a step of pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is
@@ -76,6 +77,7 @@ private:
     // the driver (newton_system.cpp)
     [[nodiscard]] bool ends_at_trial(const ForceTerms& terms);
     void take_linearised();
+    [[nodiscard]] bool keeps_factors() const;
     void take_base();
     void new_direction(const ForceTerms& terms);
     void launch();
@@ -110,7 +112,7 @@ private:
     NewtonOptions options_;
     Phase phase_ = Phase::Done;
     bool settling_ = false;  // taking the best trial instead of failing
-    bool non_finite_ = false, shortened_ = false, took_trial_ = false;
+    bool non_finite_ = false, shortened_ = false, took_trial_ = false, corrected_ = false;
     int iterations_ = 0, first_iteration_ = 0, evaluations_ = 0, backtracks_ = 0, mode_perturbations_ = 0, jumps_passed_ = 0;
     double move_limit_ = 0, guess_fraction_ = 1;
     double alpha_ = 1, first_alpha_ = 1, direction_norm_ = 0, slope_ = 0, contraction_ = 0;

@@ -55,6 +55,7 @@ bool NewtonSystem::natural_test(bool slope_falls, double slope)
 {
     correct();
     contraction_ = problem.norm(correction_) / direction_norm_;
+    corrected_ = true;
     if (contraction_ <= 1 - alpha_ / 4 || slope_falls) return true;
     for (int i = 0; i < problem.size(); ++i) scratch_[i] = correction_[i] - (1 - alpha_) * direction_[i];
     const double natural = 0.5 * direction_norm_ * alpha_ * alpha_ / problem.norm(scratch_);

@@ -21,6 +21,13 @@ bool SystemProblem::balanced() const
                        [](const WireProblem* wire) { return wire->norm <= wire->tolerance + wire->rounding; });
 }
 
+double SystemProblem::residual_share() const
+{
+    double share = 0;
+    for (const WireProblem* wire : solved_) share = std::max(share, wire->norm / (wire->tolerance + wire->rounding));
+    return share;
+}
+
 bool SystemProblem::residual_below(double share) const
 {
     return std::all_of(solved_.begin(), solved_.end(),

@@ -101,7 +101,7 @@ std::span<double> SystemProblem::work_in(Workspace& workspace, bool once)
     const bool lasting = motion == Motion::Static;
     linear.band.use_rows(lasting ? nullptr : &workspace.matrix);
     linear.band.use_factor(lasting || !once ? nullptr : &workspace.matrix);
-    term_tangent_.use_rows(lasting ? nullptr : &workspace.term_tangent);
+    term_tangent_.use_rows(lasting || several_rods() ? nullptr : &workspace.term_tangent);
     std::span<double> left = workspace.numbers;
     const std::size_t count = start.size();
     for (auto* part : {&scratch_, &velocities_, &split_, &term_residual_}) {
@@ -245,7 +245,7 @@ void SystemProblem::order_nodes()
 
 void SystemProblem::commit(bool newmark)
 {
-    for (WireProblem* wire : solved_) wire->commit(newmark);
+    for (WireProblem* wire : solved_) wire->commit(newmark || several_rods());
     for (CoaxialProblem* group : solved_coaxial_) group->commit();
 }
 

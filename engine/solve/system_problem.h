@@ -73,14 +73,21 @@ public:
     /// dR/dq at the trial into `linear`, prescribed unknowns not yet fixed. @param symmetric  its symmetric part, as far as it is
     /// not symmetric
     void assemble_tangent(HessianMode mode, bool symmetric, const ForceTerms& terms);
+    /// Whether the tangent last assembled is still there for evaluate_linear_terms() after other systems have been worked on: that of
+    /// instruments that touch is.
+    [[nodiscard]] bool keeps_tangent() const { return several_rods() && !linear.far.empty() && linear.columns.empty() && linear.condensed.empty(); }
     /// Whether dR/dq is not symmetric even without force terms.
     [[nodiscard]] bool unsymmetric() const;
+    /// Whether it is made of instruments that are a rod each, which may touch.
+    [[nodiscard]] bool several_rods() const { return wires_.size() > 1 && coaxial_.empty(); }
     [[nodiscard]] bool conserving() const { return !solved_.empty() && solved_.front()->time.conserving(); }
 
     /// Notes each wire's residual at the trial and what rounding adds to its tolerance.
     void note_residuals(const ForceTerms& terms);
     /// Whether all that were noted are within their tolerances.
     [[nodiscard]] bool balanced() const;
+    /// The largest of those that were noted, of its tolerance [-].
+    [[nodiscard]] double residual_share() const;
     /// Whether all at the trial are below `share` of them.
     [[nodiscard]] bool residual_below(double share) const;
     /// sqrt(sum d^2) over all unknowns [m]; angles times the edge length.

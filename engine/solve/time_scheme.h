@@ -29,6 +29,8 @@ public:
     [[nodiscard]] Motion motion() const { return motion_; }
     [[nodiscard]] double step() const { return h_; }
     [[nodiscard]] bool conserving() const { return conserving_; }
+    /// Backward Euler.
+    [[nodiscard]] bool euler() const { return euler_; }
     /// Share of the end of the step in what the elastic force is taken from: 1/2 conserving.
     [[nodiscard]] double end_share() const { return conserving_ ? 0.5 : 1.0; }
     [[nodiscard]] double acceleration_rate() const { return acceleration_rate_; }

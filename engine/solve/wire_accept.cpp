@@ -67,19 +67,19 @@ void WireProblem::write_acceleration(int i, const double* a)
     if (i < rod.n - 1) rod.spin_acc[i] = a[RodDofs::spin_place];
 }
 
-void WireProblem::commit(bool newmark)
+void WireProblem::commit(bool accelerations)
 {
     double *v = q.scratch.data(), *a = q.velocities.data();
     if (time.motion() == Motion::Implicit) {
         time.velocities(q, v);
-        if (newmark) time.accelerations(q, a);
+        if (accelerations) time.accelerations(q, a);
     } else {
         std::fill_n(v, size(), 0.0);
         std::fill_n(a, size(), 0.0);
     }
     for (int i = 0; i < rod.n; ++i) {
         write_velocity(i, v + RodDofs::position(i));
-        if (newmark) write_acceleration(i, a + RodDofs::position(i));
+        if (accelerations) write_acceleration(i, a + RodDofs::position(i));
     }
     if (role != WireRole::Alone)
         for (int j = 0; j < rod.n; ++j) rod.theta[j] = q.trial[RodDofs::spin(j)];  // the last one is the clamp's

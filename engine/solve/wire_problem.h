@@ -89,7 +89,7 @@ public:
     void keep_reference();  // as it is now, for restore_reference after a failure
     void restore_reference();
     /// Makes the trial the accepted state in the wire's arrays (velocities zero when static).
-    void commit(bool newmark);
+    void commit(bool accelerations);
     /// A passenger, after its line: where that is, and its frames.
     void take_from(const RodView& line);
     /// Symplectic Euler: v+ = v + h F/m, x+ = x + h v+. A prescribed unknown goes to its value, and its residual, the hold's
