@@ -32,8 +32,8 @@ struct BasicRodView {
     std::span<Number> theta;       // [n-1] material frame angle from the reference frame [rad]
     std::span<Number> vx, vy, vz;  // [n] [m/s]
     std::span<Number> spin_rate;   // [n-1] [rad/s]
-    std::span<Number> ax, ay, az;  // [n] acceleration, Newmark only [m/s^2]
-    std::span<Number> spin_acc;    // [n-1] Newmark only [rad/s^2]
+    std::span<Number> ax, ay, az;  // [n] acceleration: Newmark, instruments of a rod each [m/s^2]
+    std::span<Number> spin_acc;    // [n-1] the same [rad/s^2]
     // reference frame of the accepted state, parallel-transported in time
     std::span<Number> tx, ty, tz;     // [n-1] unit tangent from node j to node j+1 (tip towards hub)
     std::span<Number> d1x, d1y, d1z;  // [n-1] first reference director, unit, normal to the tangent

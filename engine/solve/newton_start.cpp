@@ -13,15 +13,19 @@ namespace seldinger {
 
 namespace {
 
-/// h^2 a where nothing is prescribed.
-void add_accelerations(const WireProblem& wire, double* move)
+constexpr double most_accelerated = 0.05;  // of the move with the velocity, that the acceleration may change [-]
+
+/// h^2 a where nothing is prescribed. @param move  [unknowns] of the wire, overwritten
+void accelerated_move(const WireProblem& wire, double* move)
 {
     const RodView& rod = wire.rod;
     const double square = wire.time.step() * wire.time.step();
     for (int i = 0; i < rod.n; ++i) {
         const double a[RodDofs::per_node] = {rod.ax[i], rod.ay[i], rod.az[i], i < rod.n - 1 ? rod.spin_acc[i] : 0.0};
-        for (int c = 0; c < RodDofs::per_node; ++c)
-            if (const int k = RodDofs::position(i, c); !wire.q.prescribed[k]) move[k] += square * a[c];
+        for (int c = 0; c < RodDofs::per_node; ++c) {
+            const int k = RodDofs::position(i, c);
+            move[k] = wire.q.prescribed[k] ? 0.0 : square * a[c];
+        }
     }
 }
 
@@ -45,8 +49,11 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     for (const WireProblem* wire : problem.solved()) {
         double* move = guess_.data() + (wire->q.start.data() - problem.start.data());
         for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
-        if (problem.several_rods() && wire->time.euler()) add_accelerations(*wire, move);
+        if (problem.several_rods() && wire->time.euler()) accelerated_move(*wire, correction_.data() + (move - guess_.data()));
     }
+    // what lets go or strikes has an acceleration that the next step has not
+    if (problem.several_rods() && problem.solved().front()->time.euler() && problem.norm(correction_) <= most_accelerated * problem.norm(guess_))
+        for (int i = 0; i < problem.size(); ++i) guess_[i] += correction_[i];
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
     if (move > move_limit_) fraction = move_limit_ / move;

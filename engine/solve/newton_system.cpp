@@ -14,6 +14,7 @@ namespace {
 constexpr int most_chord_steps = 4;
 constexpr int most_mode_perturbations = 3;
 constexpr double most_contraction = 0.03, new_factors = 1.0 / 300;
+constexpr int most_kept = 3;  // iterations after which a step is none of those that go well
 
 }  // namespace
 
@@ -72,7 +73,7 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
 bool NewtonSystem::keeps_factors() const
 {
     const bool whole = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
-    if (!whole || !problem.keeps_tangent() || contraction_ > most_contraction) return false;
+    if (!whole || !problem.keeps_tangent() || contraction_ > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
     const auto trials = [left = std::log(problem.residual_share())](double contraction) { return std::ceil(left / -std::log(contraction)); };
     return trials(std::max(contraction_, 1e-6)) <= trials(new_factors);
 }
