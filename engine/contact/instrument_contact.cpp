@@ -97,13 +97,14 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     found_of_.assign(systems + 1, 0);
     picked_of_.assign(systems + 1, 0);
     cleared_.assign(systems, 0);
+    searching_.assign(systems, 1);
+    searched_position_ = nodes_.position;
     moved_.assign(setup.system_of.size(), 0);
     cleared_position_ = nodes_.position;
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
     params_.skin = least;
-    params_.cell_count = static_cast<uint>(cells_.surfaces.size());
     params_.friction = static_cast<uint>(setup.contacts.front().friction);
     params_.smooth_speed = 1e-3;
 }
@@ -150,6 +151,7 @@ void InstrumentContact::prepare(RodArrays& rods, std::span<const std::uint8_t> l
     nodes_t0_.upload(context_, device::Queue::Inline);
     // in every step, stale or not: where the nearest place is looked for from decides its last bits, and a run that is resumed knows
     // nothing of searches before
+    std::fill(searching_.begin(), searching_.end(), std::uint8_t{1});
     search(device::Queue::Inline);
     context_.finish(device::Queue::Inline);
     times_.detect += since(start);
@@ -174,6 +176,7 @@ void InstrumentContact::set_trial(const TrialState& trial)
 void InstrumentContact::measure_rods()
 {
     for (int w = 0; w < rods_.wire_count(); ++w) {
+        if (!searching_[static_cast<std::size_t>(system_of_[w])]) continue;
         double square = 0;
         const auto begin = static_cast<std::size_t>(rods_.node_begin(w));
         for (std::size_t i = begin; i + 1 < begin + static_cast<std::size_t>(rods_.node_count(w)); ++i) {
@@ -188,12 +191,11 @@ void InstrumentContact::measure_rods()
     }
 }
 
-/// Whether nodes of active wires have moved by half of the skin since the last search of this step.
-bool InstrumentContact::search_is_stale(std::span<const std::uint8_t> active) const
+/// Whether nodes of a system have moved by half of the skin since its last search in this step.
+bool InstrumentContact::search_is_stale(std::size_t system) const
 {
     const double farthest = 0.25 * params_.skin * params_.skin;
-    for (int w = 0; w < rods_.wire_count(); ++w) {
-        if (!active[w]) continue;
+    for (int w = first_wire_[system]; w < first_wire_[system + 1]; ++w) {
         const InstrumentRod& rod = cells_.rods[w];
         for (std::size_t i = rod.node; i < rod.node + rod.count; ++i) {
             double moved = 0;
@@ -207,35 +209,60 @@ bool InstrumentContact::search_is_stale(std::span<const std::uint8_t> active) co
     return false;
 }
 
+/// Of the systems in searching_; the others, which may be done with this step, keep what they have found and what their trials have left.
 void InstrumentContact::search(device::Queue queue)
 {
     measure_rods();
     context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
     nodes_.upload(context_, queue);
-    find_.launch(queue, params_.cell_count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+    const std::size_t systems = searching_.size();
+    for (std::size_t s = 0, end; s < systems; s = end) {  // consecutive ones in one launch
+        for (end = s; end < systems && searching_[end] == searching_[s];) ++end;
+        if (!searching_[s]) continue;
+        params_.first_cell = static_cast<uint>(cells_.of_wire[first_wire_[s]]);
+        params_.cell_count = static_cast<uint>(cells_.of_wire[first_wire_[end]]) - params_.first_cell;
+        find_.launch(queue, params_.cell_count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+        const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[s]));
+        const auto until = end < systems ? 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[end]))
+                                         : static_cast<std::ptrdiff_t>(nodes_.position.size());
+        std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
+    }
     // what earlier trials of this step have left is in slots that now stand for something else
-    for_each_stretch(found_, cells_.of_wire, [&](int, std::size_t first, std::size_t count) {
-        context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+    for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
+        if (searching_[static_cast<std::size_t>(system_of_[wire])])
+            context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
     });
     context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
-    searched_position_ = nodes_.position;
     list_found();
 }
 
 void InstrumentContact::list_found()
 {
+    std::swap(found_, found_before_);
+    std::swap(touches_, touches_before_);
+    std::swap(clear_, clear_before_);
     found_.clear();
-    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
+    touches_.clear();
+    clear_.clear();
+    for (std::size_t s = 0, before = 0, end; s < searching_.size(); ++s, before = end) {
+        end = found_of_[s + 1];
         found_of_[s] = found_.size();
+        if (!searching_[s]) {
+            const auto keep = [&](auto& to, const auto& from) {
+                to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(before), from.begin() + static_cast<std::ptrdiff_t>(end));
+            };
+            keep(found_, found_before_), keep(touches_, touches_before_), keep(clear_, clear_before_);
+            continue;
+        }
         const auto first = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s]]);
-        const auto end = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s + 1]]);
-        for (std::uint32_t k = first; k < end; ++k)
+        const auto last = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s + 1]]);
+        for (std::uint32_t k = first; k < last; ++k)
             if (slots_host_[k].touch != SEL_TOUCH_NONE) found_.push_back(k);
+        cleared_[s] = 0;
+        touches_.resize(found_.size());
+        clear_.resize(found_.size());
     }
     found_of_.back() = found_.size();
-    touches_.assign(found_.size(), 0);
-    clear_.assign(found_.size(), 0);
-    std::fill(cleared_.begin(), cleared_.end(), std::uint8_t{0});
 }
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
@@ -298,7 +325,12 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
 {
     auto start = Clock::now();
     set_trial(trial);
-    if (search_is_stale(active)) {
+    bool any = false;
+    for (std::size_t s = 0; s < searching_.size(); ++s) {
+        searching_[s] = active[first_wire_[s]] && search_is_stale(s);
+        any = any || searching_[s];
+    }
+    if (any) {
         context_.enter(device::Queue::Inline);
         search(device::Queue::Inline);
     }

@@ -80,7 +80,7 @@ private:
     void set_nodes(Nodes& nodes, const RodView& rod, int begin) const;
     void set_trial(const TrialState& trial);
     void measure_rods();
-    [[nodiscard]] bool search_is_stale(std::span<const std::uint8_t> active) const;
+    [[nodiscard]] bool search_is_stale(std::size_t system) const;
     void search(device::Queue queue);
     void list_found();
     void pick(std::span<const std::uint8_t> active);
@@ -102,6 +102,7 @@ private:
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
     device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
     InstrumentParams params_{};
+    std::vector<std::uint8_t> searching_;    // [systems] that are searched
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
@@ -111,6 +112,10 @@ private:
     std::vector<std::uint32_t> place_;               // [picked] in found_
     std::vector<std::uint8_t> touches_;              // [found] at its last evaluation
     std::vector<double> clear_, moved_;              // [found] InstrumentForce's, at the first evaluation; [wires] since [m]
+    // before the last search
+    std::vector<std::uint32_t> found_before_;
+    std::vector<std::uint8_t> touches_before_;
+    std::vector<double> clear_before_;
     std::vector<std::uint8_t> cleared_;              // [systems] whether that is known
     std::vector<double> cleared_position_;           // where nodes were then
     std::vector<InstrumentForce> forces_;            // [picked], at least

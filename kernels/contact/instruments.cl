@@ -7,7 +7,7 @@
 #define SEL_INSTRUMENT_KERNEL __kernel __attribute__((reqd_work_group_size(SEL_WORKGROUP, 1, 1)))
 
 // Stretches that each cell is near to.
-//   item    one cell of all rods
+//   item    one of cell_count cells from first_cell on
 //   reads   bodies; nodes of all rods       writes  slots [cells][SEL_INSTRUMENT_SLOTS]
 SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global const InstrumentRod* restrict rods,
                                             __global const InstrumentPair* restrict pairs,
@@ -16,8 +16,8 @@ SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global
                                             __global const real* restrict material, __global const real* restrict theta,
                                             __global InstrumentSlot* restrict slots)
 {
-    const uint cell = get_global_id(0);
-    if (cell >= par.cell_count) return;
+    if (get_global_id(0) >= par.cell_count) return;
+    const uint cell = par.first_cell + get_global_id(0);
     const SlotList list =
         near_slots(cell, instrument_bodies(rods, pairs, surfaces, rod_of), instrument_nodes(position, material, theta), par);
     for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
