@@ -70,7 +70,13 @@ inline bool all_set(const LaneMask& mask, int count)
 /// The last lane of `before`, then all but the last of `now`.
 inline Lanes shifted(const Lanes& before, const Lanes& now)
 {
-    return __builtin_shuffle(before, now, lane_index + (lane_count - 1));
+#if defined(__AVX512F__)
+    return __builtin_shufflevector(before, now, 7, 8, 9, 10, 11, 12, 13, 14);
+#elif defined(__AVX__)
+    return __builtin_shufflevector(before, now, 3, 4, 5, 6);
+#else
+    return __builtin_shufflevector(before, now, 1, 2);
+#endif
 }
 
 inline Lanes sqrt_lanes(const Lanes& v)

@@ -23,13 +23,12 @@ inline double sum(const Vec4d& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 /// Rows become columns.
 inline void transpose(Vec4d (&m)[4])
 {
-    typedef long Four __attribute__((vector_size(32)));
-    const Vec4d a = __builtin_shuffle(m[0], m[1], Four{0, 4, 2, 6}), b = __builtin_shuffle(m[0], m[1], Four{1, 5, 3, 7});
-    const Vec4d c = __builtin_shuffle(m[2], m[3], Four{0, 4, 2, 6}), d = __builtin_shuffle(m[2], m[3], Four{1, 5, 3, 7});
-    m[0] = __builtin_shuffle(a, c, Four{0, 1, 4, 5});
-    m[1] = __builtin_shuffle(b, d, Four{0, 1, 4, 5});
-    m[2] = __builtin_shuffle(a, c, Four{2, 3, 6, 7});
-    m[3] = __builtin_shuffle(b, d, Four{2, 3, 6, 7});
+    const Vec4d a = __builtin_shufflevector(m[0], m[1], 0, 4, 2, 6), b = __builtin_shufflevector(m[0], m[1], 1, 5, 3, 7);
+    const Vec4d c = __builtin_shufflevector(m[2], m[3], 0, 4, 2, 6), d = __builtin_shufflevector(m[2], m[3], 1, 5, 3, 7);
+    m[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    m[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    m[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    m[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
 }  // namespace seldinger

@@ -116,16 +116,16 @@ TEST_SUITE("vessel/shapes")
 
     TEST_CASE("property: impossible sizes are refused")
     {
-        CHECK_THROWS_AS(load_vessel(tube_spec(0, 0.1, 100)), Error);
-        CHECK_THROWS_AS(load_vessel(tube_spec(0.01, -1, 100)), Error);
-        CHECK_THROWS_AS(load_vessel(tube_spec(0.01, 0.1, -5)), Error);
+        CHECK_THROWS_AS((void)load_vessel(tube_spec(0, 0.1, 100)), Error);
+        CHECK_THROWS_AS((void)load_vessel(tube_spec(0.01, -1, 100)), Error);
+        CHECK_THROWS_AS((void)load_vessel(tube_spec(0.01, 0.1, -5)), Error);
         VesselSpec arc = tube_spec(0.01, 0, 1000);
         arc.shape = VesselShape::Arc;
         arc.angle = 1;
         arc.bend_radius = 0.01;  // cuts itself
-        CHECK_THROWS_AS(load_vessel(arc), Error);
+        CHECK_THROWS_AS((void)load_vessel(arc), Error);
         VesselSpec skew = tube_spec(0.01, 0.1, 100);
         skew.axis = Vec3::Zero();
-        CHECK_THROWS_AS(load_vessel(skew), Error);
+        CHECK_THROWS_AS((void)load_vessel(skew), Error);
     }
 }

@@ -218,7 +218,8 @@ TEST_SUITE("view/renderer")
 
     TEST_CASE("regression: the force scale of the legend has the colours of the contacts, at sizes that divide unevenly")
     {
-        for (auto [w, h] : {std::pair{1280, 720}, {960, 540}, {777, 501}}) {
+        for (const auto& size : {std::pair{1280, 720}, {960, 540}, {777, 501}}) {
+            const int w = size.first, h = size.second;
             CAPTURE(w);
             std::unique_ptr<Renderer> r;
             try {
@@ -247,7 +248,8 @@ TEST_SUITE("view/renderer")
 
     TEST_CASE("regression: sizes that no picture can have")
     {
-        for (auto [w, h] : {std::pair{0, 720}, {1280, -1}, {100000, 720}}) {
+        for (const auto& size : {std::pair{0, 720}, {1280, -1}, {100000, 720}}) {
+            const int w = size.first, h = size.second;
             CAPTURE(w);
             try {
                 Renderer r(w, h);
