@@ -72,7 +72,8 @@ TEST_SUITE("apps/signals")
                 MESSAGE("no compiler's cache is seen here");
                 return;
             }
-            INFO(arguments[0]);
+            const std::string command = arguments[0];
+            INFO(command);
             ended(app, signal, folder.path / "D");
         }
         CHECK(run_app(folder, "run t.toml -o D --overwrite --quiet", "env POCL_CACHE_DIR=cache-run").code == 0);

@@ -77,7 +77,8 @@ TEST_SUITE("contact/law")
     {
         const double table[][2] = {{0.1, 9.998}, {0.3, 3.087}, {0.5, 1.4328}, {0.7, 0.63483}, {0.9, 0.16648}};
         for (const auto& [e, beta] : table) {
-            CAPTURE(e);
+            const double asked = e;
+            CAPTURE(asked);
             CHECK(exact_damping(e) == about(beta).epsilon(2e-4));  // the table's digits
             const double b = exact_damping(e);
             // near 1 / e the logarithm's slope is e / (1 - beta e): the root is good to that times an eps
@@ -110,7 +111,8 @@ TEST_SUITE("contact/law")
                 const QuadratureModel m = point_law(n, beta);
                 const Bounce b = bounce(mass, v0, m, contact_time(m) / 4000);
                 CAPTURE(n);
-                CAPTURE(e);
+                const double asked = e;
+                CAPTURE(asked);
                 CHECK(std::abs(b.restitution - expected) <= 0.002);  // first order in dt / t_c, some 5 of them
                 const double deepest =
                     std::pow((n + 1) * mass * v0 * v0 / m.stiffness * (1 / beta - std::log1p(beta) / (beta * beta)), 1 / (n + 1));

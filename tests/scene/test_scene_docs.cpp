@@ -202,8 +202,9 @@ TEST_SUITE("scene/scene_docs")
         const auto words = words_of_the_sources();
         REQUIRE(words.size() > 200);
         for (const std::string& word : words) {
-            for (const auto& [section, keys] : documented)
-                if (!keys.contains(word)) CHECK_MESSAGE(!is_read(section, word), section << "." << word << " is not documented");
+            for (const auto& section : documented)
+                if (!section.second.contains(word))
+                    CHECK_MESSAGE(!is_read(section.first, word), section.first << "." << word << " is not documented");
             const bool is_table = !says(read_with(bases[1], word + ".zz=1").error, ": " + word + ": unknown key");
             CHECK_MESSAGE(is_table == documented.contains(word), word);
         }

@@ -120,8 +120,8 @@ TEST_SUITE("scene/scene_instruments")
              "instrument.1.feed.keys.advance_m: 0.7 m is more than the whole wire"},
         };
         for (const auto& [set, line] : wrong) {
-            const std::string error = error_of(catheter_and_wire(), {set});
-            CHECK_MESSAGE(says(error, line), set << " gave: " << error);
+            const std::string error = error_of(catheter_and_wire(), {set}), asked = set;
+            CHECK_MESSAGE(says(error, line), asked << " gave: " << error);
             CHECK(!says(error, "\n"));
         }
         CHECK(says(error_of(catheter_and_wire() + "[wire]\nlength_m = 0.1\n"), "wire: is the one-instrument form"));

@@ -259,7 +259,8 @@ TEST_SUITE("solve/reference_rods")
             // EA/P > 1e4, so that stretching stays below the tolerance
             const WireSpec spec = uniform(length, h.bend, h.twist, 1e5);
             for (const auto& [fx, fy, x, y] : h.loads) {
-                CAPTURE(fx);
+                const double pull = fx;
+                CAPTURE(pull);
                 Rig rig(spec, 101, 1, hook(h.straight_part, h.radius), true);
                 rig.hold({clamp_base()}, {tip_load({fx, fy, 0})});
                 rig.integrate_with({});

@@ -54,7 +54,7 @@ void uniform_pressure(const ShellSpec& spec, double length, int along, const dou
         for (int k = 0; k < 5; ++k) {
             const Vec3 out(std::cos(k * 1.3), std::sin(k * 1.3), 0);
             const Vec3 u = wall.displacement(w, Vec3(R * out.x(), R * out.y(), z));
-            const double at = z;  // clang takes no part of a row into the lambda of CAPTURE
+            const double at = z;
             CAPTURE(at);
             CHECK(u.dot(out) == doctest::Approx(radial).epsilon(0.01));
             // where hardly any is due, in parts of the outward one

@@ -153,7 +153,8 @@ TEST_SUITE("wall/wall_references")
         for (const auto& [side, w0] :
              {std::pair{0.026001099320582224, 0.00034532623380656186}, std::pair{0.0433351655343037, 0.0003322696184524078}})
             for (const int triangles : {200, 5000}) {
-                CAPTURE(side);
+                const double length = side;
+                CAPTURE(length);
                 CAPTURE(triangles);
                 const World world = settled(parked(0.01) + plate(side, 0.0014, triangles) + push({0, 0, 0}, {0, 0, -0.05}));
                 CHECK(world.wall_readings().move_max == doctest::Approx(w0).epsilon(0.02));
@@ -176,7 +177,8 @@ TEST_SUITE("wall/wall_references")
     {
         for (const auto& [pressure, w0, tolerance] :
              {std::tuple{0.0, 0.00019223050822222146, 0.02}, std::tuple{13332.0, 9.35607120655068e-05, 0.03}}) {
-            CAPTURE(pressure);
+            const double mean_pressure = pressure;
+            CAPTURE(mean_pressure);
             const World world = settled(parked(-0.005) + tube(0.1, 0.0018, 6000, pressure) + push({0, 0, R}, {0, 0, 0.05}));
             CHECK(world.wall_readings().move_max == doctest::Approx(w0).epsilon(tolerance));
         }
