@@ -96,7 +96,9 @@ void draw_normals(const NoiseDraw& draw, int row, int count, float* z)
     const auto frame0 = static_cast<std::uint32_t>(draw.frame), frame1 = static_cast<std::uint32_t>(draw.frame >> 32);
     const std::uint32_t first = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(count);
     float *const z1 = z + count, *const z2 = z1 + count, *const z3 = z2 + count;
-#pragma GCC ivdep
+#if !defined(__clang__)  // which does not know it, and looks at run time whether the rows overlap
+    #pragma GCC ivdep
+#endif
     for (int k = 0; k < count; ++k) {
         std::uint32_t c0 = first + static_cast<std::uint32_t>(k), c1 = frame0, c2 = frame1, c3 = 0;
         philox(c0, c1, c2, c3, key0, key1);
