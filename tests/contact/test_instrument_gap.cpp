@@ -49,7 +49,7 @@ Nodes wavy(int count, double edge, unsigned seed)
 }
 
 /// Gap of a fixed material point of a to b, as a function of all coordinates of both.
-struct Pair {
+struct TwoEdges {
     Nodes a, b;
     double s = 0;
     GapPart part{};
@@ -64,7 +64,7 @@ struct Pair {
 };
 
 /// d gap over all coordinates.
-std::vector<double> gradient(const Pair& pair)
+std::vector<double> gradient(const TwoEdges& pair)
 {
     const InstrumentGap g = pair.gap();
     const SplinePlace a = spline_place(spline_at(pair.a.view(), pair.s), pair.a.view().count);
@@ -80,7 +80,7 @@ std::vector<double> gradient(const Pair& pair)
 }
 
 /// Second derivative of the gap along a direction v: v^T H v.
-double curvature_along(const Pair& pair, const std::vector<double>& v)
+double curvature_along(const TwoEdges& pair, const std::vector<double>& v)
 {
     const InstrumentGap g = pair.gap();
     const SplinePlace a = spline_place(spline_at(pair.a.view(), pair.s), pair.a.view().count);
@@ -101,7 +101,7 @@ double curvature_along(const Pair& pair, const std::vector<double>& v)
 
 constexpr double edge = 1e-3, nudge = 1e-8;
 
-std::vector<double> differences(Pair pair)
+std::vector<double> differences(TwoEdges pair)
 {
     std::vector<double> all(pair.size());
     for (std::size_t k = 0; k < pair.size(); ++k) {
@@ -117,10 +117,10 @@ std::vector<double> differences(Pair pair)
 }
 
 /// Change of the gradient along v, times v.
-double curvature_difference(Pair pair, const std::vector<double>& v)
+double curvature_difference(TwoEdges pair, const std::vector<double>& v)
 {
     const auto slope_at = [&](double t) {
-        Pair moved = pair;
+        TwoEdges moved = pair;
         for (std::size_t k = 0; k < moved.size(); ++k) moved.coordinate(k) += t * v[k];
         const std::vector<double> g = gradient(moved);
         double sum = 0;
@@ -142,9 +142,9 @@ GapPart outside_part(const Nodes& b)
 }
 
 /// b along x; a nearby, a little askew.
-Pair near_pair(unsigned seed, uint touch)
+TwoEdges near_pair(unsigned seed, uint touch)
 {
-    Pair pair;
+    TwoEdges pair;
     pair.b = wavy(12, edge, seed);
     pair.a = wavy(8, edge, seed + 100);
     const bool inside = touch == SEL_TOUCH_INSIDE;
@@ -165,14 +165,14 @@ Pair near_pair(unsigned seed, uint touch)
     return pair;
 }
 
-void check_gradient(const Pair& pair)
+void check_gradient(const TwoEdges& pair)
 {
     const std::vector<double> exact = gradient(pair), found = differences(pair);
     // gap of 1e-3 m to 1e-16 of it over 2e-8 m, and the third derivative, 1/(0.3 mm)^2, times nudge^2
     for (std::size_t k = 0; k < exact.size(); ++k) CHECK(exact[k] == doctest::Approx(found[k]).epsilon(1e-7).scale(1));
 }
 
-void check_hessian(const Pair& pair, unsigned seed, double within = 1e-6)
+void check_hessian(const TwoEdges& pair, unsigned seed, double within = 1e-6)
 {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> some(-1, 1);
@@ -213,7 +213,7 @@ TEST_SUITE("contact/instrument_gap")
     TEST_CASE("property: the nearest point is the nearest")
     {
         for (unsigned seed = 1; seed <= 20; ++seed) {
-            const Pair pair = near_pair(seed, SEL_TOUCH_OUTSIDE);
+            const TwoEdges pair = near_pair(seed, SEL_TOUCH_OUTSIDE);
             const vec3 x = pair.point_of_material_of_a();
             const InstrumentGap g = pair.gap();
             double least = 1;
@@ -231,7 +231,7 @@ TEST_SUITE("contact/instrument_gap")
     {
         for (const uint touch : {SEL_TOUCH_OUTSIDE, SEL_TOUCH_INSIDE})
             for (unsigned seed = 1; seed <= 10; ++seed) {
-                const Pair pair = near_pair(seed, touch);
+                const TwoEdges pair = near_pair(seed, touch);
                 REQUIRE(pair.gap().gap < 1e-3);
                 REQUIRE(pair.gap().bend != 0);
                 check_gradient(pair);
@@ -242,7 +242,7 @@ TEST_SUITE("contact/instrument_gap")
     TEST_CASE("derivative: gap to the ball at a rod's end")
     {
         for (unsigned seed = 1; seed <= 5; ++seed) {
-            Pair pair = near_pair(seed, SEL_TOUCH_OUTSIDE);
+            TwoEdges pair = near_pair(seed, SEL_TOUCH_OUTSIDE);
             for (std::size_t i = 0; i < pair.a.material.size(); ++i) pair.a.position[3 * i] -= 5e-3;
             pair.start = 0.2;
             REQUIRE(pair.gap().bend == 0);
@@ -254,7 +254,7 @@ TEST_SUITE("contact/instrument_gap")
     TEST_CASE("derivative: gap at the mouth; the turning of its plane counts in the gradient")
     {
         for (unsigned seed = 1; seed <= 5; ++seed) {
-            Pair pair = near_pair(seed, SEL_TOUCH_INSIDE);
+            TwoEdges pair = near_pair(seed, SEL_TOUCH_INSIDE);
             const double shift = pair.point_of_material_of_a().x + 0.15e-3;
             for (std::size_t i = 0; i < pair.a.material.size(); ++i) pair.a.position[3 * i] -= shift;
             pair.start = 0.2;
@@ -268,7 +268,7 @@ TEST_SUITE("contact/instrument_gap")
     {
         // directions that move the catheter's first edge as a whole: its plane does not turn
         for (unsigned seed = 1; seed <= 5; ++seed) {
-            Pair pair = near_pair(seed, SEL_TOUCH_INSIDE);
+            TwoEdges pair = near_pair(seed, SEL_TOUCH_INSIDE);
             const double shift = pair.point_of_material_of_a().x + 0.15e-3;
             for (std::size_t i = 0; i < pair.a.material.size(); ++i) pair.a.position[3 * i] -= shift;
             std::mt19937 random(seed);
@@ -284,7 +284,7 @@ TEST_SUITE("contact/instrument_gap")
 
     TEST_CASE("property: lumen and mouth meet with the same gap and gradient")
     {
-        Pair pair;
+        TwoEdges pair;
         for (int i = 0; i < 8; ++i) pair.b.add(make_vec3(edge * i, 0, 0));
         for (int i = 0; i < 4; ++i) pair.a.add(make_vec3(edge * (i - 1), 0.4e-3, 0));
         pair.part = near_pair(1, SEL_TOUCH_INSIDE).part;

@@ -20,7 +20,7 @@ namespace {
 constexpr int nodes_each = 40;
 
 /// A catheter along x, a wire in it that comes out of its mouth, and a coil that crosses both and itself.
-struct Scene {
+struct Bundle {
     std::unique_ptr<InstrumentCells> cells;
     std::vector<double> position, material, theta, position_t0;
     std::vector<InstrumentState> states;  // [cells][slots]
@@ -53,7 +53,7 @@ Vec3 place(int rod, double s)
     return {0.02 + 2.2e-4 * turn / 6.28 + 0.05 * s, 0.9e-3 + 1.2e-3 * std::cos(turn), 1.2e-3 * std::sin(turn)};
 }
 
-Scene make_scene(unsigned seed)
+Bundle make_scene(unsigned seed)
 {
     InstrumentSetup setup;
     setup.wires = {spec(0.04, 0.8e-3, 0.5e-3), spec(0.05, 0.3e-3, 0), spec(0.02, 0.25e-3, 0)};
@@ -61,7 +61,7 @@ Scene make_scene(unsigned seed)
     setup.system_of = {0, 0, 0};
     setup.nested = {{{0, 1}, 0.1, 0.08, 0}};
     setup.from_outside = true;
-    Scene scene;
+    Bundle scene;
     scene.cells = std::make_unique<InstrumentCells>(setup);
     std::mt19937 random(seed);
     std::normal_distribution<double> some(0, 3e-6);
@@ -114,7 +114,7 @@ bool same_force(const InstrumentForce& a, const InstrumentForce& b, const Instru
 }
 
 struct OnDevice {
-    OnDevice(device::Context& context, device::Queue queue, const Scene& s)
+    OnDevice(device::Context& context, device::Queue queue, const Bundle& s)
         : rods(context, queue, s.cells->rods),
           pairs(context, queue, s.cells->pairs),
           surfaces(context, queue, s.cells->surfaces),
@@ -133,7 +133,7 @@ struct OnDevice {
 };
 
 /// Slots by kernel and by its twin.
-std::vector<InstrumentSlot> found_by_both(device::Context& context, device::Queue queue, const Scene& s, const OnDevice& on)
+std::vector<InstrumentSlot> found_by_both(device::Context& context, device::Queue queue, const Bundle& s, const OnDevice& on)
 {
     std::vector<InstrumentSlot> twin(s.states.size());
     for (uint cell = 0; cell < s.par.cell_count; ++cell) {
@@ -152,7 +152,7 @@ struct Counts {
     int inside = 0, outside = 0, self = 0, pushing = 0, sliding = 0, partly = 0;
 };
 
-Counts evaluate_by_both(device::Context& context, device::Queue queue, Scene& s, const OnDevice& on,
+Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s, const OnDevice& on,
                         const std::vector<InstrumentSlot>& slots)
 {
     std::vector<uint> list;
@@ -206,7 +206,7 @@ TEST_SUITE("contact/instrument_kernels")
     {
         device::Context& context = reference_context(false);
         for (const device::Queue queue : {device::Queue::Inline, device::Queue::Pool}) {
-            Scene scene = make_scene(7);
+            Bundle scene = make_scene(7);
             scene.par.follow = queue == device::Queue::Pool;  // there states of what does not touch are written too
             const OnDevice first(context, queue, scene);
             const Counts one = evaluate_by_both(context, queue, scene, first, found_by_both(context, queue, scene, first));

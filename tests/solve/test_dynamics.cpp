@@ -53,7 +53,7 @@ Oscillation swing(const IntegratorSpec& spec, double h, int periods)
     return {(crossings.back() - crossings.front()) / periods, std::pow(last_energy / first_energy, 1.0 / periods)};
 }
 
-Vec3 momentum(const RodView& rod)
+Vec3 momentum_of(const RodView& rod)
 {
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < rod.n; ++i) sum += rod.mass[i] * rod.vel(i);
@@ -113,7 +113,7 @@ TEST_SUITE("solve/dynamics")
             const int steps = 50;
             const double h = 2e-3, mass = mass_of(rig.rod());
             for (int k = 0; k < steps; ++k) REQUIRE(rig.step(h));
-            const Vec3 p = momentum(rig.rod());
+            const Vec3 p = momentum_of(rig.rod());
             // residual below 1e-6 of the weight at each step
             CHECK(p.z() == about(-mass * 9.81 * steps * h).epsilon(1e-6));
             CHECK(std::abs(p.x()) < 1e-6 * std::abs(p.z()));
@@ -135,7 +135,7 @@ TEST_SUITE("solve/dynamics")
         }
         CHECK(largest > 0.1);
         // each step leaves at most its tolerance as an impulse
-        CHECK(momentum(rig.rod()).norm() < 40 * 1e-4 * 31 * rig.reports[0].tolerance);
+        CHECK(momentum_of(rig.rod()).norm() < 40 * 1e-4 * 31 * rig.reports[0].tolerance);
     }
 
     TEST_CASE("property: the hold's impulse is the wire's change of momentum")
@@ -146,10 +146,10 @@ TEST_SUITE("solve/dynamics")
         rig.hold({hold});
         rig.integrate_with({}, {0, 0, -9.81});
         const double h = 1e-3, mass = mass_of(rig.rod());
-        Vec3 before = momentum(rig.rod());
+        Vec3 before = momentum_of(rig.rod());
         for (int k = 0; k < 20; ++k) {
             REQUIRE(rig.step(h));
-            const Vec3 after = momentum(rig.rod());
+            const Vec3 after = momentum_of(rig.rod());
             const Vec3 reaction = {rig.solver->reaction(0, 80), rig.solver->reaction(0, 81), rig.solver->reaction(0, 82)};
             const Vec3 force = (after - before) / h - mass * Vec3(0, 0, -9.81);
             CHECK((reaction - force).norm() < 21 * rig.reports[0].tolerance + 1e-9 * force.norm());
