@@ -23,16 +23,24 @@ void parallel_ranges(int count, int grain, const void* body, void (*call)(const 
 /// Wires that one thread takes at a time: a wire's share of a stage is some 2 to 20 us, a hand-over 1 us.
 inline constexpr int wire_grain = 8;
 
-/// body(i) for every i in [0, count), each exactly once; pieces of `grain` items go to one thread. No allocation by operator new.
+/// body(begin, end) for pieces of [0, count) of at most `grain` items, each piece by one thread. No allocation by operator new.
+template <class Body>
+void for_each_piece(int count, int grain, const Body& body)
+{
+    if (count <= grain) {
+        if (count > 0) body(0, count);
+        return;
+    }
+    detail::parallel_ranges(count, grain, &body,
+                            [](const void* b, int begin, int end) { (*static_cast<const Body*>(b))(begin, end); });
+}
+
+/// body(i) for every i in [0, count), each exactly once, in such pieces.
 template <class Body>
 void for_each_item(int count, int grain, const Body& body)
 {
-    if (count <= grain) {
-        for (int i = 0; i < count; ++i) body(i);
-        return;
-    }
-    detail::parallel_ranges(count, grain, &body, [](const void* b, int begin, int end) {
-        for (int i = begin; i < end; ++i) (*static_cast<const Body*>(b))(i);
+    for_each_piece(count, grain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) body(i);
     });
 }
 

@@ -62,11 +62,11 @@ NewtonSystem& Solver::newton_of(int system)
     return newton;
 }
 
-/// What a loop over the systems comes to after this one, and where what comes then is found.
-void Solver::prefetch_after(int system, SolveStage stage) const
+/// What a loop over the systems below `end` comes to after this one, and where what comes then is found.
+void Solver::prefetch_after(int system, int end, SolveStage stage) const
 {
-    if (system + 2 < system_count()) prefetch(work_[system + 2].get(), sizeof(Work));
-    if (system + 1 < system_count()) work_[system + 1]->newton.prefetch(stage);
+    if (system + 2 < end) prefetch(work_[system + 2].get(), sizeof(Work));
+    if (system + 1 < end) work_[system + 1]->newton.prefetch(stage);
 }
 
 bool Solver::any_active(int system, std::span<const std::uint8_t> active) const

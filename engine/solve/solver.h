@@ -96,7 +96,7 @@ private:
     void show_accepted(int wire);
     void check_spins(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
                      std::span<const std::uint8_t> active, const NewtonOptions& options);
-    void prefetch_after(int system, SolveStage stage) const;
+    void prefetch_after(int system, int end, SolveStage stage) const;
     void prepare_trial(int system);
     void prepare_trials(std::span<const std::uint8_t> systems);
     void set_evaluated(int system, bool evaluate);

@@ -28,9 +28,13 @@ struct Solver::Workspaces {
 
 void Solver::for_each_system(SolveStage stage, const auto& body)
 {
-    for_each_item(system_count(), wire_grain, [&](int s) {
-        prefetch_after(s, stage);
-        body(s);
+    for_each_piece(system_count(), wire_grain, [&](int begin, int end) {
+        // what begins is laid out anew: the first system of the next piece may be another thread's, which is at it
+        const int in_order = stage == SolveStage::Begin ? end : system_count();
+        for (int s = begin; s < end; ++s) {
+            prefetch_after(s, in_order, stage);
+            body(s);
+        }
     });
 }
 
