@@ -42,7 +42,8 @@ Nodes wavy(int count, double edge, unsigned seed)
     Nodes nodes;
     double x = 0;
     for (int i = 0; i < count; ++i) {
-        nodes.add(make_vec3(x, 0.2 * edge * some(random), 0.2 * edge * some(random)));
+        const double z = 0.2 * edge * some(random), y = 0.2 * edge * some(random);  // in this order by any compiler
+        nodes.add(make_vec3(x, y, z));
         x += edge * (1 + 0.3 * some(random));
     }
     return nodes;
