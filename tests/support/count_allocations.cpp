@@ -5,12 +5,12 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__has_feature)  // clang's word for g++'s macros
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    #define SEL_SANITIZED
+#elif defined(__clang__)
     #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
         #define SEL_SANITIZED
     #endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    #define SEL_SANITIZED
 #endif
 
 #if defined(SEL_SANITIZED) || !defined(__GLIBC__) || !defined(__GNUC__)
