@@ -1,5 +1,6 @@
-// Two items of a loop that write the same number: what `./dev sanitize thread` must find, or it would find nothing of ours either.
-// known_race clean: the same loop with items that write what is their own, after and before what the caller writes and reads.
+// Two items of a loop that write the same number: what `./dev sanitize thread` must find, or it would find nothing of ours
+// either. known_race clean: the same loop with items that write what is their own, after and before what the caller writes and
+// reads.
 #include "core/parallel.h"
 
 #include <chrono>
