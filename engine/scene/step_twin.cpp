@@ -155,8 +155,8 @@ StepTwin::Examined StepTwin::examine_largest(const Window& window, Finer finer)
     const Examined halved = examine(window, 2);
     const int parts = static_cast<int>(std::clamp(std::lround(scene_.dt / fine_step), 2L, static_cast<long>(most_parts)));
     const double cost = static_cast<double>(parts * (window.lead + window.steps));
-    const bool wanted = finer == Finer::Always || (finer == Finer::WhereCheap && cost <= cheap * static_cast<double>(seen_));
-    if (parts == 2 || !wanted) return halved;
+    const bool affordable = finer == Finer::Always || (finer == Finer::WhereCheap && cost <= cheap * static_cast<double>(seen_));
+    if (parts == 2 || !affordable) return halved;
     const Examined fine = examine(window, parts);
     if (!fine.found) return halved;
     estimate_.finest = parts;
