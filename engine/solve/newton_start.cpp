@@ -46,13 +46,15 @@ void NewtonSystem::start(const NewtonOptions& options, const ForceTerms& terms)
     model_.start(options.shifted, options.pseudo_transient ? 100 : 0);
     if (problem.motion != Motion::Implicit || options.linearised) return set_guess(0);
 
+    // one that is solved alone is solved as ever, whoever else is in its system
+    const bool accelerated = problem.several_rods() && problem.solved().size() > 1 && problem.solved().front()->time.euler();
     for (const WireProblem* wire : problem.solved()) {
         double* move = guess_.data() + (wire->q.start.data() - problem.start.data());
         for (int i = 0; i < wire->size(); ++i) move[i] = wire->time.known_move(i);
-        if (problem.several_rods() && wire->time.euler()) accelerated_move(*wire, correction_.data() + (move - guess_.data()));
+        if (accelerated) accelerated_move(*wire, correction_.data() + (move - guess_.data()));
     }
     // what lets go or strikes has an acceleration that the next step has not
-    if (problem.several_rods() && problem.solved().front()->time.euler() && problem.norm(correction_) <= most_accelerated * problem.norm(guess_))
+    if (accelerated && problem.norm(correction_) <= most_accelerated * problem.norm(guess_))
         for (int i = 0; i < problem.size(); ++i) guess_[i] += correction_[i];
     const double move = problem.largest_move(guess_), turn = problem.largest_turn(guess_);
     double fraction = 1;
