@@ -14,6 +14,7 @@ import argparse
 import csv
 import math
 import os
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -150,6 +151,8 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--csv", type=Path)
     options = parser.parse_args()
+    if int(mujoco.__version__.split(".")[0]) > 3:
+        sys.exit(f"mujoco_cable.py: MuJoCo {mujoco.__version__} has no composite cables in its XML: pip install 'mujoco<4'")
     with tempfile.TemporaryDirectory() as folder:
         with seldinger.World("navigate") as world:
             write_obj(world.vessel, Path(folder) / "arch.obj")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Learns to steer a wire into a branch of the aortic arch, by the cross-entropy method with NumPy alone.
 
-train_navigate.py [--target left-carotid] [--minutes 8] [--seed 0] [-o DIR]
+train_navigate.py [--target left-carotid] [--minutes 8] [--generations N] [--seed 0] [-o DIR]
 
 A policy is linear in the points of the way ahead of the tip, with a tanh; all its weights begin at zero. A generation is a set of policies
 drawn from a normal distribution, each tried from the same few random starts, all at once in one world; the best quarter is the next
@@ -76,6 +76,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--target", default="left-carotid")
     parser.add_argument("--minutes", type=float, default=8.0)
+    parser.add_argument("--generations", type=int, help="ends after so many, whatever the clock says")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--policies", type=int, default=32)
     parser.add_argument("--starts", type=int, default=1, help="that each policy is tried from in a generation")
@@ -92,7 +93,7 @@ def main():
     for generation in range(1_000_000):
         curve.add(generation, steps, play(other, np.repeat(mean[None], EVALUATED, axis=0), 10_000))
         np.savez(options.out / "policy.npz", mean=mean, spread=spread)
-        if curve.minutes() > options.minutes:
+        if curve.minutes() > options.minutes or generation == options.generations:
             break
         draws = mean + spread * rng.standard_normal((options.policies, *mean.shape))
         seeds = [int(s) for s in rng.integers(1 << 30, size=options.starts)]
