@@ -56,8 +56,8 @@ class Navigate:
         An episode ends (terminated) when the hand feels more [N].
     vary
         Domain randomisation in the sweep's syntax (`seldinger.sweep`), of keys that systems of one world may differ in: the wire,
-        friction, the feed. Environment i of the vector form has variant i modulo their number; alone it is `variant`, or drawn
-        anew at each reset where that is None.
+        friction, the feed; and of the vessel, each of which is a world of its own. Environment i of the vector form has variant i
+        modulo their number; alone it is `variant`, or drawn anew at each reset where that is None.
     image : "fluoroscopy", callable or None
         A picture for the policy, added to the Dict as "image": what an X-ray shows, 8 bits of `World.fluoroscopy` (its quantum noise
         drawn by the start and the control: the same seed, the same bits); or image(world, system) -> uint8 array of `image_shape`.
@@ -167,12 +167,20 @@ def target_point(world: World, target: Union[str, Sequence[float]], depth: float
     return np.array([np.interp(depth, along, line[:, d]) for d in range(3)])
 
 
+def vessel_of(overrides: Sequence[str]) -> tuple[str, ...]:
+    """Those of a variant's overrides that all systems of a world share."""
+    return tuple(o for o in overrides if o.startswith("vessel."))
+
+
 class Fleet:
-    """Systems of one world with their hubs: what the environments, alone and vector, are made of."""
+    """Systems of one world with their hubs: what the environments, alone and vector, are made of. Their vessel is one."""
 
     def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
         self.task, self.count = task, len(variants)
-        self.world = World(task.scene, copies=variants, device=device, **task.overrides)
+        vessel = vessel_of(variants[0])
+        assert all(vessel_of(v) == vessel for v in variants)
+        self.world = World(task.scene, set=vessel, copies=[[o for o in v if o not in vessel] for v in variants], device=device,
+                           **task.overrides)
         start = self.world._world.start()
         wires = len(start) // self.count
         if not all(on for on, *_ in start):
@@ -203,6 +211,10 @@ class Fleet:
         self.kept: list[list[tuple[Any, ...]]] = []  # [systems or variants][starts]
 
     # -- starts -------------------------------------------------------------------------------------------------------
+
+    def keep(self, starts: Sequence[list[tuple[Any, ...]]]) -> None:
+        """@param starts  of each system, as make_starts() returns them"""
+        self.kept = list(starts)
 
     def make_starts(self) -> list[list[tuple[Any, ...]]]:
         """Feeds every system to each start, and keeps (state, hubs, observation, measures)."""
@@ -300,8 +312,88 @@ class Fleet:
                 raise ValueError(f"image: {picture.dtype} {picture.shape} given, uint8 {task.image_shape} expected")
         return np.stack(pictures)
 
+    @property
+    def worlds(self) -> list[World]:
+        return [self.world]
+
     def close(self) -> None:
         self.world.close()
+
+
+class Fleets:
+    """Environments whose vessels differ: a fleet for each vessel, and the same face as of one."""
+
+    def __init__(self, task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> None:
+        groups: dict[tuple[str, ...], list[int]] = {}
+        for i, overrides in enumerate(variants):
+            groups.setdefault(vessel_of(overrides), []).append(i)
+        self.count, self.fleets, self.members = len(variants), [], []
+        self._place: list[tuple[Fleet, int]] = [None] * self.count  # type: ignore[list-item]
+        for own in groups.values():
+            fleet = Fleet(task, [variants[i] for i in own], device)
+            self.fleets.append(fleet)
+            self.members.append(np.array(own))
+            for local, i in enumerate(own):
+                self._place[i] = (fleet, local)
+        self.parts, self.wires = self.fleets[0].parts, self.fleets[0].wires
+
+    @property
+    def worlds(self) -> list[World]:
+        return [fleet.world for fleet in self.fleets]
+
+    @property
+    def world(self) -> World:
+        return self.fleets[0].world
+
+    def keep(self, starts: Sequence[list[tuple[Any, ...]]]) -> None:
+        for fleet, own in zip(self.fleets, self.members):
+            fleet.keep([starts[i] for i in own])
+
+    def _joined(self, of: Callable[[Fleet], np.ndarray]) -> np.ndarray:
+        parts = [of(fleet) for fleet in self.fleets]
+        joined = np.empty((self.count, *parts[0].shape[1:]), parts[0].dtype)
+        for own, part in zip(self.members, parts):
+            joined[own] = part
+        return joined
+
+    @property
+    def seen(self) -> np.ndarray:
+        return self._joined(lambda fleet: fleet.seen)
+
+    @property
+    def measured(self) -> np.ndarray:
+        return self._joined(lambda fleet: fleet.measured)
+
+    def flat(self) -> np.ndarray:
+        return self._joined(Fleet.flat)
+
+    def images(self) -> np.ndarray:
+        return self._joined(Fleet.images)
+
+    def begin(self, s: int, start: int) -> None:
+        fleet, local = self._place[s]
+        fleet.begin(local, start)
+
+    def act(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        reward, terminated, truncated = np.empty(self.count), np.empty(self.count, bool), np.empty(self.count, bool)
+        for fleet, own in zip(self.fleets, self.members):
+            reward[own], terminated[own], truncated[own] = fleet.act(actions[own])
+        return reward, terminated, truncated
+
+    def check(self, actions: Any, shape: tuple[int, ...]) -> np.ndarray:
+        return self.fleets[0].check(actions, shape)
+
+    def spaces(self) -> tuple[spaces.Space, spaces.Space]:
+        return self.fleets[0].spaces()
+
+    def close(self) -> None:
+        for fleet in self.fleets:
+            fleet.close()
+
+
+def fleet_of(task: Navigate, variants: Sequence[Sequence[str]], device: int = -1) -> Union[Fleet, Fleets]:
+    """One world where the vessel is one."""
+    return (Fleet if len({vessel_of(v) for v in variants}) == 1 else Fleets)(task, variants, device)
 
 
 def task_seed(task: Navigate) -> list[int]:

@@ -20,7 +20,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from ._navigate import MEASURES, Fleet, Navigate, branches, starts_of, target_point
+from ._navigate import MEASURES, Fleet, Navigate, branches, fleet_of, starts_of, target_point
 from ._world import World
 
 __all__ = ["Navigate", "NavigateEnv", "NavigateVectorEnv", "branches", "target_point"]
@@ -70,7 +70,7 @@ class NavigateEnv(gymnasium.Env):
             self._fleet.close()
         self._variant = variant
         self._fleet = Fleet(self.task, [self._variants[variant]], self._device)
-        self._fleet.kept = [starts_of(self.task, self._variants[variant])]
+        self._fleet.keep([starts_of(self.task, self._variants[variant])])
 
     @property
     def world(self) -> World:
@@ -115,7 +115,8 @@ class NavigateEnv(gymnasium.Env):
 
 
 class NavigateVectorEnv(VectorEnv):
-    """`num_envs` environments as systems of one world, one launch of each stage for all; each has the bits that it has alone
+    """`num_envs` environments as systems of one world (one for each vessel, where `vary` has several), one launch of each stage for all
+    of it; each has the bits that it has alone
     (environment i: `NavigateEnv(variant=i % variants)`), resets included.
 
     Autoreset: as `autoreset_mode` says, NEXT_STEP by default; DISABLED goes on with an
@@ -131,8 +132,8 @@ class NavigateVectorEnv(VectorEnv):
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": 60, "autoreset_mode": self.autoreset_mode}
         variants = self.task.variants()
         own = [variants[i % len(variants)] for i in range(num_envs)]
-        self._fleet = Fleet(self.task, own, device)
-        self._fleet.kept = [starts_of(self.task, v) for v in own]
+        self._fleet = fleet_of(self.task, own, device)
+        self._fleet.keep([starts_of(self.task, v) for v in own])
         self.single_observation_space, self.single_action_space = self._fleet.spaces()
         self.observation_space = gymnasium.vector.utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(self.single_action_space, num_envs)
@@ -141,8 +142,13 @@ class NavigateVectorEnv(VectorEnv):
 
     @property
     def world(self) -> World:
-        """The world of all."""
+        """The world of all; where vessels differ (`vary`), that of the first."""
         return self._fleet.world
+
+    @property
+    def worlds(self) -> list[World]:
+        """One for each vessel."""
+        return self._fleet.worlds
 
     def _observation(self) -> Any:
         if self.task.flat:
@@ -197,8 +203,8 @@ class NavigateVectorEnv(VectorEnv):
         return self._observation(), reward, terminated, truncated, {**self._info(), **final}
 
     def render(self) -> Optional[tuple[np.ndarray, ...]]:
-        """One picture of the whole world, all systems in it."""
-        return (self._fleet.world.render(640, 480),) if self.render_mode else None
+        """A picture of each world, all its systems in it."""
+        return tuple(world.render(640, 480) for world in self._fleet.worlds) if self.render_mode else None
 
     def close_extras(self, **_: Any) -> None:
         """Gives the world's memory back."""

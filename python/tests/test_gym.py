@@ -48,7 +48,8 @@ def same(a, b):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-@pytest.mark.parametrize("vary", [None, {"wire.mu_sliding": [0.02, 0.05], "wire.density": [3700.0, 6000.0]}])
+@pytest.mark.parametrize("vary", [None, {"wire.mu_sliding": [0.02, 0.05], "wire.density": [3700.0, 6000.0]},
+                                  {"wire.mu_sliding": [0.02, 0.05], "vessel.triangles": [30000, 12000]}])
 def test_a_vector_is_its_environments(mode, vary):
     count = 4
     single = SyncVectorEnv([lambda i=i: seldinger.gym.NavigateEnv(vary=vary, variant=i, **SMALL) for i in range(count)],
