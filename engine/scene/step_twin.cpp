@@ -104,10 +104,7 @@ void StepTwin::close()
     if (window_.steps == 0) return;
     window_.hand_peak = largest_mean(window_.hand, scene_.dt);
     window_.friction_peak = largest_mean(window_.friction, scene_.dt);
-    if (++closed_ % periodic == 0) {
-        (void)examine(window_, 2);
-        window_.examined = true;
-    }
+    if (++closed_ % periodic == 0) (void)examine(window_, 2);
     if (window_.hand_peak > best_hand_.hand_peak) best_hand_ = window_;
     if (window_.friction_peak > best_friction_.friction_peak) best_friction_ = window_;
     last_ = std::move(window_);

@@ -3,22 +3,22 @@
 //
 // The run is cut into windows of window_steps steps. Some are taken again in a world of its own, from the state that the run had
 // at their beginning, with steps of half the length: every periodic-th one, the last, and those in which hand force and friction
-// were largest so far. With readings Q(h) and Q(h/2) of the same window the error of a first-order scheme is 2 (Q(h) - Q(h/2)),
+// were largest so far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
-//     band = safety |Q(h) - Q(h/2)|,    safety = 3
+//     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
 //
-// the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994, doi:10.1115/1.2910291; order 1,
-// ratio 2). The band of each reading is the largest that any window has shown: what one window of a run does another may. Compared
+// 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
+// doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest that any window has shown: what one window of a run
+// does another may. Compared
 // are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and where the tip is at its
 // end: single values of a wire that sticks, slips and strikes differ however short the step is, and a hand that starts at once
 // feels more the shorter the step.
 //
 // Of a wire that catches and slips halves agree where both are wrong: backward Euler with steps of 17 and of 8 ms damps the
-// oscillations that a slip leaves, which steps of 1 ms and less show, and which change what it is held by next. The windows of the largest hand
-// force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th part of the step where that is longer, and
-// with r parts of a step of which a first-order scheme's error is r/(r - 1) |Q(h) - Q(h/r)| the band is half as wide again as that:
-// safety, for r = 2.
+// oscillations that a slip leaves, which steps of 1 ms and less show, and which change what it is held by next. The windows of the
+// largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
+// part of the step where that is longer.
 //
 // A largest force that is where something lets go has a band of its own (scene/release_watch.h): a twin lets go where the run did.
 //
@@ -90,7 +90,6 @@ private:
         std::vector<double> hand, friction;       // of each step [N]
         double hand_peak = 0, friction_peak = 0;  // largest means [N]
         Vec3 tip = Vec3::Zero();                  // at its end [m]
-        bool examined = false;
     };
     struct Examined {
         double hand, friction, hand_peak, friction_peak;  // of the twin [N]

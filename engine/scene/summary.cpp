@@ -331,7 +331,7 @@ namespace {
 
 std::string lines_of(const std::string& json, const std::filesystem::path& dir);
 
-/// The bands, against the same windows at half the step.
+/// The bands, against the same windows with shorter steps.
 std::string estimate_for_people(const Json& e)
 {
     if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
@@ -343,7 +343,8 @@ std::string estimate_for_people(const Json& e)
     return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
                        "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
                        e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,
-                       band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"), 1e3 * e.at("tip_band_m").get<double>(), more);
+                       band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"),
+                       1e3 * e.at("tip_band_m").get<double>(), more);
 }
 
 }  // namespace

@@ -1,0 +1,337 @@
+// Which part of a cell of rod a touches a stretch of rod b.
+//
+// The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
+// knot of either spline or the plane of the mouth, and between these it may change its sign once, as nodes are not evenly spaced:
+// there the cell is cut into pieces, so that a piece has one least value, if any. (A search over the whole cell saw an overlap
+// between two maxima of the gap when an end of the cell touched, too, and not when it did not: a force that jumps, and no
+// equilibrium to be found.) The least value is found, and the zeros on both sides of it, or the ends of the piece.
+#ifndef SEL_SHARED_INSTRUMENT_PIECES_H
+#define SEL_SHARED_INSTRUMENT_PIECES_H
+#include "shared/contact_records.h"
+#include "shared/instrument_gap.h"
+
+SEL_BEGIN
+
+// The two rods at the trial and at the start of the step.
+typedef struct InstrumentScene {
+    SplineView a, b, a_t0, b_t0;
+    GapPart part;
+    real apart;  // self: how far along the wire two points that touch are at least [m]
+    uint edge;   // of a that the cell begins on
+} InstrumentScene;
+
+// A point of the cell.
+typedef struct CellPoint {
+    real s, gap, slope;  // slope: of the gap with the arc length of a [-]
+    SplinePlace a;
+    InstrumentGap g;
+} CellPoint;
+
+SEL_FN GapPart part_for(const InstrumentScene* scene, SplineView b, real s)
+{
+    GapPart part = scene->part;
+    if (part.touch == SEL_TOUCH_SELF) part.low = spline_at(b, s + scene->apart);
+    return part;
+}
+
+SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
+{
+    CellPoint point;
+    point.s = s;
+    point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
+    point.g = instrument_gap(scene->b, spline_sum(scene->a, point.a.node, point.a.w), start, part_for(scene, scene->b, s));
+    point.gap = point.g.gap;
+    const vec3 along = spline_sum(scene->a, point.a.node, point.a.d);
+    point.slope = dot3(point.g.n, along) / sqrt(dot3(along, along));
+    return point;
+}
+
+// What is kept of a point of the cell while the cell is looked through.
+typedef struct CellMark {
+    real s, gap, slope, at;  // at: of b
+} CellMark;
+
+SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+{
+    const CellPoint point = cell_point(scene, s, start);
+    CellMark mark;
+    mark.s = s;
+    mark.gap = point.gap;
+    mark.slope = point.slope;
+    mark.at = point.g.at;
+    return mark;
+}
+
+// A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
+SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
+{
+    return cell_mark(scene, left.s + share * (right.s - left.s), left.at + share * (right.at - left.at));
+}
+
+// ---- pieces -----------------------------------------------------------------------------------------------------------------
+
+// The root in [0, 1] of c + b u + a u^2, which has one sign at 0 and the other at 1.
+SEL_FN real root_between(real a, real b, real c)
+{
+    const real root = sqrt(max_r(b * b - 4 * a * c, 0));
+    const real q = (real)-0.5 * (b < 0 ? b - root : b + root), first = q != 0 ? c / q : (real)0.5;
+    return first >= 0 && first <= 1 ? first : clamp_r(a != 0 ? q / a : (real)0.5, 0, 1);
+}
+
+// Ends of the pieces.
+typedef struct CellCuts {
+    CellMark at[SEL_CELL_PIECES + 1];
+    uint pieces;
+} CellCuts;
+
+#define SEL_CUT_STEPS 12
+#define SEL_NO_CUT ((real)1e-6)  // of the cell, of an edge: nearer to an end there is none
+
+// The first knot of a rod's curve beyond `from` and before `until`, in either direction; `until` where there is none.
+// Knots lie at 1/2, 3/2, ... count - 3/2.
+SEL_FN real next_knot(SplineView rod, real from, real until)
+{
+    const real onwards = until > from ? (real)1 : (real)-1;
+    const real index = onwards > 0 ? floor(from + (real)0.5) + 1 : ceil(from + (real)0.5) - 1;  // of the knot, 1 the first
+    const real knot = index - (real)0.5;
+    if (rod.count < 3 || (knot - until) * onwards >= 0 || index < 1 || index > (real)rod.count - 1) return until;
+    return knot;
+}
+
+// Where a goes through the plane across b at `knot`, as a share of the way between two points of a that are on one piece of its
+// curve: a quadratic equation of the coordinate along it. < 0: there is no one place.
+SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
+{
+    const SplinePlace b = spline_place(knot, scene->b.count);
+    const vec3 centre = spline_sum(scene->b, b.node, b.w), normal = spline_sum(scene->b, b.node, b.d);
+    const real from = spline_at_near(scene->a, left.s, scene->edge), until = spline_at_near(scene->a, right.s, scene->edge);
+    real beyond[3];
+    for (int k = 0; k < 3; ++k) {
+        const SplinePlace a = spline_place(from + (real)0.5 * (real)k * (until - from), scene->a.count);
+        beyond[k] = dot3(spline_sum(scene->a, a.node, a.w) - centre, normal);
+    }
+    if (!(beyond[0] * beyond[2] < 0)) return -1;
+    const real u = root_between(2 * (beyond[0] - 2 * beyond[1] + beyond[2]), 4 * beyond[1] - 3 * beyond[0] - beyond[2], beyond[0]);
+    return (spline_material(scene->a, from + u * (until - from)) - left.s) / (right.s - left.s);
+}
+
+// Where b's coordinate is `knot`, which it passes between two points.
+SEL_FN CellMark cut_at(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
+{
+    const real onwards = right.at > left.at ? (real)1 : (real)-1, plane = share_at_plane(scene, left, right, knot);
+    CellMark best = left;
+    for (int k = 0; k < SEL_CUT_STEPS; ++k) {
+        real share = k % 2 == 0 ? clamp_r((knot - left.at) / (right.at - left.at), (real)0.01, (real)0.99) : (real)0.5;
+        if (k == 0 && plane >= 0) share = plane;
+        best = cell_mark(scene, left.s + share * (right.s - left.s), k == 0 ? knot : left.at);
+        if (fabs(best.at - knot) < SEL_NO_CUT) break;
+        if ((best.at - knot) * onwards < 0) left = best;
+        else right = best;
+        if (left.at == right.at) break;
+    }
+    return best;
+}
+
+// Adds a cut unless there is one, or there are too many.
+SEL_FN void add_cut(CellMark cut, real until, CellCuts* cuts)
+{
+    const real least = SEL_NO_CUT * (until - cuts->at[0].s);
+    if (cuts->pieces + 1 < SEL_CELL_PIECES && cut.s > cuts->at[cuts->pieces].s + least && cut.s < until - least)
+        cuts->at[++cuts->pieces] = cut;
+}
+
+// Between the last cut and `right` nothing jumps: cut where the second derivative of the cubic that has both ends' gaps and slopes
+// is none.
+SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+{
+    const CellMark left = cuts->at[cuts->pieces];
+    const real length = right.s - left.s;
+    if (!(length > 0) || left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
+    const real bulge = 6 * ((right.gap - left.gap) / length - (real)0.5 * (left.slope + right.slope));
+    const real turns = right.slope - left.slope;
+    if (fabs(turns) >= fabs(bulge)) return;
+    add_cut(mark_between(scene, left, right, (real)0.5 + (real)0.5 * turns / bulge), until, cuts);
+}
+
+// Cuts what lies between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
+SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
+{
+    CellMark left = cuts->at[cuts->pieces];
+    if (left.gap >= SEL_FAR || right.gap >= SEL_FAR) return;
+    const real onwards = right.at > left.at ? (real)1 : (real)-1;
+    const real plane = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low + (real)1e-3 : (real)-1;  // at is never less
+    for (uint k = 0; k + 1 < SEL_CELL_PIECES && left.at != right.at; ++k) {
+        const real from = left.at + 2 * SEL_NO_CUT * onwards;
+        real knot = next_knot(scene->b, from, right.at);
+        if ((plane - from) * onwards > 0 && (knot - plane) * onwards > 0) knot = plane;
+        if ((right.at - knot) * onwards <= 0) break;
+        left = cut_at(scene, left, right, knot);
+        cut_smooth(scene, left, until, cuts);
+        add_cut(left, until, cuts);
+    }
+    cut_smooth(scene, right, until, cuts);
+}
+
+// @param right  the end of the cell
+SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right, CellCuts* cuts)
+{
+    const real last = spline_at_near(scene->a, right.s, scene->edge);
+    cuts->at[0] = left;
+    cuts->pieces = 0;
+    real at = spline_at_near(scene->a, left.s, scene->edge);
+    for (int more = 1; more;) {
+        at = next_knot(scene->a, at, last);
+        more = at != last;
+        const CellMark end = more ? cell_mark(scene, spline_material(scene->a, at), cuts->at[cuts->pieces].at) : right;
+        cut_along_b(scene, end, right.s, cuts);
+        add_cut(end, right.s, cuts);
+    }
+    cuts->at[++cuts->pieces] = right;
+}
+
+// The largest curvature of a rod's curve between two places [1/m]: c' x c'' of a piece is e x f of its two edges, and |c'| not less
+// than cos(30 degrees) of the shorter one where they turn by 60 degrees at most.
+SEL_FN real most_curved(SplineView rod, real from, real until)
+{
+    real most = 0;
+    if (rod.count < 3) return most;
+    const real low = max_r(min_r(from, until) + (real)0.5, 1), high = min_r(max_r(from, until) + (real)0.5, (real)rod.count - 2);
+    for (uint i = (uint)low; i <= (uint)high; ++i) {
+        const vec3 x = node_at(rod, i), e = x - node_at(rod, i - 1), f = node_at(rod, i + 1) - x, turn = cross3(e, f);
+        const real ee = dot3(e, e), ff = dot3(f, f), shorter = min_r(ee, ff), ef = dot3(e, f);
+        if (ef <= 0 || 4 * ef * ef < ee * ff) return SEL_FAR;
+        most = max_r(most, (real)1.6 * sqrt(dot3(turn, turn) / shorter) / shorter);
+    }
+    return most;
+}
+
+// By how much the gap between two points is positive at least, by what their gaps and curvatures leave room for: with g'' <= k,
+// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
+// a lumen, where the gap falls with D, the last term is none. 0: nothing can be told.
+SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right)
+{
+    const real gap = min_r(left.gap, right.gap);
+    if (gap <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
+    const int inside = scene->part.touch == SEL_TOUCH_INSIDE;
+    if (inside && min_r(left.at, right.at) <= scene->part.low) return 0;  // a mouth
+    const real a = most_curved(scene->a, spline_at_near(scene->a, left.s, scene->edge), spline_at_near(scene->a, right.s, scene->edge));
+    const real b = most_curved(scene->b, left.at, right.at), reach = scene->part.reach_a + scene->part.reach_b;
+    const real far = inside ? scene->part.reach_b : max_r(left.gap, right.gap) + reach + (right.s - left.s);
+    if (3 * b * far > 1) return 0;
+    const real k = a + (real)1.5 * b + (inside ? (real)0 : 1 / reach), length = right.s - left.s;
+    return gap - (real)0.125 * (real)1.1 * k * length * length;  // 1.1: of a wire that is stretched
+}
+
+// How far both rods together move at least before a cell whose gaps are `room` and more touches: no distance between curves changes by
+// more than they move. Known in a lumen only, as far from its mouth and its end as the place along b may have moved.
+SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark right, real room)
+{
+    const GapPart part = scene->part;
+    if (part.touch != SEL_TOUCH_INSIDE || room <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
+    const real low = min_r(left.at, right.at), high = max_r(left.at, right.at);
+    if (low <= part.low || high >= part.high) return 0;
+    const real from_mouth = spline_material(scene->b, low) - spline_material(scene->b, part.low);
+    const real from_end = spline_material(scene->b, part.high) - spline_material(scene->b, high);
+    return min_r(room, (real)0.5 * min_r(from_mouth, from_end));
+}
+
+// ---- of one piece -----------------------------------------------------------------------------------------------------------
+
+#define SEL_CELL_STEPS 24
+#define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
+#define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
+
+// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the way between them.
+typedef struct GapCubic {
+    real c[4];
+} GapCubic;
+
+SEL_FN GapCubic cubic_between(CellMark left, CellMark right)
+{
+    const real length = right.s - left.s, rise = right.gap - left.gap;
+    GapCubic cubic;
+    cubic.c[0] = left.gap;
+    cubic.c[1] = length * left.slope;
+    cubic.c[2] = 3 * rise - length * (2 * left.slope + right.slope);
+    cubic.c[3] = length * (left.slope + right.slope) - 2 * rise;
+    return cubic;
+}
+
+// The least gap between two points: where its slope changes sign, by that of the cubic between them, and by halving where that leads
+// nowhere.
+SEL_FN CellMark least_gap(const InstrumentScene* scene, CellMark left, CellMark right)
+{
+    if (left.slope >= 0 && right.slope <= 0) return left.gap < right.gap ? left : right;
+    if (left.slope >= 0) return left;
+    if (right.slope <= 0) return right;
+    CellMark best = left.gap < right.gap ? left : right;
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const GapCubic cubic = cubic_between(left, right);
+        const int smooth = k % 3 < 2 && left.gap < SEL_FAR && right.gap < SEL_FAR;
+        const real share = smooth ? root_between(3 * cubic.c[3], 2 * cubic.c[2], cubic.c[1]) : (real)0.5;
+        const CellMark middle = mark_between(scene, left, right, share);
+        if (middle.gap < best.gap) best = middle;
+        if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
+        if (middle.slope < 0) left = middle;
+        else right = middle;
+    }
+    return best;
+}
+
+// Where the cubic between a point that overlaps and one that does not is none: three steps of Newton's method from the chord's zero.
+SEL_FN real zero_between(CellMark in, CellMark out)
+{
+    const GapCubic cubic = cubic_between(in, out);
+    const real chord = in.gap / (in.gap - out.gap);
+    real u = chord;
+    for (int k = 0; k < 3; ++k) {
+        const real value = cubic.c[0] + (cubic.c[1] + (cubic.c[2] + cubic.c[3] * u) * u) * u;
+        const real slope = cubic.c[1] + (2 * cubic.c[2] + 3 * cubic.c[3] * u) * u;
+        if (!(slope > 0)) return chord;
+        u = clamp_r(u - value / slope, 0, 1);
+    }
+    return u > 0 && u < 1 ? u : chord;
+}
+
+// Where the gap closes, between a point that overlaps and one that does not.
+SEL_FN CellMark gap_zero(const InstrumentScene* scene, CellMark in, CellMark out)
+{
+    const real enough = SEL_ZERO * fabs(in.gap);
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real share = k % 3 < 2 && out.gap < SEL_FAR ? zero_between(in, out) : (real)0.5;
+        const CellMark middle = mark_between(scene, in, out, share);
+        if (fabs(middle.gap) <= enough) return middle;
+        if (middle.gap < 0) in = middle;
+        else out = middle;
+    }
+    return in;
+}
+
+// A cell as it lies: its pieces and the least gap of each.
+typedef struct CellPieces {
+    CellCuts cuts;  // none where the whole cell is known to be clear
+    CellMark least[SEL_CELL_PIECES];
+    uint deepest;
+} CellPieces;
+
+// @param s0, s1  ends of the cell [m]     start  near where along b     out  depth and `clear` are written
+SEL_FN void look_through(const InstrumentScene* scene, real s0, real s1, real start, CellPieces* cell, InstrumentForce* out)
+{
+    const CellMark first = cell_mark(scene, s0, start), last = cell_mark(scene, s1, first.at);
+    cell->deepest = cell->cuts.pieces = 0;
+    cell->least[0] = first.gap < last.gap ? first : last;
+    real room = least_room(scene, first, last);
+    if (room <= 0) {
+        cut_cell(scene, first, last, &cell->cuts);
+        for (uint k = 0; k < cell->cuts.pieces; ++k) {
+            cell->least[k] = least_gap(scene, cell->cuts.at[k], cell->cuts.at[k + 1]);
+            if (cell->least[k].gap < cell->least[cell->deepest].gap) cell->deepest = k;
+        }
+        room = cell->least[cell->deepest].gap;
+    }
+    out->depth = -cell->least[cell->deepest].gap;
+    out->clear = clear_move(scene, first, last, room);
+}
+
+SEL_END
+#endif
