@@ -42,8 +42,8 @@ def main():
             table.writerow(row)
             file.flush()
             rows += 1
-            thrown = "thrown base" in row[0]  # its force alternates, and its work is not known where a step was halved
-            bad += row[4] not in (("hold", "jitter", "overlap", "blow-up") if thrown else ("hold",)) or float(row[8]) <= 0
+            thrown = "thrown base" in row[0]  # its force alternates because its base does
+            bad += row[4] not in (("hold", "jitter") if thrown else ("hold",)) or float(row[8]) <= 0
             print(", ".join(f"{name} {value}" for name, value in zip(COLUMNS, row)), flush=True)
     if not rows:
         sys.exit(f"{' '.join(command)}: no rows")

@@ -313,8 +313,8 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     EnergyAudit& audit = state.audits[wire];
     read_energies(state, wire);
     EnergyInput input = audit.fed;
-    const WorkDone work{hand_work(state, wire), turning_work(state, wire), held_work(state, wire) + load_work(state, wire),
-                        state.terms.work_from_outside(wire)};
+    WorkDone work{hand_work(state, wire), turning_work(state, wire), held_work(state, wire) + load_work(state, wire)};
+    for_each_of_group(state, wire, [&](int w) { work.wall += state.terms.work_from_outside(w); });
     input.work += work.sum();
     take_into_ledger(state, wire, work);
     input.unseen += unseen_work(state, wire, h);

@@ -42,8 +42,6 @@ void check_scheme(const WorldSetup& setup)
     if (setup.instruments_touch)
         refuse("instruments_touch",
                "is on, expected it off with instruments of one centreline (merged): give each a rod of its own");
-    if (setup.vessel.elastic)
-        refuse("vessel.elastic", "is on, expected a rigid wall with instruments of one centreline (merged)");
     const Detection detection = setup.wires[0].contact.detection;
     if (!setup.mesh.triangles.empty() && detection != Detection::Swept && detection != Detection::Capsule)
         refuse("contact.detection", "expected swept or capsule with instruments of one centreline (merged)");

@@ -161,6 +161,13 @@ void CapsuleContact::take(int wire)
     if (barrier_) barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
 }
 
+void CapsuleContact::start_again(int wire)
+{
+    if (!barrier_) return;
+    set_wire_nodes(nodes_, wire, rods_.view(wire));
+    barrier_->take(nodes_, rods_.node_begin(wire), rods_.node_begin(wire) + rods_.node_count(wire));
+}
+
 bool CapsuleContact::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     const std::size_t points = active_.all().points.size();

@@ -25,6 +25,7 @@ public:
     void evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active) override;
     [[nodiscard]] bool admissible(int wire) const override { return sums_.admissible(wire) && feasible_step(wire) == 1; }
     void take(int wire) override;
+    void start_again(int wire) override;
     [[nodiscard]] double feasible_step(int wire) const override { return barrier_ ? barrier_->feasible_step(wire) : 1.0; }
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
     [[nodiscard]] double move_limit(int wire) const override;

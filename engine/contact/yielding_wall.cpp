@@ -341,6 +341,12 @@ void YieldingWall::take(int wire)
     of(wire).take();
 }
 
+void YieldingWall::start_again(int wire)
+{
+    contact_.start_again(wire);
+    of(wire).forget_base();
+}
+
 bool YieldingWall::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again)
 {
     bool any = contact_.refine(solved, again);

@@ -45,6 +45,7 @@ public:
     [[nodiscard]] double feasible_step(int wire) const override;
     [[nodiscard]] double move_limit(int wire) const override { return contact_.move_limit(wire); }
     void take(int wire) override;
+    void start_again(int wire) override;
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) override;
 
     [[nodiscard]] bool follows_spins() const override { return contact_.follows_spins(); }

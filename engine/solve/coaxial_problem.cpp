@@ -150,6 +150,19 @@ void CoaxialProblem::fold_tangent(const BandMatrix& of_terms, const double* all,
     }
 }
 
+void CoaxialProblem::fold_condensed(const double* all, Condensed& condensed) const
+{
+    const int to_line = static_cast<int>(line().q.start.data() - all);
+    for (SparseRows* rows : {&condensed.e_transposed, &condensed.f})
+        for (SparseRows::Entry& entry : rows->entries())
+            for (int k = 1; k < group_.count(); ++k) {
+                const int own = entry.unknown - static_cast<int>(wires_[k]->q.start.data() - all);
+                if (own < 0 || own >= wires_[k]->size() || RodDofs::is_spin(own)) continue;
+                entry.unknown = to_line + own;
+                break;
+            }
+}
+
 void CoaxialProblem::commit()
 {
     const RodView from = line().rod;

@@ -34,6 +34,8 @@ public:
     void add_tangent(HessianMode mode, const double* all, BandMatrix& band, FarEntries& far);
     /// The same of what force terms have put into passengers' tangents.
     void fold_tangent(const BandMatrix& of_terms, const double* all, BandMatrix& band, FarEntries& far) const;
+    /// The same of unknowns beside the band that passengers' positions are joined with.
+    void fold_condensed(const double* all, Condensed& condensed) const;
     /// Positions and frames of the line into the passengers' arrays, once the line's are the accepted ones.
     void commit();
 

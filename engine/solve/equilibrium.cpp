@@ -36,6 +36,7 @@ void Solver::equilibrium(std::span<const WireConstraints> constraints, const For
             any = true;
             system.problem.restore_reference();
             system.problem.return_to_start();
+            for (const WireProblem* wire : system.problem.solved()) terms.start_again(wire->wire);
             system.start(again, terms);
             prepare_trial(s);
         }

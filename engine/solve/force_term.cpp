@@ -138,6 +138,11 @@ void ForceTerms::take(int wire) const
     for (ForceTerm* term : list_) term->take(wire);
 }
 
+void ForceTerms::start_again(int wire) const
+{
+    for (ForceTerm* term : list_) term->start_again(wire);
+}
+
 bool ForceTerms::refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const
 {
     std::fill(again.begin(), again.end(), std::uint8_t{0});

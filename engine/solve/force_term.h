@@ -102,6 +102,8 @@ public:
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }
     /// The wire's last evaluated trial has been taken: the next ones start from there.
     virtual void take(int /*wire*/) {}
+    /// The next trial is the start of the step again: what has been taken is no base of it.
+    virtual void start_again(int /*wire*/) {}
     /// Wires with solved[w] have converged at the trial that was evaluated last. Where the law has multipliers that have not
     /// settled there (D8), renews them and sets again[w] = 1: these wires are to be solved on from there. @return whether any
     virtual bool refine(std::span<const std::uint8_t> /*solved*/, std::span<std::uint8_t> /*again*/) { return false; }
@@ -177,6 +179,7 @@ public:
     [[nodiscard]] double feasible_step(int wire) const;
     [[nodiscard]] double move_limit(int wire) const;
     void take(int wire) const;
+    void start_again(int wire) const;
     /// Each term renews what it has. @param again  [wires] overwritten: those to be solved on
     bool refine(std::span<const std::uint8_t> solved, std::span<std::uint8_t> again) const;
     void commit(std::span<const std::uint8_t> active) const;

@@ -221,7 +221,9 @@ void SystemProblem::add_coaxial_tangents(HessianMode mode, bool terms)
     far_of_terms_.add_scaled(linear.far, 1);
     for (CoaxialProblem* group : solved_coaxial_) {
         group->add_tangent(mode, start.data(), linear.band, linear.far);
-        if (terms) group->fold_tangent(term_tangent_, start.data(), linear.band, linear.far);
+        if (!terms) continue;
+        group->fold_tangent(term_tangent_, start.data(), linear.band, linear.far);
+        group->fold_condensed(start.data(), linear.condensed);
     }
 }
 

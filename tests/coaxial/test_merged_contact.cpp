@@ -12,8 +12,8 @@ using namespace seldinger::test;
 
 namespace {
 
-/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm.
-WorldSetup in_a_bend(double catheter, double wire)
+/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm. @param youngs  of its wall, 0: rigid [Pa]
+WorldSetup in_a_bend(double catheter, double wire, double youngs = 0)
 {
     TestSetup made;
     made.gravity = Vec3::Zero();
@@ -30,6 +30,9 @@ WorldSetup in_a_bend(double catheter, double wire)
     }
     made.systems = {2};
     made.integrator.damping_mass = 5;
+    made.vessel.elastic = youngs > 0;
+    if (youngs > 0) made.vessel.youngs = youngs;
+    made.vessel.thickness = 0.8e-3;
     WorldSetup setup = made;
     setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
     return setup;
@@ -81,6 +84,47 @@ TEST_SUITE("coaxial/merged contact")
             for (const int w : {0, 1})
                 CHECK(world.rod(w).material_s[world.rod(w).n - 1] == about(w == 0 ? at.catheter : at.wire).epsilon(1e-3));
         }
+    }
+
+    // Wire and catheter push one wall: the passenger's contact acts through the line's unknowns.
+    TEST_CASE("property: beside a wall that yields, with energy closed, nothing outside, and the rigid wall as its limit")
+    {
+        const Place start{0.01, 0.02}, wire_out{0.01, 0.09}, over_it{0.07, 0.1};
+        const auto end_of = [&](double youngs) {
+            World world(in_a_bend(start.catheter, start.wire, youngs));
+            go(world, start, wire_out, 800);
+            go(world, wire_out, over_it, 800);
+            const WireReadings outer = world.readings(0), inner = world.readings(1);
+            CAPTURE(youngs);
+            CHECK(std::abs(outer.energy.open()) < 0.004 * turned_over(outer.energy));
+            CHECK(outer.outside == 0);
+            CHECK(inner.outside == 0);
+            if (youngs > 0) {
+                const Output now = world.output(Output::WallShape);
+                CHECK(now.walls[0].readings.move_max > 0);
+                CHECK(outer.energy.wall > 0);
+                CHECK(inner.normal > 0);
+                CHECK(outer.normal > 0);
+            }
+            return std::pair(world.rod(0).pos(0), outer.energy.wall);
+        };
+        const auto [rigid, none] = end_of(0);
+        CHECK(none == 0);
+        const auto [soft, soft_work] = end_of(0.4e6);
+        const auto [hard, hard_work] = end_of(40e6);
+        // what the wall takes and how far the tip is from the rigid run's go like 1/E; k_s, which stays, and the way there bend that
+        CHECK(hard_work < 0.1 * soft_work);
+        CHECK((hard - rigid).norm() < 0.3 * (soft - rigid).norm());
+    }
+
+    TEST_CASE("property: beside a wall that yields a run that is taken up again ends with the same bits")
+    {
+        World whole(in_a_bend(0.01, 0.02, 0.4e6)), first(in_a_bend(0.01, 0.02, 0.4e6)), second(in_a_bend(0.01, 0.02, 0.4e6));
+        for (World* world : {&whole, &first}) go(*world, {0.01, 0.02}, {0.05, 0.09}, 350);
+        second.restore_state(first.save_state());
+        for (World* world : {&whole, &second}) go(*world, {0.05, 0.09}, {0.09, 0.07}, 200);
+        CHECK(second.state_hash() == whole.state_hash());
+        CHECK(second.readings(0).energy.wall == whole.readings(0).energy.wall);
     }
 
     // The wire slides out of a catheter that stands still: all of its friction is in its own hand.

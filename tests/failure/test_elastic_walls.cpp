@@ -166,9 +166,7 @@ std::vector<Row> all_rows()
                     350});
     rows.push_back({"F5 bend tighter than the nodes", tight_bend(), 2e-3, 500});
     rows.push_back({"F7 laid down", laid_down(), 1e-3, 500});
-    TestSetup slope = on_a_slope(0.2, 2000, 0, std::atan(0.1));
-    slope.start_settled = false;  // it sinks in and stays
-    rows.push_back({"F8 ten minutes on a slope", slope, 0.25, 2400});
+    rows.push_back({"F8 ten minutes on a slope", on_a_slope(0.2, 2000, 0, std::atan(0.1)), 0.25, 2400});
     rows.push_back({"F10 helix", pushed_helix(), 1e-3, 500, false, false, 0.02});
     rows.push_back({"F11 soft tip", soft_tip(), 1e-3, 1600});
     rows.push_back({"F12 narrow neck", narrow_neck(), 1e-3, 1000});
@@ -187,14 +185,16 @@ std::vector<Row> all_rows()
     return rows;
 }
 
-/// Work of a hold that moves, by the trapezoid.
+/// Work of a hold that moves: by the trapezoid; of one that is thrown by the engine's ledger, sub-step by sub-step, since the ends of
+/// steps do not show it where one was halved.
 void count_work(WatchedRun& run, const Row& row)
 {
     if (row.thrown)
-        run.work = [height = 0.0, force = Vec3(Vec3::Zero())](FedWorld& world) mutable {
-            const Vec3 now = world.readings(0).base_force;
-            const double z = world.rod(0).z[world.rod(0).n - 1], work = 0.5 * (force + now).z() * (z - height);
-            force = now, height = z;
+        run.work = [before = 0.0](FedWorld& world) mutable {
+            if (world.step_count() == 1)  // the ledger begins at its end
+                return 0.5 * world.readings(0).base_force.z() * world.rod(0).z[world.rod(0).n - 1];
+            const double now = world.readings(0).energy.outside, work = now - before;
+            before = now;
             return work;
         };
     else if (row.spun) count_turning(run, Spun::turn / 60, 60);
@@ -223,9 +223,7 @@ Outcomes go(const Row& row, double youngs)
     CAPTURE(youngs);
     CHECK(r.outside == 0);
     CHECK(o.nearest > 0);
-    // the work of a base that is thrown is known at the ends of steps only: where one was halved the sum misses some of it
-    if (row.thrown) CHECK_FALSE((o.verdict().had(Outcome::Escape) || o.verdict().had(Outcome::GaveUp)));
-    else CHECK(o.outcome() == Outcome::Hold);
+    CHECK(o.outcome() <= (row.thrown ? Outcome::Jitter : Outcome::Hold));  // a base that alternates makes a force that does
     CHECK(o.contacts > 0);
     return o;
 }
@@ -241,6 +239,27 @@ TEST_SUITE("failure/elastic_walls")
             const bool quick = name.starts_with("F2") || name.starts_with("F4 shot at 5") ||
                                name.starts_with("F17 thrown base, 16.7") || name == "fed at 100 cm/s" || name == "fed at 1 cm/s";
             if (quick) (void)go(row, 0.1e6);
+        }
+    }
+
+    // Newton's first way to the equilibrium leads nowhere here; the next ones begin at the start again, wire and wall. What is found
+    // bears the weight: plane and wire turn by the dent's slope at most, 20 um over 5 mm.
+    TEST_CASE("property: a wire settles on a tilted plane of 0.1 MPa, however many nodes it has")
+    {
+        constexpr double tilt = 0.1;
+        for (const int nodes : {6, 11, 21}) {
+            CAPTURE(nodes);
+            TestSetup setup = on_a_slope(0.2, 2000, 0, std::atan(tilt));
+            setup.wires[0].wire.nodes = nodes;
+            make_elastic(setup, 0.1e6);
+            FedWorld world(setup);
+            REQUIRE_FALSE(step(world, 1e-3).failed());
+            const WireSpec& wire = setup.wires[0].wire;
+            const double weight = wire.shaft.density * pi * radius * radius * wire.length * setup.gravity.norm();
+            const WireReadings now = world.readings(0);
+            CHECK(now.normal == doctest::Approx(weight * std::cos(std::atan(tilt))).epsilon(0.01));
+            CHECK(now.friction == doctest::Approx(weight * std::sin(std::atan(tilt))).epsilon(0.1));
+            CHECK(now.outside == 0);
         }
     }
 
