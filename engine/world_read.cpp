@@ -42,6 +42,13 @@ void read_overlap(WireResult& result, const RodView& rod)
     result.overlap_at = (rod.pos(edge) + rod.pos(edge + 1)) / 2;
 }
 
+/// The wall's forces on the nodes of a wire, as the wire feels them.
+void add_wall_forces(const World::Impl& state, int wire, std::span<Vec3> forces)
+{
+    if (state.yielding) state.yielding->add_nodal_forces(wire, forces);
+    else state.contact->add_nodal_forces(wire, forces);
+}
+
 }  // namespace
 
 void World::Impl::read_results(int wire, double h)
@@ -61,9 +68,7 @@ void World::Impl::read_results(int wire, double h)
     if (contact) {
         result.contact = contact->totals(wire);
         read_overlap(result, rods.view(wire));
-        const std::span<Vec3> forces = std::span(result.nodal_contact).first(rod.n);
-        if (yielding) yielding->add_nodal_forces(wire, forces);
-        else contact->add_nodal_forces(wire, forces);
+        add_wall_forces(*this, wire, std::span(result.nodal_contact).first(rod.n));
     }
     if (instruments) {
         result.contact += instruments->totals(wire);
@@ -126,7 +131,7 @@ void World::Impl::read_merged(int wire, double h)
         if (!contact) continue;
         result.contact = contact->totals(w);
         read_overlap(result, line);
-        contact->add_nodal_forces(w, std::span(result.nodal_contact).first(line.n));
+        add_wall_forces(*this, w, std::span(result.nodal_contact).first(line.n));
         for (int i = 0; i < line.n; ++i) contact_force[i] += result.nodal_contact[i];
     }
     if (!group.feed.inside) return;

@@ -99,6 +99,7 @@ TEST_SUITE("coaxial/merged contact")
             CHECK(std::abs(outer.energy.open()) < 0.004 * turned_over(outer.energy));
             CHECK(outer.outside == 0);
             CHECK(inner.outside == 0);
+            CHECK(outer.momentum.error().norm() < 1e-6);
             if (youngs > 0) {
                 const Output now = world.output(Output::WallShape);
                 CHECK(now.walls[0].readings.move_max > 0);
