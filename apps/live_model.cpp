@@ -20,7 +20,7 @@ namespace seldinger::apps {
 namespace {
 
 constexpr const char* command_name = "choose-live-model";
-constexpr double enough = 0.5;  // of real time: a session whose model needs no more is begun, cheaper ones or not
+constexpr double enough = 0.7;  // of real time: a session whose model needs no more is begun, cheaper ones or not
 
 struct Options {
     std::filesystem::path source, trials;

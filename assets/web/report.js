@@ -104,7 +104,9 @@ function addPlayer() {
     }
     if (report.viewer) report.viewer.draw();
   };
-  addEventListener('resize', () => report.charts.forEach((chart) => chart.draw()));
+  const redraw = () => report.charts.forEach((chart) => chart.draw());
+  addEventListener('resize', redraw);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   show(frames.length - 1);
   requestAnimationFrame(tick);
 }

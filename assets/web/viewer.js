@@ -146,7 +146,9 @@ class Viewer {
 
   addTube(most) {
     const tube = new Tube(most);
-    const mesh = new THREE.Mesh(tube.geometry, new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide }));
+    // several are flat, so that each has the very colour that the legend gives it
+    const Material = this.radii.length > 1 ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial;
+    const mesh = new THREE.Mesh(tube.geometry, new Material({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide }));
     mesh.frustumCulled = false;
     mesh.renderOrder = 1;
     this.scene.add(mesh);

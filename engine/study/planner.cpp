@@ -188,7 +188,7 @@ private:
         TrialRuns trials(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(trials)) return out_of_reach(trials);
         const SearchGrid grid = grid_up_to(longest);
-        if (options_.enough > 0 && take_at_once(trials, grid)) return;
+        if (options_.enough > 0 && take_at_once(trials, grid, longest)) return;
         if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             tell(fmt::format("trial run {}", ++looked));
@@ -213,9 +213,11 @@ private:
     }
 
     /// The search as far as the first model that is quick enough. @return whether there is one
-    bool take_at_once(TrialRuns& trials, const SearchGrid& grid)
+    bool take_at_once(TrialRuns& trials, const SearchGrid& grid, double longest)
     {
-        const auto is_enough = [&](const TrialRun& trial) { return trial.meets && trial.slowest > 0 && trial.slowest <= options_.enough; };
+        const auto is_enough = [&](const TrialRun& trial) {  // a trial with longer steps was there to see what a step costs
+            return trial.meets && trial.model.dt.value_or(0) <= longest * (1 + 1e-9) && trial.slowest <= options_.enough;
+        };
         const auto first = [&] {
             return std::find_if(trials.all().begin(), trials.all().end(), [&](const auto& entry) { return is_enough(entry.second); });
         };

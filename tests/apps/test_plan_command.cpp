@@ -83,6 +83,7 @@ TEST_SUITE("apps/plan")
         CHECK(plan["chosen"]["error_high_m"].get<double>() <= 1e-3);
         CHECK(plan["reference"]["uncertainty_m"].get<double>() <= 0.5e-3);
         CHECK(plan["left_out"].empty());
+        CHECK(seldinger::read_scene(folder.path / "planned.toml").dt <= 1e-3 * (1 + 1e-9));
         CHECK(plan["pilots"].get<int>() < whole["pilots"].get<int>() / 2);
         // what was kept serves: the same model at once
         const AppResult again = run_plan(folder, "t.toml --tolerance 1mm --rate 1000 --enough 1 --json");
