@@ -84,6 +84,33 @@ TEST_SUITE("apps/live")
         CHECK(!fs::exists(folder.path / "t-live.pilots"));
     }
 
+    TEST_CASE("property: what choosing the model took in memory is the system's again when the session begins")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        // kernels are built in here, which takes more memory than all the rest
+        const std::string cache = "POCL_CACHE_DIR=" + (folder.path / "cache").string();
+        fs::create_directories(folder.path / "cache");
+        const auto memory = [&](std::vector<std::string> more) {
+            std::vector<std::string> arguments = {"live", "t.toml", "--port", "0", "--udp", "0", "--record", "s.record"};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            BackgroundApp live(folder.path, arguments, {cache});
+            REQUIRE(live.wait_for_rows(folder.path / ".out-background", 0));
+            std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+            const std::string status = slurp(fmt::format("/proc/{}/status", live.pid()));
+            live.send(SIGTERM);
+            CHECK(live.result().code == 75);
+            const std::size_t at = status.find("VmRSS:");
+            REQUIRE(at != std::string::npos);
+            return std::atof(status.c_str() + at + 6) / 1e3;  // [MB]
+        };
+        const double chosen = memory({"--tolerance", "1mm"}), plain = memory({});
+        CAPTURE(chosen);
+        CAPTURE(plain);
+        CHECK(chosen < 1.3 * plain);
+    }
+
     TEST_CASE("property: a siphon that is lost by its limit of force is lost in the replay too: the same sheet, the same hash")
     {
         const ScratchFolder folder;
