@@ -61,6 +61,7 @@ TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanRef
       name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n") +
             (goals.peaks.asked() ? fmt::format("-{}{}", goals.peaks.tolerance, goals.peaks.is_relative ? "" : "n") : "")),
       peak_goal_(goals.peaks),
+      longest_step_(goals.rate > 0 ? 1 / goals.rate : std::numeric_limits<double>::infinity()),
       seconds_left_(std::move(seconds_left))
 {
     shape_limit_ = goals.tolerance - at(reference.uncertainty, Observable::Shape);
@@ -149,7 +150,8 @@ const TrialRun* TrialRuns::run(const Model& model, const RunPlan& plan, const st
         return nullptr;
     }
     const TrialRun& trial = known_[label(model)] = judge(model, *run, values);
-    if (trial.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
+    // one whose steps are too long for the rate is no measure of what is too dear
+    if (trial.meets && model.dt.value_or(0) <= longest_step_ * (1 + 1e-9)) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
     return &trial;
 }
 

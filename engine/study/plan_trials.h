@@ -86,6 +86,7 @@ private:
     std::string name_;
     double shape_limit_ = 0, force_limit_ = 0;
     PeakGoal peak_goal_;
+    double longest_step_;  // that keeps the rate [s]
     std::function<double()> seconds_left_;
     double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest trial that met the goals [s]
     std::map<std::string, TrialRun> known_;

@@ -95,6 +95,7 @@ TEST_SUITE("apps/live")
         const auto memory = [&](std::vector<std::string> more) {
             std::vector<std::string> arguments = {"live", "t.toml", "--port", "0", "--udp", "0", "--record", "s.record"};
             arguments.insert(arguments.end(), more.begin(), more.end());
+            fs::remove(folder.path / ".out-background");  // of the session before
             BackgroundApp live(folder.path, arguments, {cache});
             REQUIRE(live.wait_for_rows(folder.path / ".out-background", 0));
             std::this_thread::sleep_for(std::chrono::milliseconds(1000));
