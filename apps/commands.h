@@ -30,6 +30,7 @@ void add_stability(CLI::App& app, Command& chosen);
 void add_plan(CLI::App& app, Command& chosen);
 void add_bench(CLI::App& app, Command& chosen);
 void add_live(CLI::App& app, Command& chosen);
+void add_choose_live_model(CLI::App& app, Command& chosen);  // a part of live, not for people
 void add_report(CLI::App& app, Command& chosen);
 void add_farm(CLI::App& app, Command& chosen);
 

@@ -48,6 +48,7 @@ int run_command_line(int argc, char** argv)
     add_plan(app, chosen);
     add_bench(app, chosen);
     add_live(app, chosen);
+    add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";

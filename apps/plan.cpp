@@ -1,4 +1,4 @@
-// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--budget 120]
+// seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--enough 0.5] [--budget 120]
 // [-o planned.toml] [--device N] [--json] [--quiet]
 
 #include "commands.h"
@@ -53,6 +53,7 @@ ExitCode plan_scene(Options& options)
         what.goals.peaks.tolerance = peak.value;
         what.goals.peaks.is_relative = peak.relative;
     }
+    if (what.enough > 0 && what.goals.rate <= 0) throw Error(ExitCode::BadScene, "--enough: a share of real time, so it needs --rate N");
     const PlanFiles files = plan_files(options.plan);
     if (std::filesystem::exists(options.plan) && std::filesystem::equivalent(options.plan, options.scene))
         throw Error(ExitCode::BadScene, fmt::format("-o {}: is the scene itself; choose another file", options.plan.string()));
@@ -98,6 +99,11 @@ void add_plan(CLI::App& app, Command& chosen)
         ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
         ->check(CLI::PositiveNumber)
         ->type_name("N");
+    command
+        ->add_option("--enough", options->what.enough,
+                     "with --rate: take the first model that needs no more than this share of real time, not the cheapest")
+        ->check(CLI::Range(0.01, 1.0))
+        ->type_name("SHARE");
     command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
         ->check(CLI::PositiveNumber)
         ->type_name("S");

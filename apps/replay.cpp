@@ -2,6 +2,7 @@
 #include "replay.h"
 
 #include "core/check.h"
+#include "core/file_io.h"
 #include "scene/checkpoint.h"
 
 #include <fmt/format.h>
@@ -29,10 +30,32 @@ void Replay::check(const Scene& scene, const WorldSetup& setup) const
                                                     record_.header.instruments, setup.wires.size()));
 }
 
+void Replay::begin(const Scene& scene, const World& world)
+{
+    initial_ = world.save_state();
+    score_.emplace(scene, world);
+    score_->begin(world);
+}
+
 void Replay::take_resets(World& world)
 {
-    for (; at_ < record_.entries.size() && record_.entries[at_].kind != RecordEntry::Kind::Step; ++at_)
-        if (record_.entries[at_].kind == RecordEntry::Kind::Reset) world.restore_state(initial_);
+    for (; at_ < record_.entries.size() && record_.entries[at_].kind != RecordEntry::Kind::Step; ++at_) {
+        if (record_.entries[at_].kind != RecordEntry::Kind::Reset) continue;
+        world.restore_state(initial_);
+        score_->begin(world);
+    }
+}
+
+void Replay::stepped(const World& world)
+{
+    const std::uint8_t flags = record_.entries[at_ - 1].flags;
+    score_->stepped(world, record_.header.dt, flags & RecordEntry::fluoroscopy, flags & RecordEntry::contrast);
+}
+
+void Replay::write_score(const Scene& scene, const std::filesystem::path& dir) const
+{
+    write_file(dir / "score.json", score_json(scene, score_->scorer().now()));
+    write_file(dir / "score.html", score_page(scene, score_->scorer().now()));
 }
 
 const Control& Replay::next(World& world)

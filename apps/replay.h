@@ -1,9 +1,11 @@
 #pragma once
 // A recorded live session as the controller of a run: what every hub was asked, step by step, and where the session was reset.
 
+#include "session/score_watch.h"
 #include "session/session_record.h"
 
 #include <filesystem>
+#include <optional>
 
 namespace seldinger::apps {
 
@@ -17,11 +19,16 @@ public:
     /// @throws Error BadScene: of another scene, vessel or version
     void check(const Scene& scene, const WorldSetup& setup) const;
     /// Before the first step, of the world as it starts.
-    void begin(const World& world) { initial_ = world.save_state(); }
+    void begin(const Scene& scene, const World& world);
+    [[nodiscard]] bool begun() const { return score_.has_value(); }
     /// What is asked in the next step; takes the world back to its start where the session was reset.
     [[nodiscard]] const Control& next(World& world);
+    /// The step that was asked has been taken.
+    void stepped(const World& world);
     /// After the last step.
     void end(World& world) { take_resets(world); }
+    /// Writes the sheet that the session was scored with beside the run: score.json, score.html.
+    void write_score(const Scene& scene, const std::filesystem::path& dir) const;
 
 private:
     void take_resets(World& world);
@@ -30,6 +37,7 @@ private:
     std::size_t at_ = 0;
     std::vector<std::uint8_t> initial_;
     Control control_;
+    std::optional<ScoreWatch> score_;
 };
 
 }  // namespace seldinger::apps

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <span>
 #include <sstream>
 #include <vector>
 
@@ -61,12 +62,17 @@ nlohmann::json table_of(const std::string& text)
     return table;
 }
 
+/// Columns of a trace that are plotted; of one instrument among several, those that differ from one to the other.
+constexpr const char* of_all[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "force_per_length_max_n_per_m",
+                                  "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"};
+constexpr const char* of_one[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n"};
+
 /// Of a trace, what is plotted, and no more rows than a plot shows.
-nlohmann::json plotted(const nlohmann::json& trace)
+nlohmann::json plotted(const nlohmann::json& trace, std::span<const char* const> columns)
 {
     constexpr std::size_t most_rows = 4000;
     nlohmann::json out = nlohmann::json::object();
-    for (const char* name : {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n", "friction_n", "contacts", "force_per_length_max_n_per_m", "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"}) {
+    for (const char* name : columns) {
         if (!trace.contains(name)) continue;
         const nlohmann::json& all = trace[name];
         const std::size_t every = all.size() / most_rows + 1;
@@ -85,35 +91,35 @@ void put_floats(std::string& bytes, std::initializer_list<double> values)
     }
 }
 
-/// Nodes with the force of the contacts nearest to each: x, y, z, force.
-std::string nodes_of(const WireFrame& frame)
+/// Nodes with the contact force on each: x, y, z, force.
+std::string nodes_of(const WireLine& wire)
 {
-    const WireLine& wire = frame.wires.front();
-    std::vector<double> force(wire.nodes.size());
-    for (const ContactMark& mark : frame.contacts) {
-        std::size_t nearest = 0;
-        for (std::size_t i = 1; i < wire.nodes.size(); ++i)
-            if ((wire.nodes[i] - mark.point).squaredNorm() < (wire.nodes[nearest] - mark.point).squaredNorm()) nearest = i;
-        if (!force.empty()) force[nearest] += mark.force;
-    }
     std::string bytes;
     for (std::size_t i = 0; i < wire.nodes.size(); ++i)
-        put_floats(bytes, {wire.nodes[i].x(), wire.nodes[i].y(), wire.nodes[i].z(), force[i]});
+        put_floats(bytes, {wire.nodes[i].x(), wire.nodes[i].y(), wire.nodes[i].z(), wire.force.empty() ? 0.0 : wire.force[i]});
     return bytes;
+}
+
+/// What the viewer is told of an instrument once; its nodes come with each frame, in the same order.
+nlohmann::json instrument_of(const WireLine& wire)
+{
+    return {{"name", wire.name}, {"radius", wire.radius.empty() ? 0.0 : wire.radius.back()}};
 }
 
 nlohmann::json playback_of(const fs::path& dir)
 {
     const RunFolder run = read_run_folder(dir);
-    nlohmann::json frames = nlohmann::json::array();
-    double radius = 0;
+    nlohmann::json frames = nlohmann::json::array(), instruments = nlohmann::json::array();
     for (std::size_t k = 0; k < run.frames.size(); ++k) {
         const WireFrame frame = read_frame(run, k);
-        if (frame.wires.empty()) continue;
-        if (!frame.wires.front().radius.empty()) radius = frame.wires.front().radius.back();
-        frames.push_back({{"time", run.frames[k].time}, {"nodes", base64(nodes_of(frame))}});
+        nlohmann::json nodes = nlohmann::json::array();
+        for (const WireLine& wire : frame.wires) {
+            if (nodes.size() == instruments.size()) instruments.push_back(instrument_of(wire));
+            nodes.push_back(base64(nodes_of(wire)));
+        }
+        frames.push_back({{"time", run.frames[k].time}, {"nodes", std::move(nodes)}});
     }
-    return {{"mesh", base64(mesh_bytes(run.wall))}, {"frames", frames}, {"radius", radius}};
+    return {{"mesh", base64(mesh_bytes(run.wall))}, {"frames", frames}, {"instruments", instruments}};
 }
 #else
 nlohmann::json playback_of(const fs::path&)
@@ -121,6 +127,19 @@ nlohmann::json playback_of(const fs::path&)
     throw Error(ExitCode::BadScene, "report: this build cannot read frames; configure with -DSELDINGER_VIEW=ON");
 }
 #endif
+
+/// Of several instruments, each one's trace, in their order; empty where they have none of their own.
+nlohmann::json traces_of(const fs::path& dir, const nlohmann::json& instruments)
+{
+    nlohmann::json traces = nlohmann::json::array();
+    if (instruments.size() < 2) return traces;
+    for (const nlohmann::json& instrument : instruments) {
+        const fs::path file = dir / fmt::format("trace_{}.csv", instrument["name"].get<std::string>());
+        if (!fs::exists(file)) return nlohmann::json::array();
+        traces.push_back(plotted(table_of(read_file(file)), of_one));
+    }
+    return traces;
+}
 
 /// Directions of the patient for the camera, as the live page has them.
 void add_directions(const fs::path& scene_file, nlohmann::json& data)
@@ -151,8 +170,9 @@ nlohmann::json run_data(const fs::path& dir)
     nlohmann::json data{{"kind", "run"}, {"name", dir.filename().string()}};
     data["summary"] = summary_in(dir);
     data["settings"] = read_file(dir / "scene.toml");
-    data["trace"] = plotted(table_of(read_file(dir / "trace.csv")));
+    data["trace"] = plotted(table_of(read_file(dir / "trace.csv")), of_all);
     data["playback"] = playback_of(dir);
+    data["traces"] = traces_of(dir, data["playback"]["instruments"]);
     add_directions(dir / "scene.toml", data);
     return data;
 }

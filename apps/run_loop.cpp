@@ -74,7 +74,7 @@ public:
         Progress progress(scene_, options_.quiet);
         if (fresh_ && needs_settling() && !settle_first()) return stop(RunStatus::Stopped);
         if (scene_.integrator.scheme == Scheme::Static) return stop(RunStatus::Done);
-        if (replay_) replay_->begin(world_);
+        if (replay_) replay_->begin(scene_, world_);
         if (estimates()) twin_.emplace(scene_, world_, static_cast<long>(recorder_.tally().steps));
         const long steps = scene_.steps();
         const double moving_until = prescribed_until(scene_);
@@ -127,6 +127,7 @@ private:
         } else {
             wall_was_far_ = report.flags & StepWallFar;
             const double seconds = seconds_since(start);
+            if (replay_) replay_->stepped(world_);
             world_.read(output_, recorder_.wants());
             recorder_.stepped(output_, report, seconds);
             if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
@@ -146,6 +147,7 @@ private:
         RunOutcome outcome;
         if (twin_) recorder_.estimated(twin_->finish(finer_twins(status)));
         outcome.summary = recorder_.finish(world_, status, wall());
+        if (replay_ && replay_->begun()) replay_->write_score(scene_, options_.dir);
         const std::string dir = options_.dir.string();
         const std::string saved = fmt::format("at step {} of {}, state saved in {}; run again with --resume",
                                               recorder_.tally().steps, scene_.steps(), dir);

@@ -4,6 +4,7 @@
     bench/live_hand.py run  --app build/seldinger SCENE.toml [--seconds 10] [...]     latency, lateness and what was felt
     bench/live_hand.py map  --app build/seldinger SCENE.toml -o stability.csv        stable or not, over stiffness x delay; rows of other scenes stay
     bench/live_hand.py plot stability.csv -o stability.png
+    bench/live_hand.py soak --app build/seldinger SCENE.toml -o soak.csv [--minutes 60]      memory, files and threads of the session, each minute
     bench/live_hand.py wild --app build/seldinger SCENE.toml [--seconds 300] [--kill]   push, pull and turn at random, then replay it
 
 The hand is integrated in 20 parts of a millisecond, the force held for a period and `delay` periods old, as a device holds it. A cell of the map: the hand goes in at
@@ -12,6 +13,7 @@ is made in lockstep (`seldinger live --lockstep`): a step for each datagram, so 
 T and comes tau late, is b_hand = k (T/2 + tau) + b [Colgate & Schenkel 1997].
 """
 import argparse
+import collections
 import csv
 import json
 import math
@@ -25,6 +27,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 REQUEST, ANSWER = struct.Struct("<IHHQdddII"), struct.Struct("<IHHQQdddddII")
@@ -51,14 +54,15 @@ class Session:
 class Hand:
     """@param push  the operator's force as a function of time and position [N]"""
 
-    def __init__(self, port, mass=0.15, damping=3.0, tremor=0.02, delay=0, period=1e-3, seed=1):
+    def __init__(self, port, mass=0.15, damping=3.0, tremor=0.02, delay=0, period=1e-3, parts=20, keeps_log=True):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect(("127.0.0.1", port))
         self.socket.setblocking(False)
         self.mass, self.damping, self.tremor, self.delay, self.period = mass, damping, tremor, delay, period
+        self.parts, self.keeps_log = parts, keeps_log
         self.calm_from, self.refused = math.inf, False
         self.x = self.v = self.turn = 0.0
-        self.sequence, self.sent, self.trips, self.log, self.forces = 0, {}, [], [], [0.0] * (delay + 1)
+        self.sequence, self.sent, self.trips, self.log, self.forces = 0, {}, [], [], collections.deque([0.0] * (delay + 1), delay + 1)
         self.answer = None
 
     def receive(self):
@@ -74,17 +78,17 @@ class Hand:
 
     def tick(self, t, push):
         self.forces.append(self.answer[6] if self.answer else 0.0)
-        felt = self.forces[-1 - self.delay]
-        parts = 20
-        h = self.period / parts
+        felt = self.forces[0]
+        h = self.period / self.parts
         drive = push(t, self.x) + (self.tremor * math.sin(2 * math.pi * 9 * t) if t < self.calm_from else 0.0)
-        for _ in range(parts):
+        for _ in range(self.parts):
             self.v = (self.v + h / self.mass * (drive - felt)) / (1 + h * self.damping / self.mass)
             self.x += h * self.v
         self.sequence += 1
         self.sent[self.sequence] = time.perf_counter()
         self.socket.send(REQUEST.pack(0x484C4553, 1, 0, self.sequence, t, self.x, self.turn, 0, 0))
-        self.log.append((t, self.x, felt, self.answer[9] if self.answer else 0.0))
+        if self.keeps_log:
+            self.log.append((t, self.x, felt, self.answer[9] if self.answer else 0.0))
 
     def go_in_lockstep(self, seconds, push, stop):
         self.socket.setblocking(True)
@@ -103,6 +107,8 @@ class Hand:
         begin = time.perf_counter()
         k = 0
         while k * self.period < seconds and not stop(self.log):
+            # one that was kept from its clock does not make up for it: so fast a hand would be taken for one that jumps
+            begin = max(begin, time.perf_counter() - k * self.period - 0.05)
             while (wait := begin + k * self.period - time.perf_counter()) > 0:
                 if select.select([self.socket], [], [], wait)[0]:
                     self.receive()
@@ -135,6 +141,71 @@ def open_page(url):
 def resident_mb(process):
     with open(f"/proc/{process.pid}/statm") as statm:
         return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def to_and_fro(options):
+    """An operator who goes in at 2 cm/s as far as options.reach, and from there on pulls back two centimetres and goes in again, every ten seconds."""
+    there = options.reach / 0.02
+
+    def push(t, x):
+        to = 0.02 * t if t < there else options.reach - 0.01 * (1 - math.cos(2 * math.pi * (t - there) / 10))
+        return 60 * (to - x)
+    return push
+
+
+def holdings(process):
+    """What a process has of the system: resident memory [MB], open files, threads."""
+    folder = f"/proc/{process.pid}"
+    return {"memory_mb": round(resident_mb(process), 2), "files": len(os.listdir(folder + "/fd")), "threads": len(os.listdir(folder + "/task"))}
+
+
+class Page(threading.Thread):
+    """The page in a browser from one second of the soak to another."""
+
+    def __init__(self, url, begin, end):
+        super().__init__(daemon=True)
+        self.url, self.begin, self.end, self.frames, self.is_open = url, begin, end, "", 0
+
+    def run(self):
+        time.sleep(self.begin)
+        browser = open_page(self.url)
+        self.is_open, closing = 1, time.time() + self.end - self.begin
+        while time.time() < closing:
+            time.sleep(10)
+            self.frames = browser.evaluate("seldinger.fps")
+        browser.close()
+        self.is_open, self.frames = 0, ""
+
+
+def soak(options):
+    session = Session(options.app, options.scene, options.live)
+    hand = Hand(session.port, parts=4, keeps_log=False)
+    page = Page(session.page, 60 * options.page[0], 60 * options.page[1])
+    page.start()
+    time.sleep(1)
+    rows, push, began = [], to_and_fro(options), time.time()
+
+    def note(_):
+        passed = (time.time() - began) / 60
+        if passed < len(rows) + 1 or not hand.answer:
+            return passed >= options.minutes
+        steps, late = hand.answer[4], hand.answer[10]
+        before = rows[-1] if rows else {"steps": 0, "late": 0}
+        trip = quantiles(hand.trips or [math.nan])
+        rows.append({"minute": len(rows) + 1, **holdings(session.process), "page": page.is_open, "page_frames_per_s": page.frames, "steps": steps,
+                     "late": late, "late_percent": round(100 * (late - before["late"]) / max(1, steps - before["steps"]), 3),
+                     "inserted_mm": round(1e3 * hand.answer[9], 1), "round_trip_p50_ms": trip["p50_ms"], "round_trip_p99_ms": trip["p99_ms"]})
+        hand.trips.clear()
+        hand.sent.clear()
+        with open(options.output, "w", newline="") as file:
+            table = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
+        return session.process.poll() is not None or len(rows) >= options.minutes
+
+    hand.go(math.inf, push, note)
+    summary = session.end()
+    print(json.dumps({key: summary[key] for key in ("steps", "late_share", "stretched_s", "step", "input_to_force", "failure", "state_hash")}, indent=2))
 
 
 def run(options):
@@ -265,7 +336,7 @@ def plot(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
-    for name in ("run", "map", "wild"):
+    for name in ("run", "map", "wild", "soak"):
         command = commands.add_parser(name)
         command.add_argument("scene")
         command.add_argument("--app", required=True)
@@ -286,11 +357,16 @@ def main():
     command.add_argument("--reach", type=float, default=0.4, help="the farthest that the hand goes [m]")
     command.add_argument("--seed", type=int, default=1)
     command.add_argument("--kill", action="store_true", help="end the session by SIGKILL; the record is replayed all the same")
+    command = commands.choices["soak"]
+    command.add_argument("-o", dest="output", required=True)
+    command.add_argument("--minutes", type=float, default=60)
+    command.add_argument("--reach", type=float, default=0.2, help="how far the hand goes in [m]")
+    command.add_argument("--page", type=float, nargs=2, default=(10, 25), help="minutes from and to which the page is open")
     command = commands.add_parser("plot")
     command.add_argument("table")
     command.add_argument("-o", dest="output", required=True)
     options = parser.parse_args()
-    {"run": run, "map": stability, "plot": plot, "wild": wild}[options.command](options)
+    {"run": run, "map": stability, "plot": plot, "wild": wild, "soak": soak}[options.command](options)
 
 
 if __name__ == "__main__":

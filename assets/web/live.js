@@ -110,7 +110,7 @@ function showSheet(n) {
   $('verdict').className = verdict;
   const it = n.instruments[state.instrument] || n.instruments[0];
   const count = state.scene.instruments.length, name = state.scene.instruments[state.instrument]?.name || 'Instrument';
-  if (count > 1 && state.viewer) $('instrument').style.borderLeft = `0.5em solid ${state.viewer.colourOf(state.instrument)}`;
+  if (count > 1) $('instrument').style.borderLeft = `0.5em solid var(${instrumentColour(state.instrument, count)})`;
   $('instrument').textContent = `${name}${count > 1 ? ` (${state.instrument + 1} of ${count})` : ''}: ${(100 * it.advance).toFixed(1)} cm in, turned ${calm(it.turn / 2 / Math.PI)}, ${calm(it.force)} N, ${it.contacts} contacts`;
   $('watchers').hidden = n.clients < 2;
   $('watchers').textContent = `${n.clients} watch`;
@@ -168,11 +168,12 @@ function wish() {
 }
 
 // Said again while it lasts: a page that falls silent pushes no more.
-let said = { push: 0, turn: 0 };
+let said = { push: 0, turn: 0 }, saidAt = 0;
 function sayWish() {
   const now = wish();
   if (now.push === 0 && now.turn === 0 && said.push === 0 && said.turn === 0) return;
   said = now;
+  saidAt = performance.now();
   send({ instrument: state.instrument, ...now });
 }
 
@@ -192,13 +193,18 @@ function act(what) {
 
 const actions = { ' ': 'pause', f: 'fluoro', r: 'reset', c: 'contrast', w: 'near' };
 
+function nextInstrument() {
+  state.instrument = (state.instrument + 1) % state.scene.instruments.length;
+  state.dirty = true;
+}
+
 function listenToKeys() {
   const typing = (event) => event.target instanceof HTMLInputElement || (event.target instanceof HTMLButtonElement && (event.key === ' ' || event.key === 'Enter'));
   addEventListener('keydown', (event) => {
     if (typing(event) || event.ctrlKey || event.metaKey || event.altKey) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (key === 'Tab' && event.target === $('view') && state.scene.instruments.length > 1) {
-      state.instrument = (state.instrument + 1) % state.scene.instruments.length;
+      nextInstrument();
     } else if (key.startsWith('Arrow') || key === 'Shift') state.keys.add(key);
     else if (actions[key]) { if (!event.repeat) act(actions[key]); }
     else return;
@@ -222,7 +228,7 @@ function listenToPad() {
   pad.addEventListener('pointermove', (event) => {
     if (!from) return;
     state.pad = { push: (from[1] - event.clientY) / 60 * speeds.push, turn: (event.clientX - from[0]) / 60 * speeds.turn };
-    sayWish();
+    if (performance.now() - saidAt > 30) sayWish();  // a finger is reported up to 120 times a second, as often as the server listens
   });
   pad.addEventListener('pointerup', end);
   pad.addEventListener('pointercancel', end);
@@ -230,6 +236,13 @@ function listenToPad() {
 
 function listenToButtons() {
   for (const id of ['pause', 'reset', 'fluoro', 'near']) $(id).addEventListener('click', () => act(id));
+  if (state.scene.instruments.length > 1) {  // a finger has no Tab
+    $('instrument').setAttribute('role', 'button');
+    $('instrument').title = 'the next instrument (Tab)';
+    $('instrument').tabIndex = 0;
+    $('instrument').addEventListener('click', nextInstrument);
+    $('instrument').addEventListener('keydown', (event) => { if (event.key === 'Enter') nextInstrument(); });
+  }
   $('contrast').addEventListener('pointerdown', () => act('contrast'));
   for (const event of ['pointerup', 'pointerleave', 'pointercancel']) $('contrast').addEventListener(event, () => act('no contrast'));
   for (const id of ['lao', 'cra'])
@@ -258,6 +271,7 @@ async function start() {
   state.forces = new Chart($('forces'), 'Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wire', colour: '--faint' }, { label: 'wall', colour: '--force' }], 0.1, 15);
   state.torques = new Chart($('torques'), 'Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], 0.01, 15);
   state.viewer = makeViewer($('view'), shown, $('message'));
+  if (state.viewer) showLegend($('legend'), state.scene.instruments.map((it) => it.name));
   try {
     if (state.viewer) {
       state.fluoroscope = new Fluoroscope($('fluoroscope'), shown);

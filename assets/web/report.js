@@ -32,8 +32,8 @@ function showSummary() {
   $('settings').textContent = data.settings;
 }
 
-function addChart(title, unit, series, columns, scale, least) {
-  const trace = data.trace, there = columns.filter((name) => trace[name]);
+function addChart(title, unit, series, columns, scale, least, trace = data.trace) {
+  const there = columns.filter((name) => trace[name]);
   if (!there.length || !trace.time_s.length) return;
   const canvas = document.createElement('canvas');
   $('graphs').append(canvas);
@@ -42,10 +42,25 @@ function addChart(title, unit, series, columns, scale, least) {
   report.charts.push(chart);
 }
 
+// A column of every instrument's own trace in one plot, each in its colour.
+function addInstrumentsChart(title, unit, column, scale, least) {
+  const traces = data.traces, together = { time_s: traces[0].time_s };
+  traces.forEach((trace, k) => { together[k] = trace[column]; });
+  const series = data.playback.instruments.map((it, k) => ({ label: it.name, colour: instrumentColour(k, traces.length) }));
+  addChart(title, unit, series, traces.map((_, k) => k), scale, least, together);
+}
+
 function addCharts() {
-  addChart('Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wall', colour: '--force' }, { label: 'friction', colour: '--good' }], ['hand_force_n', 'normal_n', 'friction_n'], 1, 1e-3);
-  addChart('Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], ['hand_torque_nm'], 1e3, 1e-4);
-  addChart('Inserted', 'mm', [{ label: 'wire', colour: '--accent' }], ['inserted_m'], 1e3, 1);
+  if (data.traces.length) {
+    addInstrumentsChart('Hand force', 'N', 'hand_force_n', 1, 1e-3);
+    addInstrumentsChart('Hand torque', 'mN m', 'hand_torque_nm', 1e3, 1e-4);
+    addInstrumentsChart('Inserted', 'mm', 'inserted_m', 1e3, 1);
+    addInstrumentsChart('Wall force', 'N', 'normal_n', 1, 1e-3);
+  } else {
+    addChart('Force', 'N', [{ label: 'hand', colour: '--accent' }, { label: 'wall', colour: '--force' }, { label: 'friction', colour: '--good' }], ['hand_force_n', 'normal_n', 'friction_n'], 1, 1e-3);
+    addChart('Torque', 'mN m', [{ label: 'hand', colour: '--accent' }], ['hand_torque_nm'], 1e3, 1e-4);
+    addChart('Inserted', 'mm', [{ label: 'wire', colour: '--accent' }], ['inserted_m'], 1e3, 1);
+  }
   if (data.trace.force_per_length_max_n_per_m) {
     addChart('Force per length, largest', 'N/m', [{ label: 'wall', colour: '--force' }], ['force_per_length_max_n_per_m'], 1, 0.1);
     addChart('Force on one patch, largest', 'N', [{ label: 'wall', colour: '--force' }], ['patch_force_max_n'], 1, 1e-3);
@@ -55,17 +70,20 @@ function addCharts() {
 }
 
 function addPlayer() {
-  const frames = data.playback.frames.map((frame) => ({ time: frame.time, nodes: new Float32Array(bytes(frame.nodes)) }));
+  const frames = data.playback.frames.map((frame) => ({ time: frame.time, nodes: frame.nodes.map((nodes) => new Float32Array(bytes(nodes))) }));
+  const instruments = data.playback.instruments;
   const mesh = bytes(data.playback.mesh), [vertices, triangles] = new Uint32Array(mesh, 0, 2);
   report.viewer = makeViewer($('view'), {
     positions: new Float32Array(mesh, 8, 3 * vertices), indices: new Uint32Array(mesh, 8 + 12 * vertices, 3 * triangles),
-    radii: [data.playback.radius], head: data.head, front: data.front, target: data.target, most: Math.max(2, ...frames.map((f) => f.nodes.length / 4)),
+    radii: instruments.map((it) => it.radius), head: data.head, front: data.front, target: data.target,
+    most: frames.reduce((most, frame) => frame.nodes.reduce((all, nodes) => Math.max(all, nodes.length / 4), most), 2),
   }, $('message'));
+  showLegend($('legend'), instruments.map((it) => it.name));
   const show = (k) => {
     report.frame = k;
     $('time').value = k;
     $('clock').textContent = `${frames[k].time.toFixed(2)} s`;
-    if (report.viewer) report.viewer.show([frames[k].nodes]);
+    if (report.viewer) report.viewer.show(frames[k].nodes);
     report.charts.forEach((chart) => { chart.mark = frames[k].time; chart.draw(); });
   };
   $('time').max = frames.length - 1;
@@ -86,7 +104,9 @@ function addPlayer() {
     }
     if (report.viewer) report.viewer.draw();
   };
-  addEventListener('resize', () => report.charts.forEach((chart) => chart.draw()));
+  const redraw = () => report.charts.forEach((chart) => chart.draw());
+  addEventListener('resize', redraw);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   show(frames.length - 1);
   requestAnimationFrame(tick);
 }

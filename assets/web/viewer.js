@@ -3,6 +3,23 @@
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// The CSS variable of an instrument's colour: steel for one alone, a colour each for several.
+const instrumentColour = (k, count) => count > 1 ? `--instrument-${k % 8 + 1}` : '--wire';
+
+// Says which colour is which instrument; nothing where there is one alone.
+function showLegend(list, names) {
+  list.hidden = names.length < 2;
+  const add = (text, colour, kind) => {
+    const item = document.createElement('li'), swatch = document.createElement('i');
+    swatch.style.background = `var(${colour})`;
+    swatch.className = kind;
+    item.append(swatch, text);
+    list.append(item);
+  };
+  names.forEach((name, k) => add(name, instrumentColour(k, names.length), ''));
+  add('contact', '--force', 'dot');
+}
+
 // Whether the browser draws on the processor, where smooth edges cost more than all the rest.
 function softwareOnly() {
   const gl = document.createElement('canvas').getContext('webgl'), info = gl && gl.getExtension('WEBGL_debug_renderer_info');
@@ -129,7 +146,9 @@ class Viewer {
 
   addTube(most) {
     const tube = new Tube(most);
-    const mesh = new THREE.Mesh(tube.geometry, new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide }));
+    // several are flat, so that each has the very colour that the legend gives it
+    const Material = this.radii.length > 1 ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial;
+    const mesh = new THREE.Mesh(tube.geometry, new Material({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide }));
     mesh.frustumCulled = false;
     mesh.renderOrder = 1;
     this.scene.add(mesh);
@@ -201,14 +220,11 @@ class Viewer {
 
   recolour() {
     this.walls.forEach((wall) => wall.material.color.set(css('--wall')));
-    const several = css('--instruments').split(' ');
-    this.steel = this.radii.map((_, k) => new THREE.Color(this.radii.length > 1 ? several[k % several.length] : css('--wire')));
+    this.steel = this.radii.map((_, k) => new THREE.Color(css(instrumentColour(k, this.radii.length))));
     this.hot = new THREE.Color(css('--force'));
     this.moved = true;
     if (this.shown) this.show(this.shown);
   }
-
-  colourOf(instrument) { return `#${this.steel[instrument].getHexString()}`; }
 
   // instruments: Float32Arrays [n][x, y, z, force], tip first
   show(instruments) {

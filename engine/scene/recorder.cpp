@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* own_files[] = {"checkpoint.bin", "summary.json", "trace.csv",  "wire.csv",   "contacts.csv", "wire.pvd",
-                                     "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png"};
+                                     "contacts.pvd",   "wall.pvd",     "vessel.vtp", "scene.toml", "picture.png",  "score.json", "score.html"};
 constexpr const char* own_series[] = {"wire_", "contacts_", "wall_", "frame_"};
 
 /// Adds the time until its end to a sum.

@@ -57,6 +57,11 @@ private:
     int direction_ = 0;
 };
 
+/// The score sheet as JSON.
+[[nodiscard]] std::string score_json(const Scene& scene, const ScoreNumbers& score);
+/// And as a page, without anything from outside.
+[[nodiscard]] std::string score_page(const Scene& scene, const ScoreNumbers& score);
+
 /// "passed", "failed", "open" or "free" (no target).
 [[nodiscard]] const char* verdict_of(const TaskSpec& task, const ScoreNumbers& score);
 

@@ -44,15 +44,6 @@ void Session::stop()
     if (hand_) hand_->wake();
 }
 
-std::vector<int> live_instruments(const WorldSetup& setup)
-{
-    const int of_first = setup.systems.empty() ? 1 : setup.systems.front();
-    std::vector<int> fed;
-    for (int w = 0; w < of_first && static_cast<int>(fed.size()) < most_instruments; ++w)
-        if (setup.wires[static_cast<std::size_t>(w)].feed.on) fed.push_back(w);
-    return fed;
-}
-
 Session::Instrument::Instrument(int of_world, const WireSetup& setup, const SessionOptions& options)
     : wire(of_world),
       start(setup.feed.advance),
@@ -70,7 +61,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
       dt_(1 / options.rate),
       world_(std::make_unique<World>(std::move(setup))),
       hand_(hand),
-      scorer_(scene.task, TaskTarget(scene.task, world_->setup().centreline, scene.source.string())),
+      score_(scene, *world_),
       pacer_(dt_)
 {
     for (const int w : live_instruments(world_->setup())) instruments_.emplace_back(w, world_->setup().wires[static_cast<std::size_t>(w)], options);
@@ -84,6 +75,7 @@ Session::Session(const Scene& scene, WorldSetup setup, const SessionOptions& opt
         if (report.failed()) throw Error(ExitCode::Stopped, fmt::format("{}: no equilibrium was found to start from", scene.source.string()));
     }
     initial_ = world_->save_state();
+    score_.begin(*world_);
     for (const Instrument& it : instruments_) control_.move_to(it.wire, it.start, it.start_turn);
     hubs_.resize(2 * static_cast<std::size_t>(world_->wire_count()));
     entry_.reserve(16 + hubs_.size() * sizeof(double));
@@ -222,7 +214,6 @@ void Session::step_once()
     const auto flags = static_cast<std::uint8_t>((fluoroscopy_ ? RecordEntry::fluoroscopy : 0) | (contrast_ ? RecordEntry::contrast : 0));
     put_step(entry_, flags, hubs_.data(), world_->wire_count());
     if (writer_ && !ring_.put(entry_)) record_lost_ = true;
-    const double before = world_->readings(instruments_[0].wire).inserted;
     try {
         const StepReport report = step(*world_, control_, dt_);
         if (report.failed()) failure_ = fmt::format("step {} found no state; the last good one is shown", pacer_.steps() + 1);
@@ -231,16 +222,8 @@ void Session::step_once()
     }
     stopped_ = !failure_.empty();
     if (stopped_) return;  // the world is where it was before
-    double wall_force = 0, patch_force = 0;
-    world_->read(contacts_, Output::Contacts);
-    for (const WireOutput& wire : contacts_.wires) patch_force = std::max(patch_force, wire.on_wall.patch_force);
-    for (Instrument& it : instruments_) {
-        take_readings(it);
-        wall_force += world_->readings(it.wire).normal;
-    }
-    const int first = instruments_[0].wire;
-    scorer_.stepped(dt_, world_->rod(first).pos(0), world_->readings(first).inserted - before, wall_force, patch_force,
-                    fluoroscopy_, contrast_);
+    for (Instrument& it : instruments_) take_readings(it);
+    score_.stepped(*world_, dt_, fluoroscopy_, contrast_);
 }
 
 void Session::take_readings(Instrument& it)
@@ -284,7 +267,7 @@ void Session::reset()
         it.turn.place(0);
         it.load = it.turn_load = {};
     }
-    scorer_.reset();
+    score_.begin(*world_);
 }
 
 void Session::fill(StepNumbers& n) const
@@ -302,7 +285,7 @@ void Session::fill(StepNumbers& n) const
     n.resets = resets_;
     n.request = hand_ ? hand_->input.front().number : 0;
     n.instruments = instruments();
-    n.score = scorer_.now();
+    n.score = scorer().now();
     for (std::size_t k = 0; k < instruments_.size(); ++k) {
         const Instrument& it = instruments_[k];
         const WireReadings r = world_->readings(it.wire);

@@ -9,7 +9,7 @@
 #include "session/hand_channel.h"
 #include "session/pacer.h"
 #include "session/page_wish.h"
-#include "session/score.h"
+#include "session/score_watch.h"
 #include "session/session_record.h"
 #include "session/snapshot.h"
 #include "session/time_histogram.h"
@@ -31,9 +31,6 @@ struct SessionOptions {
     std::filesystem::path record;
 };
 
-/// Instruments of the first system of a world made from this that a hand can hold: those that are fed.
-[[nodiscard]] std::vector<int> live_instruments(const WorldSetup& setup);
-
 class Session {
 public:
     /// @param setup  of `scene`, loaded   @param hand  may be null   @throws Error: the record, a task that the vessel has not
@@ -52,7 +49,7 @@ public:
     /// Seconds since the session was made; in lockstep, of session time.
     [[nodiscard]] double clock() const;
     [[nodiscard]] const World& world() const { return *world_; }  // after finish()
-    [[nodiscard]] const Scorer& scorer() const { return scorer_; }
+    [[nodiscard]] const Scorer& scorer() const { return score_.scorer(); }
     [[nodiscard]] double step_length() const { return dt_; }  // [s]
     [[nodiscard]] int instruments() const { return static_cast<int>(instruments_.size()); }
     /// Summary and score sheet as JSON; after finish().
@@ -100,11 +97,11 @@ private:
     double dt_;
     std::unique_ptr<World> world_;
     HandChannel* hand_;
-    Scorer scorer_;
+    ScoreWatch score_;
     std::vector<Instrument> instruments_;
     std::vector<std::uint8_t> initial_;  // state
     Control control_;
-    Output shape_, contacts_;
+    Output shape_;
     std::vector<double> hubs_;
     std::vector<std::uint8_t> entry_;
     Pacer pacer_;
@@ -125,10 +122,5 @@ private:
     std::atomic<bool> stop_{false}, running_{false};
     std::atomic<std::uint64_t> steps_{0}, late_{0};
 };
-
-/// The score sheet as JSON.
-[[nodiscard]] std::string score_json(const Scene& scene, const ScoreNumbers& score);
-/// And as a page, without anything from outside.
-[[nodiscard]] std::string score_page(const Scene& scene, const ScoreNumbers& score);
 
 }  // namespace seldinger

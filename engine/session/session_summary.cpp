@@ -126,7 +126,7 @@ std::string Session::summary() const
                           {"resets", resets_},
                           {"record", options_.record.string()},
                           {"failure", failure_},
-                          {"score", score_object(scene_, scorer_.now())},
+                          {"score", score_object(scene_, scorer().now())},
                           {"state_hash", world_->state_hash()}}
                .dump(2) + "\n";
 }

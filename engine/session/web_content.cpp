@@ -4,6 +4,7 @@
 #include "core/assets.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "session/score_watch.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,8 +29,10 @@ nlohmann::json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer& scorer, double rate)
 {
     nlohmann::json instruments = nlohmann::json::array();
-    for (const WireSetup& wire : setup.wires)
+    for (const int k : live_instruments(setup)) {
+        const WireSetup& wire = setup.wires[static_cast<std::size_t>(k)];
         instruments.push_back({{"name", wire.name}, {"length", wire.wire.length}, {"radius", wire.wire.shaft.radius}});
+    }
     const TaskSpec& task = scene.task;
     nlohmann::json json{{"name", scene.name},       {"instruments", instruments},
                         {"rate", rate},             {"dt", 1 / rate},

@@ -16,8 +16,27 @@ constexpr double plainly_wrong = 2;
 // Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does
 // other things makes a trial look several times slower than it is.
 constexpr double plainly_dear = 8, least_patience = 1;
+// The slowest of the sampled intervals over the mean of a run, where it was not timed.
+constexpr double unknown_slowest = 3;
 
 double square(double x) { return x * x; }
+
+/// Of the sampled intervals of a run that has begun, the one that took the longest, per simulated second.
+class Slowest {
+public:
+    Slowest(const CostRule& cost, double interval, double& worst) : cost_(cost), interval_(interval), worst_(worst) {}
+    void add(double wall, double cpu)
+    {
+        worst_ = std::max(worst_, cost_.seconds(wall - wall_, cpu - cpu_) / interval_);
+        wall_ = wall;
+        cpu_ = cpu;
+    }
+
+private:
+    const CostRule& cost_;
+    double interval_, wall_ = 0, cpu_ = 0;
+    double& worst_;
+};
 
 }  // namespace
 
@@ -42,6 +61,7 @@ TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanRef
       name_(fmt::format("pilots-{}-{}{}", goals.tolerance, goals.force_tolerance, goals.force_is_relative ? "" : "n") +
             (goals.peaks.asked() ? fmt::format("-{}{}", goals.peaks.tolerance, goals.peaks.is_relative ? "" : "n") : "")),
       peak_goal_(goals.peaks),
+      longest_step_(goals.rate > 0 ? 1 / goals.rate : std::numeric_limits<double>::infinity()),
       seconds_left_(std::move(seconds_left))
 {
     shape_limit_ = goals.tolerance - at(reference.uncertainty, Observable::Shape);
@@ -51,11 +71,13 @@ TrialRuns::TrialRuns(const StudyScene& scene, const RunPlan& plan, const PlanRef
                        at(reference.uncertainty, Observable::HandForce);
 }
 
-RunPlan TrialRuns::watched(double& shape_sum, double& force_sum) const
+RunPlan TrialRuns::watched(double& shape_sum, double& force_sum, double& slowest) const
 {
     RunPlan plan = plan_;
     const double n = static_cast<double>(reference_.values.samples.size());
-    plan.after_sample = [this, n, &shape_sum, &force_sum, k = std::size_t{0}](const Sample& sample, double, double) mutable {
+    plan.after_sample = [this, n, &shape_sum, &force_sum, timer = Slowest(cost_, plan.interval, slowest),
+                         k = std::size_t{0}](const Sample& sample, double wall, double cpu) mutable {
+        timer.add(wall, cpu);
         if (k >= reference_.values.samples.size()) return true;
         const Sample& right = reference_.values.samples[k++];
         shape_sum += square(frechet_distance(sample.shape, right.shape, 1e-3));
@@ -100,10 +122,15 @@ const TrialRun* TrialRuns::look_at(const Model& model)
 {
     const std::string key = label(model);
     if (const auto found = known_.find(key); found != known_.end()) return &found->second;
-    double shape_sum = 0, force_sum = 0;
-    RunPlan plan = watched(shape_sum, force_sum);
+    double shape_sum = 0, force_sum = 0, slowest = 0;
+    RunPlan plan = watched(shape_sum, force_sum, slowest);
     plan.wall_limit = std::min(std::max(least_patience, seconds_left_()), std::max(least_patience, plainly_dear * shortest_));
-    return run(model, plan, name_);
+    const TrialRun* trial = run(model, plan, name_);
+    if (!trial) return nullptr;
+    // of a trial that an earlier call ran, the mean is known alone
+    TrialRun& timed = known_.at(key);
+    timed.slowest = slowest > 0 ? slowest : unknown_slowest * timed.seconds;
+    return &timed;
 }
 
 const TrialRun* TrialRuns::measure(const Model& model)
@@ -123,7 +150,8 @@ const TrialRun* TrialRuns::run(const Model& model, const RunPlan& plan, const st
         return nullptr;
     }
     const TrialRun& trial = known_[label(model)] = judge(model, *run, values);
-    if (trial.meets) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
+    // one whose steps are too long for the rate is no measure of what is too dear
+    if (trial.meets && model.dt.value_or(0) <= longest_step_ * (1 + 1e-9)) shortest_ = std::min(shortest_, run->cost.wall * (run->simulated > 0 ? run->simulated : 1));
     return &trial;
 }
 
@@ -132,12 +160,10 @@ double TrialRuns::time_again(const Model& model, int repeats)
     TrialRun& trial = known_.at(label(model));
     std::vector<double> seconds, slowest;
     for (int k = 0; k < repeats; ++k) {
-        double last_wall = 0, last_cpu = 0, worst = 0;
+        double worst = 0;
         RunPlan plan = plan_;
-        plan.after_sample = [&](const Sample&, double wall, double cpu) {
-            worst = std::max(worst, cost_.seconds(wall - last_wall, cpu - last_cpu) / plan.interval);
-            last_wall = wall;
-            last_cpu = cpu;
+        plan.after_sample = [timer = Slowest(cost_, plan.interval, worst)](const Sample&, double wall, double cpu) mutable {
+            timer.add(wall, cpu);
             return true;
         };
         const ModelRun run = run_model(scene_, model, plan);

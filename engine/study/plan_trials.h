@@ -28,6 +28,7 @@ struct TrialRun {
     double force_error = 0;       // [N]
     Peaks peak_error{};           // of a complete trial, where peaks were asked for
     double seconds = 0;           // of computation per simulated second (static: per solution)
+    double slowest = 0;           // the same over the slowest of the sampled intervals; 0: not timed
     int nodes = 0;
     Outcome outcome = Outcome::Hold;
     double jitter = 0;
@@ -73,7 +74,7 @@ public:
     [[nodiscard]] bool stopped() const { return stopped_; }
 
 private:
-    [[nodiscard]] RunPlan watched(double& shape_sum, double& force_sum) const;
+    [[nodiscard]] RunPlan watched(double& shape_sum, double& force_sum, double& slowest) const;
     [[nodiscard]] const TrialRun* run(const Model& model, const RunPlan& plan, const std::string& name);
     [[nodiscard]] TrialRun judge(const Model& model, const RunRecord& run, const Trajectory& values) const;
 
@@ -85,6 +86,7 @@ private:
     std::string name_;
     double shape_limit_ = 0, force_limit_ = 0;
     PeakGoal peak_goal_;
+    double longest_step_;  // that keeps the rate [s]
     std::function<double()> seconds_left_;
     double shortest_ = std::numeric_limits<double>::infinity();  // wall time of the quickest trial that met the goals [s]
     std::map<std::string, TrialRun> known_;

@@ -20,6 +20,7 @@ constexpr int most_samples = 60;
 constexpr double longest_step = 1.0 / 30;                                // [s]
 constexpr double reference_share = 0.6;                                  // of the budget
 constexpr double wanted_certainty = 1.0 / 6, least_certainty = 1.0 / 2;  // reference's uncertainty over the tolerance
+constexpr double hurried_certainty = 1.0 / 3;  // where a model that is good enough is taken at once
 constexpr int final_repeats = 3;
 constexpr double contender = 1.15;  // costs up to this over the winner's are timed again
 constexpr std::size_t most_contenders = 3;
@@ -84,12 +85,13 @@ private:
     {
         result_.status = PlanStatus::Planned;
         ReferenceGoals wanted;
-        wanted.shape = wanted_certainty * goals_.tolerance;
+        const double certainty = options_.enough > 0 ? hurried_certainty : wanted_certainty;
+        wanted.shape = certainty * goals_.tolerance;
         wanted.force =
-            goals_.force_tolerance > 0 ? wanted_certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
+            goals_.force_tolerance > 0 ? certainty * goals_.force_tolerance : std::numeric_limits<double>::infinity();
         wanted.force_is_relative = goals_.force_is_relative;
         wanted.peaks = goals_.peaks;
-        wanted.peaks.tolerance *= wanted_certainty;
+        wanted.peaks.tolerance *= certainty;
         wanted.affordable = [this](double seconds) { return elapsed() + seconds <= reference_share * options_.budget; };
         wanted.seconds_left = [this] { return std::max(1.0, options_.budget - elapsed()); };
         result_.reference = refine_scene(scene_, plan_, wanted, store_, "reference", options_.progress);
@@ -186,6 +188,8 @@ private:
         TrialRuns trials(scene_, plan_, result_.reference, goals_, cost_, store_, [this] { return options_.budget - elapsed(); });
         if (goals_.rate > 0 && !rate_is_thinkable(trials)) return out_of_reach(trials);
         const SearchGrid grid = grid_up_to(longest);
+        if (options_.enough > 0 && take_at_once(trials, grid, longest)) return;
+        if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         const auto go_on = [&, looked = std::size_t{0}]() mutable {
             tell(fmt::format("trial run {}", ++looked));
             return may_go_on();
@@ -206,6 +210,29 @@ private:
         look_at_omissions(trials);
         result_.trials = static_cast<int>(trials.all().size());
         if (trials.stopped()) stop_with(PlanStatus::Interrupted, "interrupted");
+    }
+
+    /// The search as far as the first model that is quick enough. @return whether there is one
+    bool take_at_once(TrialRuns& trials, const SearchGrid& grid, double longest)
+    {
+        const auto is_enough = [&](const TrialRun& trial) {  // a trial with longer steps was there to see what a step costs
+            return trial.meets && trial.model.dt.value_or(0) <= longest * (1 + 1e-9) && trial.slowest <= options_.enough;
+        };
+        const auto first = [&] {
+            return std::find_if(trials.all().begin(), trials.all().end(), [&](const auto& entry) { return is_enough(entry.second); });
+        };
+        const auto go_on = [&, looked = std::size_t{0}]() mutable {
+            if (first() != trials.all().end() || !may_go_on()) return false;
+            tell(fmt::format("trial run {}", ++looked));
+            return true;
+        };
+        (void)search_models(scene_.scene, starting_model(), grid, result_.touches, trials, go_on);
+        const auto found = first();
+        result_.trials = static_cast<int>(trials.all().size());
+        if (trials.stopped() || found == trials.all().end()) return false;
+        result_.chosen = planned(found->second, found->second.slowest);
+        result_.notes.push_back(fmt::format("the first model that takes no more than {:.2g} of real time: there may be cheaper ones", options_.enough));
+        return true;
     }
 
     [[nodiscard]] SearchGrid grid_up_to(double longest) const

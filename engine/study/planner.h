@@ -24,6 +24,9 @@ struct PlanOptions {
     std::filesystem::path trials;  // folder where trials are kept; a plan that was interrupted goes on from there
     double budget = 120;           // wall time of this call [s]
     int device = -1;
+    // With a rate: a model that meets the goals and takes no more of real time than this in its slowest stretch is taken at once,
+    // and the reference is known to a third of the tolerance only. 0: the cheapest is looked for, and what was left out
+    double enough = 0;
     std::function<bool()> stop;                        // asked between samples of a trial; may be empty
     std::function<void(const std::string&)> progress;  // what is being done; may be empty
 };

@@ -18,6 +18,7 @@ struct WireLine {
     std::vector<Vec3> nodes;     // tip to hub [m]
     std::vector<double> radius;  // [m], one per node
     std::string name;            // of an instrument among several
+    std::vector<double> force;   // of contact, one per node [N]; empty: not recorded
 };
 
 /// One contact of the picture.

@@ -143,6 +143,7 @@ std::vector<WireLine> read_wires(const fs::path& path)
 {
     const PolyData data = read_poly_data(path);
     const PolyArray& radius = need(data, "radius", 1, path);
+    const PolyArray* force = data.point_data.count("contact_force") > 0 ? &need(data, "contact_force", 3, path) : nullptr;
     std::vector<WireLine> wires;
     std::int64_t begin = 0;
     for (std::int64_t end : data.lines.offsets) {
@@ -151,6 +152,7 @@ std::vector<WireLine> read_wires(const fs::path& path)
             const auto point = static_cast<std::size_t>(data.lines.connectivity[k]);
             wire.nodes.push_back(to_vec3(data.points[point]));
             wire.radius.push_back(radius.values[point]);
+            if (force) wire.force.push_back(std::hypot(force->values[3 * point], force->values[3 * point + 1], force->values[3 * point + 2]));
             if (!wire.nodes.back().allFinite()) fail(path, "a node of the wire is not finite");
         }
         if (!wire.nodes.empty()) wires.push_back(std::move(wire));

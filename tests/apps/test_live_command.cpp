@@ -1,6 +1,7 @@
 // The real `seldinger live`: what it leaves on disk, its replay, a kill in the middle, and what it refuses, in one line each.
 
-#include "apps/app_fixture.h"
+#include "apps/background_app.h"
+#include "session/session.h"
 #include "session/session_fixture.h"
 #include "support/skip.h"
 
@@ -83,6 +84,70 @@ TEST_SUITE("apps/live")
         CHECK(!fs::exists(folder.path / "t-live.pilots"));
     }
 
+    TEST_CASE("property: what choosing the model took in memory is the system's again when the session begins")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        // kernels are built in here, which takes more memory than all the rest
+        const std::string cache = "POCL_CACHE_DIR=" + (folder.path / "cache").string();
+        fs::create_directories(folder.path / "cache");
+        const auto memory = [&](std::vector<std::string> more) {
+            std::vector<std::string> arguments = {"live", "t.toml", "--port", "0", "--udp", "0", "--record", "s.record"};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            fs::remove(folder.path / ".out-background");  // of the session before
+            BackgroundApp live(folder.path, arguments, {cache});
+            REQUIRE(live.wait_for_rows(folder.path / ".out-background", 0));
+            std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+            const std::string status = slurp(fmt::format("/proc/{}/status", live.pid()));
+            live.send(SIGTERM);
+            CHECK(live.result().code == 75);
+            const std::size_t at = status.find("VmRSS:");
+            REQUIRE(at != std::string::npos);
+            return std::atof(status.c_str() + at + 6) / 1e3;  // [MB]
+        };
+        const double chosen = memory({"--tolerance", "1mm"}), plain = memory({});
+        CAPTURE(chosen);
+        CAPTURE(plain);
+        CHECK(chosen < 1.3 * plain);
+    }
+
+    TEST_CASE("property: a siphon that is lost by its limit of force is lost in the replay too: the same sheet, the same hash")
+    {
+        const ScratchFolder folder;
+        const fs::path file = fs::path(SEL_SOURCE_DIR) / "assets/scenes/training/siphon.toml", record = folder.path / "s.record";
+        const Scene scene = read_scene(file);
+        SessionOptions options;
+        options.lockstep = true;
+        options.record = record;
+        HandChannel hand("127.0.0.1", 0, 1);
+        Session session(scene, make_setup(scene), options, &hand);
+        hand.start([&] { return session.clock(); }, true);
+        session.start();
+        {
+            const Line line(SOCK_DGRAM, hand.port());
+            SelHandAnswer answer{};
+            for (std::uint64_t k = 1; k <= 700; ++k)  // 11 cm/s, too fast
+                REQUIRE(line.ask(k, 1.1e-4 * static_cast<double>(k), 0, answer, k < 500 ? SEL_HAND_FLUOROSCOPY : 0));
+        }
+        session.stop();
+        session.finish();
+        const std::string sheet = score_json(scene, session.scorer().now());
+        const auto score = nlohmann::json::parse(sheet);
+        CHECK(score["verdict"] == "failed");
+        CHECK(score["wall_force_max_n"].get<double>() > score["limits"]["wall_force_n"].get<double>());
+        CHECK(score["time_s"].get<double>() < score["limits"]["time_s"].get<double>());
+        CHECK(score["fluoroscopy_s"].get<double>() == doctest::Approx(0.499));
+        const AppResult replay = run_app(folder, "run '" + file.string() + "' --replay s.record -o D --json --set scene.record_every=100");
+        CAPTURE(replay.err);
+        REQUIRE(replay.code == 0);
+        CHECK(nlohmann::json::parse(replay.out)["state_hash"] == session.world().state_hash());
+        CHECK(slurp(folder.path / "D/score.json") == sheet);
+        CHECK(slurp(folder.path / "D/score.html") == score_page(scene, session.scorer().now()));
+        REQUIRE(run_app(folder, "run '" + file.string() + "' -o D --overwrite --quiet --set scene.duration_s=0.01").code == 0);
+        CHECK_FALSE(fs::exists(folder.path / "D/score.json"));  // key frames are not scored
+    }
+
     TEST_CASE("property: what a killed session leaves replays")
     {
         if (!has_page()) return skip("libjs-three is not installed");
@@ -94,6 +159,55 @@ TEST_SUITE("apps/live")
         CAPTURE(replay.err);
         REQUIRE(replay.code == 0);
         CHECK(nlohmann::json::parse(replay.out)["steps"].get<int>() > 100);
+    }
+
+    TEST_CASE("property: a scene that cannot keep the rate starts, says so in one line, and stretches time")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        const AppResult result =
+            run_app(folder, "live t.toml --port 0 --udp 0 --rate 2000 --set wire.nodes=801 --set feed.direction=[1.0,0.0,0.0] "
+                            "--set feed.keys.0.advance_m=0.08 --duration 1.1 --record s.record --json");
+        CAPTURE(result.err);
+        REQUIRE(result.code == 0);
+        CHECK(result.error_lines() == 1);
+        CHECK(result.err.find("cannot keep 2000 steps a second here: time stretches") != std::string::npos);
+        const auto summary = nlohmann::json::parse(result.out);
+        CHECK(summary["late_share"].get<double>() > 0.5);
+        CHECK(summary["wall_s"].get<double>() > 1.1 * summary["session_s"].get<double>());
+        CHECK(summary["stretched_s"].get<double>() == doctest::Approx(summary["wall_s"].get<double>() - summary["session_s"].get<double>()).epsilon(0.1));
+    }
+
+    TEST_CASE("property: the client of the documents pushes and feels, as it stands there")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        if (!fs::exists("/usr/bin/python3")) return skip("no /usr/bin/python3");
+        const std::string text = slurp(fs::path(SEL_SOURCE_DIR) / "docs/live.md"), fence = "```python\n";
+        const std::size_t begin = text.find(fence);
+        REQUIRE(begin != std::string::npos);
+        std::string client = text.substr(begin + fence.size(), text.find("```", begin + fence.size()) - begin - fence.size());
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        BackgroundApp live(folder.path, {"live", "t.toml", "--port", "0", "--udp", "0", "--lockstep", "--record", "s.record"});
+        REQUIRE(live.wait_for_rows(folder.path / ".out-background", 0));
+        const std::string said = slurp(folder.path / ".out-background");
+        const std::size_t at = said.find("hand UDP 127.0.0.1:");
+        REQUIRE(at != std::string::npos);
+        const std::string port = std::to_string(std::atoi(said.c_str() + at + 19));
+        REQUIRE(client.find("9090") != std::string::npos);
+        client.replace(client.find("9090"), 4, port);
+        REQUIRE(client.find("5001") != std::string::npos);
+        client.replace(client.find("5001"), 4, "2001");  // 4 cm of the tube
+        folder.write("client.py", client);
+        CHECK(std::system(fmt::format("cd '{}' && timeout 60 /usr/bin/python3 client.py >said.txt", folder.path.string()).c_str()) == 0);
+        const std::string felt = slurp(folder.path / "said.txt");
+        CHECK(std::count(felt.begin(), felt.end(), '\n') == 2000);
+        live.send(SIGTERM);
+        CHECK(live.result().code == 75);
+        const auto summary = nlohmann::json::parse(slurp(folder.path / "s.record.summary.json"));
+        CHECK(summary["packets"]["accepted"] == 2000);
+        CHECK(summary["score"]["reached"] == true);
     }
 
     TEST_CASE("property: refusals are one line with the code that is documented")

@@ -71,6 +71,26 @@ TEST_SUITE("apps/plan")
               std::string::npos);
     }
 
+    TEST_CASE("property: with --enough the first model that is quick enough is taken: as good as promised, in fewer trials")
+    {
+        const ScratchFolder folder;
+        folder.write("t.toml", free_scene(0.1));
+        const auto whole = plan_of(run_plan(folder, "t.toml --tolerance 1mm --rate 1000 -o whole.toml --json"));
+        const AppResult result = run_plan(folder, "t.toml --tolerance 1mm --rate 1000 --enough 1 --json");
+        REQUIRE(result.code == 0);
+        const auto plan = plan_of(result);
+        CHECK(plan["status"] == "planned");
+        CHECK(plan["chosen"]["error_high_m"].get<double>() <= 1e-3);
+        CHECK(plan["reference"]["uncertainty_m"].get<double>() <= 0.5e-3);
+        CHECK(plan["left_out"].empty());
+        CHECK(seldinger::read_scene(folder.path / "planned.toml").dt <= 1e-3 * (1 + 1e-9));
+        CHECK(plan["pilots"].get<int>() < whole["pilots"].get<int>() / 2);
+        // what was kept serves: the same model at once
+        const AppResult again = run_plan(folder, "t.toml --tolerance 1mm --rate 1000 --enough 1 --json");
+        CHECK(plan_of(again)["chosen"]["error_m"] == plan["chosen"]["error_m"]);
+        one_line(run_plan(folder, "t.toml --tolerance 1mm --enough 0.5"), 2, "--rate");
+    }
+
     TEST_CASE("property: peaks that are asked for are within, their uncertainty included, and are told; what is not known is refused")
     {
         const ScratchFolder folder;

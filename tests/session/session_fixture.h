@@ -69,9 +69,9 @@ public:
     }
 
     /// @return whether it was answered
-    bool ask(std::uint64_t sequence, double advance, double rotation, SelHandAnswer& answer) const
+    bool ask(std::uint64_t sequence, double advance, double rotation, SelHandAnswer& answer, std::uint32_t flags = 0) const
     {
-        const SelHandRequest request{0, sequence, 1e-3 * static_cast<double>(sequence), advance, rotation, 0};
+        const SelHandRequest request{0, sequence, 1e-3 * static_cast<double>(sequence), advance, rotation, flags};
         unsigned char bytes[SEL_HAND_REQUEST_BYTES];
         sel_write_request(&request, bytes);
         send(bytes, sizeof bytes);

@@ -76,9 +76,9 @@ class WebSocket:
 
 
 class Browser:
-    """One tab. @raises FileNotFoundError without a Chromium"""
+    """One tab. @param more  arguments of the browser   @raises FileNotFoundError without a Chromium"""
 
-    def __init__(self, width=1280, height=720, dark=False):
+    def __init__(self, width=1280, height=720, dark=False, more=()):
         program = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
         if not program:
             raise FileNotFoundError("no chromium")
@@ -87,7 +87,7 @@ class Browser:
         # "swiftshader" the whole page goes through it, at a fifth of the frames.
         arguments = ["--headless=new", "--no-sandbox", "--disable-gpu-sandbox", "--use-gl=angle", "--use-angle=swiftshader-webgl",
                      "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run", "--remote-debugging-port=0",
-                     f"--user-data-dir={self.folder}", f"--window-size={width},{height}", "--hide-scrollbars", "about:blank"]
+                     f"--user-data-dir={self.folder}", f"--window-size={width},{height}", "--hide-scrollbars", *more, "about:blank"]
         self.process = subprocess.Popen([program] + arguments, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.port = self._port()
         with urllib.request.urlopen(f"http://127.0.0.1:{self.port}/json/list") as answer:
@@ -120,6 +120,15 @@ class Browser:
 
     def size(self, width, height, mobile=False):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
+
+    def phone(self, width, height, scale):
+        """From now on a phone: `scale` pixels to a point, and fingers (see touch)."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=True)
+        self.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
+
+    def touch(self, kind, points):
+        """@param kind  touchStart, touchMove, touchEnd   @param points  of the fingers that are down, (x, y)"""
+        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(points)])
 
     def scheme(self, name):
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": name}])

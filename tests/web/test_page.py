@@ -16,6 +16,7 @@ import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser, WebSocket  # noqa: E402
+from phone import phone  # noqa: E402
 from session import LiveSession  # noqa: E402
 
 FAILURES = []
@@ -180,6 +181,44 @@ def slow_and_broken(browser, session):
     deaf.close()
 
 
+def dropped(browser):
+    frames = browser.evaluate("seldinger.socket.close(), seldinger.frames")
+    browser.wait("document.querySelector('#pace').textContent === 'not connected'", 5)
+    browser.wait(f"seldinger.socket.readyState === 1 && seldinger.frames > {frames + 20}", 20)
+    check(True, "a dropped connection is said, and comes back")
+
+
+def keyboard_only(browser):
+    """With Tab alone every control is reached, round and round, and Enter presses it."""
+    reached = []
+    for _ in range(10):
+        browser.key("Tab", "Tab", True)
+        browser.key("Tab", "Tab", False)
+        reached.append(browser.evaluate("document.activeElement.id"))
+    check({"pause", "reset", "fluoro", "contrast", "near", "view", "lao", "cra"} <= set(reached), f"the keyboard reaches every control ({' '.join(reached)})")
+    browser.evaluate("document.querySelector('#near').focus()")
+    browser.key("Enter", "Enter", True, "\r")
+    browser.key("Enter", "Enter", False)
+    check(browser.evaluate("document.querySelector('#near').getAttribute('aria-pressed')") == "true", "and Enter presses a button")
+    browser.evaluate("document.querySelector('#near').click(), document.querySelector('#view').focus()")
+
+
+def without_webgl(session, pictures):
+    browser = Browser(more=["--disable-3d-apis"])
+    try:
+        browser.open(session.url)
+        browser.wait("window.seldinger && seldinger.frames > 5", 60)
+        said = browser.evaluate("document.querySelector('#message').hidden ? '' : document.querySelector('#message').textContent")
+        check("no WebGL" in said, f"a browser without WebGL is told so ({said})")
+        before = advance(browser)
+        hold(browser, "ArrowUp", 1)
+        check(advance(browser) > before + 0.01, "and its keys push all the same")
+        check("N" in browser.evaluate("document.querySelector('#sheet').textContent"), "and it has its sheet")
+        browser.picture(os.path.join(pictures, "no-webgl.png"))
+    finally:
+        browser.close()
+
+
 def reports(browser, app, source, pictures):
     folder = tempfile.mkdtemp(prefix="seldinger-report-")
     try:
@@ -202,6 +241,47 @@ def reports(browser, app, source, pictures):
         shutil.rmtree(folder, ignore_errors=True)
 
 
+# what each instrument is drawn in where nothing touches it, as live.css has it
+COLOURS = {"light": {"sheath": (0x1f, 0x7a, 0x8c), "catheter": (0x24, 0x43, 0x5f), "wire": (0x7d, 0x4e, 0x9e)},
+           "dark": {"sheath": (0x4f, 0xb3, 0xc4), "catheter": (0xc8, 0xd6, 0xe2), "wire": (0xb4, 0x8a, 0xd6)}}
+
+
+def like(colour):
+    """Shaded: of its hue within a sixth, and neither black nor white."""
+    def same(pixel):
+        a, b = [max(1, sum(c)) for c in (pixel, colour)]
+        return 90 < sum(pixel) < 740 and all(abs(p / a - q / b) < 0.035 for p, q in zip(pixel, colour))
+    return same
+
+
+def report_of_several(browser, app, source, pictures):
+    folder = tempfile.mkdtemp(prefix="seldinger-report-")
+    try:
+        run, page = os.path.join(folder, "run"), os.path.join(folder, "report.html")
+        subprocess.run([app, "run", os.path.join(source, "assets/scenes/sheath-catheter-wire.toml"), "--set", "scene.duration_s=5", "--set",
+                        "output.wire_every=50", "-o", run, "--quiet", "--error-estimate", "off"], check=True)
+        subprocess.run([app, "report", run, "-o", page], check=True, stdout=subprocess.DEVNULL)
+        browser.open("file://" + page)
+        browser.wait("window.seldinger && seldinger.data && seldinger.viewer", 60)
+        names = browser.evaluate("[...document.querySelectorAll('#legend li')].map((item) => item.textContent)")
+        check(names == ["sheath", "catheter", "wire", "contact"], f"the legend names every instrument of a report ({', '.join(names)})")
+        nodes = browser.evaluate("seldinger.viewer.shown.map((nodes) => nodes.length / 4)")
+        check(len(nodes) == 3 and min(nodes) > 2, f"and all of them are played back ({nodes} nodes)")
+        browser.evaluate("seldinger.viewer.distance *= 0.45, seldinger.viewer.moved = true")
+        for name, width, height, scheme in (("wide-light", 1280, 720, "light"), ("wide-dark", 1280, 720, "dark"), ("narrow-light", 390, 844, "light"),
+                                            ("narrow-dark", 390, 844, "dark")):
+            browser.size(width, height, width < 800)
+            browser.scheme(scheme)
+            time.sleep(1)
+            rows = pixels(browser.picture(os.path.join(pictures, f"report-several-{name}.png")))
+            check(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"report, {name}: nothing runs out of the window")
+            for instrument, colour in COLOURS[scheme].items():
+                seen = share(rows, box_of(browser, "#scene"), like(colour))
+                check(seen > 1e-4, f"report, {name}: the {instrument} is seen in its colour ({1e4 * seen:.1f} of 10,000 pixels)")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("app")
@@ -218,7 +298,10 @@ def main():
     session = LiveSession(options.app, os.path.join(options.source, "assets/scenes/experiment2.toml"))
     try:
         drive(browser, session, pictures)
+        keyboard_only(browser)
+        dropped(browser)
         refusals(session)
+        without_webgl(session, pictures)
         slow_and_broken(browser, session)
         errors = browser.errors()
         check(not errors, f"nothing in the console {errors or ''}")
@@ -226,6 +309,9 @@ def main():
         check(summary["failure"] == "", "the session ended well")
         print(f"        {summary['steps']} steps, {100 * summary['late_share']:.2f} % late, p99 {summary['step']['p99_ms']:.2f} ms")
         reports(browser, options.app, options.source, pictures)
+        report_of_several(browser, options.app, options.source, pictures)
+        browser.close()
+        phone(options.app, options.source, pictures, check)
     finally:
         browser.close()
         session.end()

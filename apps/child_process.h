@@ -1,0 +1,21 @@
+#pragma once
+// The program once more, as a process of its own: what it took in memory is the system's again when it ends.
+
+#include <string>
+#include <vector>
+
+namespace seldinger::apps {
+
+struct ChildEnd {
+    int code = 0;     // exit code, or 128 + the signal that ended it
+    std::string out;  // what it wrote to stdout
+};
+
+/// Runs this program with these arguments; its stderr is ours. A signal that asks us to stop is passed on to it once.
+/// @param input  what it reads from stdin   @throws Error Stopped: no process could be made
+[[nodiscard]] ChildEnd run_self(const std::vector<std::string>& arguments, const std::string& input);
+
+/// Of the process so started: it ends with the one that started it, however that ends.
+void end_with_parent();
+
+}  // namespace seldinger::apps

@@ -1,0 +1,143 @@
+// The real `seldinger report`: what a page holds of a run with several instruments, merged or a rod each, and of a batch of them.
+
+#include "apps/app_fixture.h"
+#include "support/skip.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+bool has_three() { return fs::exists("/usr/share/javascript/three/three.min.js"); }
+
+/// A catheter and, inside it and farther on, a wire, both fed along a tube.
+std::string two_instruments(const std::string& model)
+{
+    const std::string made = "length_m = 0.1\ndensity = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = 1e4\nnodes = 21\n";
+    const auto keys = [](double from, double to) {
+        return fmt::format("keys = [ {{t_s = 0.0, advance_m = {}}}, {{t_s = 0.1, advance_m = {}}} ]\n", from, to);
+    };
+    return "[scene]\nname = \"two\"\nduration_s = 0.02\ndt_s = 0.002\nrecord_every = 2\n"
+           "[[instrument]]\nname = \"catheter\"\nradius_m = 0.001\nlumen_radius_m = 0.0007\n" + made +
+           "[instrument.feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n" + keys(0.01, 0.03) +
+           "[[instrument]]\nname = \"wire\"\nradius_m = 0.0005\n" + made + "[instrument.feed]\n" + keys(0.02, 0.06) +
+           "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"" + model + "\"\n"
+           "[vessel]\nshape = \"tube\"\nradius_m = 0.003\nlength_m = 0.1\ntriangles = 2000\n";
+}
+
+nlohmann::json data_of(const std::string& page)
+{
+    const std::string before = "<script type=\"application/json\" id=\"data\">";
+    const std::size_t at = page.find(before);
+    REQUIRE(at != std::string::npos);
+    const std::size_t begin = at + before.size();
+    return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+std::vector<float> floats_of(const std::string& base64)
+{
+    static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bytes;
+    unsigned word = 0, bits = 0;
+    for (const char c : base64) {
+        if (c == '=') break;
+        word = word << 6 | static_cast<unsigned>(digits.find(c));
+        if ((bits += 6) >= 8) bytes += static_cast<char>(word >> (bits -= 8) & 255);
+    }
+    std::vector<float> values(bytes.size() / sizeof(float));
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+    return values;
+}
+
+/// Columns x_m, y_m, z_m of the final nodes of an instrument, tip first.
+std::vector<std::array<double, 3>> nodes_in(const fs::path& csv)
+{
+    const auto rows = csv_rows(csv);
+    const auto column = [&](const char* name) { return std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin(); };
+    std::vector<std::array<double, 3>> nodes;
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+        nodes.emplace_back();
+        for (int c = 0; c < 3; ++c) {
+            const auto at = static_cast<std::size_t>(column(std::array{"x_m", "y_m", "z_m"}[static_cast<std::size_t>(c)]));
+            REQUIRE(at < rows[k].size());
+            nodes.back()[static_cast<std::size_t>(c)] = std::stod(rows[k][at]);
+        }
+    }
+    return nodes;
+}
+
+}  // namespace
+
+TEST_SUITE("apps/report")
+{
+    TEST_CASE("property: every instrument of a run is played back, with its own nodes and its own trace, merged or a rod each")
+    {
+        if (!has_three()) return skip("libjs-three is not installed");
+        for (const std::string model : {"merged", "separate"}) {
+            CAPTURE(model);
+            const ScratchFolder folder;
+            folder.write("two.toml", two_instruments(model));
+            const AppResult run = run_app(folder, "run two.toml -o D --quiet");
+            CAPTURE(run.err);
+            REQUIRE(run.code == 0);
+            REQUIRE(run_app(folder, "report D").code == 0);
+            const auto data = data_of(slurp(folder.path / "D/report.html"));
+            const auto& playback = data["playback"];
+            REQUIRE(playback["instruments"].size() == 2);
+            const double radius[] = {0.001, 0.0005};
+            std::vector<float> last[2];
+            for (std::size_t k = 0; k < 2; ++k) {
+                const std::string name = k ? "wire" : "catheter";
+                CAPTURE(name);
+                CHECK(playback["instruments"][k]["name"] == name);
+                CHECK(playback["instruments"][k]["radius"].get<double>() == doctest::Approx(radius[k]));
+                for (const auto& frame : playback["frames"]) REQUIRE(frame["nodes"].size() == 2);
+                last[k] = floats_of(playback["frames"].back()["nodes"][k]);
+                const auto nodes = nodes_in(folder.path / "D" / (name + ".csv"));
+                REQUIRE(last[k].size() == 4 * nodes.size());
+                for (std::size_t i = 0; i < nodes.size(); ++i)
+                    for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(last[k][4 * i + c] - nodes[i][c]) < 1e-7);
+                const auto& inserted = data["traces"][k]["inserted_m"];
+                CHECK(inserted.back().get<double>() - inserted.front().get<double>() > (k ? 0.006 : 0.003) * 0.9);
+            }
+            CHECK(last[1][0] > last[0][0] + 0.005f);  // the wire's tip is ahead
+        }
+    }
+
+    TEST_CASE("property: one instrument has no traces of its own beside the run's, and contact forces come with its nodes")
+    {
+        if (!has_three()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene());
+        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
+        REQUIRE(run_app(folder, "report D").code == 0);
+        const auto data = data_of(slurp(folder.path / "D/report.html"));
+        CHECK(data["playback"]["instruments"].size() == 1);
+        CHECK(data["traces"].empty());
+        const std::vector<float> nodes = floats_of(data["playback"]["frames"].back()["nodes"][0]);
+        double force = 0;
+        for (std::size_t i = 3; i < nodes.size(); i += 4) force += nodes[i];
+        const double normal = data["trace"]["normal_n"].back();
+        REQUIRE(normal > 0);
+        CHECK(force == doctest::Approx(normal).epsilon(0.1));  // friction's tenth at a right angle to it
+    }
+
+    TEST_CASE("property: a batch of several instruments is a table")
+    {
+        if (!has_three()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("two.toml", two_instruments("merged"));
+        folder.write("sweep.toml", "[vary]\n\"instrument.1.bend_nm2\" = [1e-5, 2e-5]\n");
+        const AppResult batch = run_app(folder, "batch two.toml --vary sweep.toml -o B --quiet");
+        CAPTURE(batch.err);
+        REQUIRE(batch.code == 0);
+        REQUIRE(run_app(folder, "report B").code == 0);
+        const auto data = data_of(slurp(folder.path / "B/report.html"));
+        CHECK(data["kind"] == "batch");
+        CHECK(data["table"]["run"].size() == 2);
+    }
+}

@@ -1,0 +1,141 @@
+"""The live page as a phone on the same network has it: small, three pixels to a point, fingers for a mouse, the token in its address."""
+import json
+import os
+import socket
+import time
+import urllib.error
+import urllib.request
+
+from browser import Browser
+from session import LiveSession
+
+TOKEN = "a-secret-of-the-test"
+
+
+def own_address():
+    """This machine's address on its network; loopback where it is on none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # nothing is sent
+            return probe.getsockname()[0]
+        except OSError:
+            return "127.0.0.1"
+
+
+def status_of(url):
+    try:
+        with urllib.request.urlopen(url) as answer:
+            return answer.status
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+def box_of(browser, element):
+    return json.loads(browser.evaluate(f"(() => {{ const b = document.querySelector('{element}').getBoundingClientRect(); "
+                                       "return JSON.stringify([b.left, b.top, b.right, b.bottom]) })()"))
+
+
+def middle_of(browser, element):
+    left, top, right, bottom = box_of(browser, element)
+    return (left + right) / 2, (top + bottom) / 2
+
+
+def numbers(browser):
+    return json.loads(browser.evaluate("JSON.stringify(seldinger.last.numbers.instruments[0])"))
+
+
+def drag(browser, begin, end, held=0.0):
+    """One finger, in ten moves; then it stays for so long."""
+    browser.touch("touchStart", [begin])
+    for k in range(1, 11):
+        browser.touch("touchMove", [tuple(a + (b - a) * k / 10 for a, b in zip(begin, end))])
+    time.sleep(held)
+    browser.touch("touchEnd", [])
+
+
+def turn_and_pinch(browser, check):
+    x, y = middle_of(browser, "#view")
+    before = browser.evaluate("[seldinger.viewer.turn, seldinger.viewer.tilt, seldinger.viewer.distance]")
+    drag(browser, (x - 60, y), (x + 60, y + 40))
+    after = browser.evaluate("[seldinger.viewer.turn, seldinger.viewer.tilt, seldinger.viewer.distance]")
+    check(abs(after[0] - before[0]) > 0.3 and abs(after[1] - before[1]) > 0.1, "phone: a finger on the picture turns it")
+    check(browser.evaluate("scrollY") == 0, "phone: and does not scroll the page")
+    browser.touch("touchStart", [(x - 30, y), (x + 30, y)])
+    for gap in (40, 60, 80, 100):
+        browser.touch("touchMove", [(x - gap, y), (x + gap, y)])
+    browser.touch("touchEnd", [])
+    check(browser.evaluate("seldinger.viewer.distance") < 0.7 * after[2], "phone: two fingers bring it nearer")
+
+
+def push_and_turn(browser, check):
+    x, y = middle_of(browser, "#pad")
+    left, top, right, bottom = box_of(browser, "#pad")
+    check(top >= 0 and bottom <= browser.evaluate("innerHeight"), "phone: the pad is on the first screen, below the picture")
+    start = numbers(browser)
+    drag(browser, (x, y), (x, y - 45), 2.0)
+    time.sleep(0.5)
+    pushed = numbers(browser)
+    check(pushed["advance"] > start["advance"] + 0.03, f"phone: a finger held upwards on the pad pushes ({pushed['advance']:.3f} m)")
+    time.sleep(0.5)
+    check(abs(numbers(browser)["advance"] - pushed["advance"]) < 1e-3, "phone: a finger taken off pushes no more")
+    drag(browser, (x, y), (x, y + 45), 1.0)
+    time.sleep(0.5)
+    pulled = numbers(browser)
+    check(pulled["advance"] < pushed["advance"] - 0.01, "phone: downwards it pulls back")
+    drag(browser, (x, y), (x + 70, y), 1.0)
+    time.sleep(0.5)
+    check(numbers(browser)["turn"] > pulled["turn"] + 1.5, "phone: sideways it turns")
+
+
+def tap(browser, element):
+    browser.touch("touchStart", [middle_of(browser, element)])
+    browser.touch("touchEnd", [])
+
+
+def buttons(browser, check):
+    for name in ("pause", "reset", "fluoro", "contrast", "near"):
+        left, top, right, bottom = box_of(browser, "#" + name)
+        check(bottom - top >= 36 and right - left >= 36, f"phone: the button {name} is large enough for a finger ({right - left:.0f} x {bottom - top:.0f})")
+    tap(browser, "#fluoro")
+    browser.wait("seldinger.last.numbers.fluoro", 5)
+    browser.touch("touchStart", [middle_of(browser, "#contrast")])
+    browser.wait("seldinger.last.numbers.contrast", 5)
+    time.sleep(1)
+    check(browser.evaluate("seldinger.last.numbers.contrast"), "phone: contrast runs while a finger is on its button")
+    browser.touch("touchEnd", [])
+    browser.wait("!seldinger.last.numbers.contrast", 5)
+    tap(browser, "#fluoro")
+    browser.wait("!seldinger.last.numbers.fluoro", 5)
+    check(True, "phone: a tap switches fluoroscopy on and off")
+
+
+def phone(app, source, pictures, check):
+    address = own_address()
+    session = LiveSession(app, os.path.join(source, "assets/scenes/training/left-subclavian.toml"), "--bind", "0.0.0.0", "--token", TOKEN)
+    browser = Browser()
+    try:
+        plain = f"http://{address}:{session.port}/"
+        check(status_of(plain) in (401, 403), f"phone: {address} without the token is refused ({status_of(plain)})")
+        browser.phone(390, 844, 3)
+        browser.open(f"{plain}?token={TOKEN}")
+        browser.wait("window.seldinger && seldinger.frames > 5 && seldinger.viewer", 60)
+        time.sleep(1)
+        check(browser.evaluate("devicePixelRatio") == 3 and browser.evaluate("innerWidth") == 390, "phone: 390 points of three pixels")
+        check(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), "phone: nothing to scroll sideways")
+        turn_and_pinch(browser, check)
+        push_and_turn(browser, check)
+        buttons(browser, check)
+        for scheme in ("light", "dark"):
+            browser.scheme(scheme)
+            time.sleep(1)
+            browser.picture(os.path.join(pictures, f"phone-{scheme}.png"))
+        browser.evaluate("scrollTo(0, document.body.scrollHeight)")
+        time.sleep(1)
+        browser.picture(os.path.join(pictures, "phone-end.png"))
+        errors = browser.errors()
+        check(not errors, f"phone: nothing in the console {errors or ''}")
+        print(f"        phone: {browser.evaluate('seldinger.fps')} frames drawn in the last second")
+    finally:
+        browser.close()
+        summary = session.end()
+    check(summary["failure"] == "", "phone: the session ended well")
