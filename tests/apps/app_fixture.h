@@ -60,11 +60,18 @@ struct AppResult {
     [[nodiscard]] long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
 };
 
+/// The program that is tried: that of the build, or another of the same sources (./dev sanitize).
+inline const char* app_path()
+{
+    const char* other = std::getenv("SELDINGER_APP");
+    return other ? other : SEL_APP;
+}
+
 /// Runs `prefix seldinger arguments` by the shell, in `folder`.
 inline AppResult run_app(const ScratchFolder& folder, const std::string& arguments, const std::string& prefix = "")
 {
     const fs::path out = folder.path / ".out", err = folder.path / ".err";
-    const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, SEL_APP,
+    const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, app_path(),
                                             arguments, out.string(), err.string());
     const int status = std::system(command.c_str());
     AppResult result;
@@ -87,10 +94,10 @@ inline AppResult run_and_signal(const fs::path& folder, const std::vector<std::s
         if (nice(19) == -1 || !std::freopen(out.c_str(), "w", stdout) || !std::freopen(err.c_str(), "w", stderr) ||
             chdir(folder.c_str()) != 0)
             _exit(126);
-        std::vector<char*> argv = {const_cast<char*>(SEL_APP)};
+        std::vector<char*> argv = {const_cast<char*>(app_path())};
         for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
         argv.push_back(nullptr);
-        execv(SEL_APP, argv.data());
+        execv(app_path(), argv.data());
         _exit(127);
     }
     int status = 0;

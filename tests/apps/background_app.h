@@ -18,10 +18,10 @@ public:
         if (!std::freopen(out_.c_str(), "w", stdout) || !std::freopen(err_.c_str(), "w", stderr) || chdir(folder.c_str()) != 0)
             _exit(126);
         for (const std::string& setting : settings) putenv(const_cast<char*>(setting.c_str()));
-        std::vector<char*> argv = {const_cast<char*>(SEL_APP)};
+        std::vector<char*> argv = {const_cast<char*>(app_path())};
         for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
         argv.push_back(nullptr);
-        execv(SEL_APP, argv.data());
+        execv(app_path(), argv.data());
         _exit(127);
     }
     ~BackgroundApp()

@@ -230,7 +230,7 @@ TEST_SUITE("apps/bad_input")
         const ScratchFolder folder;
         folder.write("s.toml", free_scene());
         const std::string command =
-            fmt::format("cd '{}' && '{}' run s.toml -o D --json >/dev/full 2>err", folder.path.string(), SEL_APP);
+            fmt::format("cd '{}' && '{}' run s.toml -o D --json >/dev/full 2>err", folder.path.string(), app_path());
         const int status = std::system(command.c_str());
         CHECK(WEXITSTATUS(status) == 3);
         CHECK(slurp(folder.path / "err").find("stdout") != std::string::npos);

@@ -162,7 +162,7 @@ TEST_SUITE("apps/init_command")
         made_mesh(folder);
         // the reader is gone before anything is written
         const std::string command = fmt::format("cd '{}' && {{ sleep 0.5; '{}' instruments; echo $? >code; }} 2>err | true",
-                                                folder.path.string(), SEL_APP);
+                                                folder.path.string(), app_path());
         CHECK(std::system(command.c_str()) == 0);
         for (int k = 0; k < 200 && slurp(folder.path / "code").empty(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(50));
         CHECK(slurp(folder.path / "code") == "0\n");
