@@ -120,10 +120,8 @@ TEST_SUITE("apps/live")
         SessionOptions options;
         options.lockstep = true;
         options.record = record;
-        HandChannel hand("127.0.0.1", 0, 1);
-        Session session(scene, make_setup(scene), options, &hand);
-        hand.start([&] { return session.clock(); }, true);
-        session.start();
+        HandSession live(scene, options);
+        auto& [hand, session] = live;
         {
             const Line line(SOCK_DGRAM, hand.port());
             SelHandAnswer answer{};

@@ -33,10 +33,8 @@ ScoreNumbers played(const std::string& name, const std::vector<Key>& way)
     const Scene scene = read_scene(std::filesystem::path(SEL_SOURCE_DIR) / "assets/scenes/training" / (name + ".toml"));
     SessionOptions options;
     options.lockstep = true;
-    HandChannel hand("127.0.0.1", 0, 1);
-    Session session(scene, make_setup(scene), options, &hand);
-    hand.start([&] { return session.clock(); }, true);
-    session.start();
+    HandSession live(scene, options);
+    auto& [hand, session] = live;
     const Line line(SOCK_DGRAM, hand.port());
     SelHandAnswer answer{};
     for (std::uint64_t k = 1; k <= static_cast<std::uint64_t>(1000 * way.back().t) && !(answer.flags & SEL_HAND_REACHED); ++k) {

@@ -2,7 +2,9 @@
 // A small scene for live sessions, and a hand and a browser's end of a line as plain sockets.
 
 #include "scene/scene.h"
+#include "session/hand_channel.h"
 #include "session/hand_packet.h"
+#include "session/session.h"
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
@@ -81,6 +83,17 @@ public:
 
 private:
     int socket_;
+};
+
+/// A session that has begun, and a hand's channel to it.
+struct HandSession {
+    explicit HandSession(const Scene& scene, const SessionOptions& options = {}) : session(scene, make_setup(scene), options, &hand)
+    {
+        hand.start([this] { return session.clock(); }, options.lockstep);
+        session.start();
+    }
+    HandChannel hand{"127.0.0.1", 0, 1};
+    Session session;
 };
 
 }  // namespace seldinger::test

@@ -86,10 +86,8 @@ TEST_SUITE("session/live mutants")
     TEST_CASE("property: packets of a hand that were altered, or ask for what is no number, leave a session whose numbers are numbers")
     {
         const Scene scene = read_scene_text(live_scene, "live.toml");
-        HandChannel hand("127.0.0.1", 0, 1);
-        Session session{scene, make_setup(scene), {}, &hand};
-        hand.start([&session] { return session.clock(); });
-        session.start();
+        HandSession live(scene);
+        auto& [hand, session] = live;
         const Line line(SOCK_DGRAM, hand.port());
         std::mt19937 random(6);
         constexpr double odd[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1e300,

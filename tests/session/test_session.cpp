@@ -52,10 +52,8 @@ TEST_SUITE("session/session")
         const Scene scene = scene_of();
         SessionOptions options;
         options.record = folder.path() / "s.record";
-        HandChannel hand("127.0.0.1", 0, 1);
-        Session session(scene, make_setup(scene), options, &hand);
-        hand.start([&] { return session.clock(); });
-        session.start();
+        HandSession live(scene, options);
+        auto& [hand, session] = live;
         const Line line(SOCK_DGRAM, hand.port());
         SelHandAnswer answer{};
         int answered = 0;
@@ -92,10 +90,8 @@ TEST_SUITE("session/session")
         const auto played = [&](int pause_every) {
             SessionOptions options;
             options.lockstep = true;
-            HandChannel hand("127.0.0.1", 0, 1);
-            Session session(scene, make_setup(scene), options, &hand);
-            hand.start([&] { return session.clock(); }, true);
-            session.start();
+            HandSession live(scene, options);
+            auto& [hand, session] = live;
             const Line line(SOCK_DGRAM, hand.port());
             SelHandAnswer answer{};
             for (std::uint64_t k = 1; k <= 400; ++k) {
@@ -119,10 +115,8 @@ TEST_SUITE("session/session")
         const Scene scene = scene_of();
         SessionOptions options;
         options.lockstep = true;
-        HandChannel hand("127.0.0.1", 0, 1);
-        Session session(scene, make_setup(scene), options, &hand);
-        hand.start([&] { return session.clock(); }, true);
-        session.start();
+        HandSession live(scene, options);
+        Session& session = live.session;
         session.stop();
         session.finish();
         CHECK(session.steps_so_far() == 0);
@@ -132,10 +126,8 @@ TEST_SUITE("session/session")
     TEST_CASE("property: hostile datagrams move nothing and are counted")
     {
         const Scene scene = scene_of();
-        HandChannel hand("127.0.0.1", 0, 1);
-        Session session(scene, make_setup(scene), {}, &hand);
-        hand.start([&] { return session.clock(); });
-        session.start();
+        HandSession live(scene);
+        auto& [hand, session] = live;
         const Line line(SOCK_DGRAM, hand.port());
         SelHandAnswer answer{};
         REQUIRE(line.ask(5, 0.001, 0, answer));
