@@ -23,7 +23,8 @@ struct Options {
     std::filesystem::path scene;
     std::vector<std::string> overrides;
     std::optional<std::string> wire;
-    std::string udp_address = "127.0.0.1", tolerance;
+    std::string udp_address = "127.0.0.1";
+    LiveModelWish model;
     WebOptions web;
     SessionOptions session;
     int udp = 9090, device = -1;
@@ -71,7 +72,13 @@ ExitCode live(Options& options)
     SessionOptions& what = options.session;
     scene.dt = 1 / what.rate;
     if (what.record.empty()) what.record = options.scene.stem().string() + "-live.record";
-    if (!options.tolerance.empty()) scene = model_for(scene, options.tolerance, what.rate, beside(what.record, ".pilots"), options.device, options.quiet);
+    if (!options.model.tolerance.empty()) {
+        options.model.rate = what.rate;
+        options.model.trials = beside(what.record, ".pilots");
+        options.model.device = options.device;
+        options.model.quiet = options.quiet;
+        scene = model_for(scene, options.model);
+    }
     const FileLock lock = FileLock::of_file(what.record);
     std::optional<NoPolling> loading(std::in_place);
     WorldSetup setup = make_setup(scene, options.device);
@@ -108,7 +115,10 @@ void add_what(CLI::App& command, Options& options)
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(CLI::Range(1.0, 10000.0))->type_name("N");
-    command.add_option("--tolerance", options.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
+    command.add_option("--tolerance", options.model.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
+    command.add_option("--budget", options.model.budget, "with --tolerance: wall time to choose in (default: 300)")
+        ->check(CLI::PositiveNumber)
+        ->type_name("S");
     command.add_flag("--lockstep", options.session.lockstep, "a step for each request of the hand, not by the clock: the same on any machine");
     command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
     command.add_option("--duration", options.session.duration, "session time to end after (default: none)")

@@ -23,25 +23,23 @@ constexpr const char* command_name = "choose-live-model";
 constexpr double enough = 0.7;  // of real time: a session whose model needs no more is begun, cheaper ones or not
 
 struct Options {
-    std::filesystem::path source, trials;
-    std::string tolerance;
-    double rate = 0;
-    int device = -1;
-    bool quiet = false;
+    std::filesystem::path source;
+    LiveModelWish wish;
 };
 
-Plan planned(const Scene& scene, const Options& options)
+Plan planned(const Scene& scene, const LiveModelWish& wish)
 {
     PlanOptions what;
-    what.goals.tolerance = parse_length("--tolerance", options.tolerance);
-    what.goals.rate = options.rate;
+    what.goals.tolerance = parse_length("--tolerance", wish.tolerance);
+    what.goals.rate = wish.rate;
     what.enough = enough;
-    what.trials = options.trials;
-    what.device = options.device;
+    what.budget = wish.budget;
+    what.trials = wish.trials;
+    what.device = wish.device;
     what.stop = [] { return stop_asked_for() != 0; };
-    const bool shows = !options.quiet && isatty(STDERR_FILENO) != 0;
+    const bool shows = !wish.quiet && isatty(STDERR_FILENO) != 0;
     if (shows) what.progress = [](const std::string& doing) { fmt::print(stderr, "\r\033[K{}", doing); };
-    Plan plan = make_plan(load_study_scene(scene, options.device), what);
+    Plan plan = make_plan(load_study_scene(scene, wish.device), what);
     if (shows) fmt::print(stderr, "\r\033[K");
     return plan;
 }
@@ -54,7 +52,7 @@ ExitCode choose(const Options& options)
     const std::string text(std::istreambuf_iterator<char>(std::cin), {});
     nlohmann::json said;
     try {
-        const Plan plan = planned(read_scene_text(text, options.source), options);
+        const Plan plan = planned(read_scene_text(text, options.source), options.wish);
         if (plan.status == PlanStatus::Interrupted) throw Error(ExitCode::Interrupted, "interrupted while the model was being chosen");
         if (!plan.chosen) throw Error(ExitCode::NotFeasible, plan.message);
         said = {{"scene", write_scene(plan.chosen->scene, options.source.parent_path())}, {"label", label(plan.chosen->model)},
@@ -68,26 +66,27 @@ ExitCode choose(const Options& options)
 
 }  // namespace
 
-Scene model_for(const Scene& scene, const std::string& tolerance, double rate, const std::filesystem::path& trials, int device, bool quiet)
+Scene model_for(const Scene& scene, const LiveModelWish& wish)
 {
-    (void)parse_length("--tolerance", tolerance);
+    (void)parse_length("--tolerance", wish.tolerance);
     const std::filesystem::path source = std::filesystem::absolute(scene.source);
-    std::vector<std::string> arguments = {command_name, "--source", source.string(), "--trials", trials.string(), "--tolerance", tolerance,
-                                          "--rate", fmt::format("{}", rate), "--device", std::to_string(device)};
-    if (quiet) arguments.emplace_back("--quiet");
+    std::vector<std::string> arguments = {command_name, "--source", source.string(), "--trials", wish.trials.string(),
+                                          "--tolerance", wish.tolerance, "--rate", fmt::format("{}", wish.rate),
+                                          "--budget", fmt::format("{}", wish.budget), "--device", std::to_string(wish.device)};
+    if (wish.quiet) arguments.emplace_back("--quiet");
     const ChildEnd end = run_self(arguments, write_scene(scene, source.parent_path()));
     const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, false);
     if (stop_asked_for() != 0) throw Error(stop_asked_for() == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted, "interrupted while the model was being chosen");
     if (!said.is_object())
         throw Error(ExitCode::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
     if (said.contains("code")) throw Error(static_cast<ExitCode>(said["code"].get<int>()), said["message"].get<std::string>());
-    if (!quiet)
+    if (!wish.quiet)
         fmt::print(stderr, "model: {}; within {:.2g} mm, {:.2g} s of computation a second where it is slowest\n", said["label"].get<std::string>(),
                    1e3 * said["error"].get<double>(), said["slowest"].get<double>());
     Scene chosen = read_scene_text(said["scene"].get<std::string>(), source);
     chosen.source = scene.source;
     chosen.task = scene.task;
-    if (chosen.dt > 1 / rate) chosen.dt = 1 / rate;
+    if (chosen.dt > 1 / wish.rate) chosen.dt = 1 / wish.rate;
     return chosen;
 }
 
@@ -96,11 +95,12 @@ void add_choose_live_model(CLI::App& app, Command& chosen)
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->group("");
     command->add_option("--source", options->source)->required();
-    command->add_option("--trials", options->trials)->required();
-    command->add_option("--tolerance", options->tolerance)->required();
-    command->add_option("--rate", options->rate)->required();
-    command->add_option("--device", options->device);
-    command->add_flag("--quiet", options->quiet);
+    command->add_option("--trials", options->wish.trials)->required();
+    command->add_option("--tolerance", options->wish.tolerance)->required();
+    command->add_option("--rate", options->wish.rate)->required();
+    command->add_option("--budget", options->wish.budget)->required();
+    command->add_option("--device", options->wish.device);
+    command->add_flag("--quiet", options->wish.quiet);
     command->callback([options, &chosen] { chosen = [options] { return choose(*options); }; });
 }
 
