@@ -143,6 +143,12 @@ def resident_mb(process):
         return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
+def stolen_s():
+    """What a host has taken from this (virtual) machine's processors since it began [s]."""
+    with open("/proc/stat") as file:
+        return int(file.readline().split()[8]) / os.sysconf("SC_CLK_TCK")
+
+
 def to_and_fro(options):
     """An operator who goes in at 2 cm/s as far as options.reach, and from there on pulls back two centimetres and goes in again, every ten seconds."""
     there = options.reach / 0.02
@@ -208,13 +214,40 @@ def soak(options):
     print(json.dumps({key: summary[key] for key in ("steps", "late_share", "stretched_s", "step", "input_to_force", "failure", "state_hash")}, indent=2))
 
 
+class Malformed(threading.Thread):
+    """Datagrams that are none of the protocol's, to a session's port, evenly over a time: noise of any length, and requests cut short."""
+
+    def __init__(self, port, count, seconds):
+        super().__init__(daemon=True)
+        self.address, self.count, self.seconds, self.sent = ("127.0.0.1", port), count, seconds, 0
+        dice = random.Random(1)
+        self.kinds = [dice.randbytes(dice.randrange(0, 1200)) for _ in range(500)] + [self.cut_off(dice) for _ in range(500)]
+
+    @staticmethod
+    def cut_off(dice):
+        return REQUEST.pack(0x484C4553, 1, 0, 1, 0, 0.1, 0, 0, 0)[:dice.randrange(4, REQUEST.size)]
+
+    def run(self):
+        line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        began = time.monotonic()
+        while self.sent < self.count:
+            due = min(self.count, int(self.count * (time.monotonic() - began) / self.seconds) + 1)
+            for k in range(self.sent, due):
+                line.sendto(self.kinds[k % len(self.kinds)], self.address)
+            self.sent = due
+            time.sleep(0.002)
+
+
 def run(options):
     session = Session(options.app, options.scene, options.live)
     browser = open_page(session.page) if options.page else None
     hand = Hand(session.port, delay=options.delay)
     time.sleep(1)
+    stolen = stolen_s()
+    if options.malformed:
+        Malformed(session.port, options.malformed, options.seconds).start()
     hand.go(options.seconds, follow(options.speed))
-    seen = {"memory_mb": round(resident_mb(session.process), 1)}
+    seen = {"memory_mb": round(resident_mb(session.process), 1), "stolen_s": round(stolen_s() - stolen, 2)}
     if browser:
         seen["page_frames_per_s"] = browser.evaluate("seldinger.fps")
         browser.close()
@@ -345,6 +378,7 @@ def main():
     commands.choices["run"].add_argument("--speed", type=float, default=0.02)
     commands.choices["run"].add_argument("--delay", type=int, default=0)
     commands.choices["run"].add_argument("--page", action="store_true", help="with the page open in a headless Chromium")
+    commands.choices["run"].add_argument("--malformed", type=int, default=0, help="so many malformed datagrams meanwhile")
     command = commands.choices["map"]
     command.add_argument("-o", dest="output", required=True)
     command.add_argument("--damping", type=float, default=3.0)
