@@ -2,6 +2,8 @@
 
 #include "contact/instrument_sums.h"
 
+#include "math/node_lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -96,24 +98,48 @@ void add_load(double (&to)[InstrumentSums::size][InstrumentSums::size], const In
     add_outer_product(to, -f.skew * share, along_beside(f, p), gap_gradient(p));
 }
 
-/// K = slope g g^T - force (d2 gap)
+/// A 3x3 matrix by rows that are as long as a node's unknowns; nothing of the spin.
+struct Rows3 {
+    Vec4d r[3];
+    friend Rows3 operator*(double s, const Rows3& m) { return {{s * m.r[0], s * m.r[1], s * m.r[2]}}; }
+    friend Rows3 operator+(const Rows3& a, const Rows3& b) { return {{a.r[0] + b.r[0], a.r[1] + b.r[1], a.r[2] + b.r[2]}}; }
+};
+
+/// s u v^T + t p q^T
+Rows3 two_products(double s, const double* u, const double* v, double t, const double* p, const double* q)
+{
+    const Vec4d along = {v[0], v[1], v[2], 0}, across = {q[0], q[1], q[2], 0};
+    Rows3 m;
+    for (int c = 0; c < 3; ++c) m.r[c] = s * u[c] * along + t * p[c] * across;
+    return m;
+}
+
+void add_rows(double (&to)[InstrumentSums::size][InstrumentSums::size], int row, int col, const Rows3& m)
+{
+    for (int c = 0; c < 3; ++c) block(&to[row + c][col]) += m.r[c];
+}
+
+/// K = slope g g^T - force (d2 gap). With delta = x_a - c_b and e the change of b's derivative both terms are of these six numbers,
+///   K = (delta e) (A C; C^T D) (delta e)^T,     A = slope n n^T - force (m + bend p p^T),  C = slope n turn^T - force bend p q^T,
+///                                               D = slope turn turn^T - force bend q q^T,
+/// and a pair of nodes i, j takes delta by the weights wa_i, -wb_i of both, e by db_i.
 void add_point(double (&to)[InstrumentSums::size][InstrumentSums::size], const InstrumentPoint& p)
 {
-    constexpr int size = InstrumentSums::size;
-    const Vector g = gap_gradient(p);
-    Vector h{}, pairs, hessian;
-    put_side(h, 0, p.wa, p.p, 1, nullptr, nullptr, 0);
-    put_side(h, InstrumentSums::side, p.wb, p.p, -1, p.db, p.q, 1);
-    double weight[6];
-    for (int k = 0; k < 3; ++k) weight[k] = p.wa[k], weight[3 + k] = -p.wb[k];
-    const double m[3][per_node] = {{p.m[0], p.m[1], p.m[2]}, {p.m[1], p.m[3], p.m[4]}, {p.m[2], p.m[4], p.m[5]}};
-    for (int c = 0; c < 3; ++c) {  // a row of one coordinate has one row of m
-        for (int j = 0; j < size; ++j) hessian[j] = m[c][j % per_node];
-        for (int i = 0; i < 6; ++i) {
-            for (int j = 0; j < size; ++j) pairs[j] = -p.force * weight[i] * weight[j / per_node];
-            double* row = to[per_node * i + c];
-            const double push = p.slope * g[per_node * i + c], turn = -p.force * p.bend * h[per_node * i + c];
-            for (int j = 0; j < size; ++j) row[j] = row[j] + push * g[j] + turn * h[j] + pairs[j] * hessian[j];
+    constexpr int side = InstrumentSums::side;
+    const double bend = -p.force * p.bend;
+    Rows3 a = two_products(p.slope, p.n, p.n, bend, p.p, p.p);
+    const double m[3][3] = {{p.m[0], p.m[1], p.m[2]}, {p.m[1], p.m[3], p.m[4]}, {p.m[2], p.m[4], p.m[5]}};
+    for (int c = 0; c < 3; ++c) a.r[c] -= p.force * Vec4d{m[c][0], m[c][1], m[c][2], 0};
+    const Rows3 c = two_products(p.slope, p.n, p.turn, bend, p.p, p.q), back = two_products(p.slope, p.turn, p.n, bend, p.q, p.p);
+    const Rows3 d = two_products(p.slope, p.turn, p.turn, bend, p.q, p.q);
+    for (int j = 0; j < 3; ++j) {
+        const Rows3 of_a = p.wa[j] * a, from_a = p.wa[j] * back;              // of delta, of e: with a's node j
+        const Rows3 of_b = -p.wb[j] * a + p.db[j] * c, from_b = -p.wb[j] * back + p.db[j] * d;  // with b's
+        for (int i = 0; i < 3; ++i) {
+            add_rows(to, per_node * i, per_node * j, p.wa[i] * of_a);
+            add_rows(to, per_node * i, side + per_node * j, p.wa[i] * of_b);
+            add_rows(to, side + per_node * i, per_node * j, -p.wb[i] * of_a + p.db[i] * from_a);
+            add_rows(to, side + per_node * i, side + per_node * j, -p.wb[i] * of_b + p.db[i] * from_b);
         }
     }
 }

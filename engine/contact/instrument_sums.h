@@ -47,9 +47,9 @@ public:
     [[nodiscard]] double from_other(int wire) const { return of(wire).from_other; }
 
 private:
-    struct Block {
-        int wire_a, wire_b, node_a, node_b;
+    struct alignas(32) Block {
         double value[size][size];
+        int wire_a, wire_b, node_a, node_b;
     };
     struct OfWire {
         ContactTotals totals;
