@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double save_seconds = 5;
 constexpr double save_share = 50;  // saves, of hundreds of megabytes for a thousand wires, take at most a fiftieth of the time
-constexpr std::string_view magic = "SELBATC3";
+constexpr std::string_view magic = "SELBATC4";
 constexpr const char* batch_files[] = {"results.csv", "results.npz", "sweep.toml"};
 
 /// Sums over the whole batch, resumed parts included. Plain bytes, for the checkpoint.
@@ -161,7 +161,7 @@ private:
         const std::uint8_t ramp = ramp_;
         put_bytes(bytes, &ramp, 1);
         put_bytes(bytes, &totals_, 1);
-        put_list(rows_);
+        put_rows(bytes, rows_);
         const std::uint64_t at = at_;
         const std::uint8_t open = world_.has_value();
         put_bytes(bytes, &at, 1);
@@ -211,7 +211,7 @@ private:
             worlds_ = plan_worlds(source_, begin_, end_, ramp_);
         }
         take_bytes(at, end, &totals_, 1);
-        take_list(rows_);
+        rows_ = take_rows(at, end);
         std::uint64_t index = 0;
         std::uint8_t open = 0;
         take_bytes(at, end, &index, 1);
@@ -233,7 +233,7 @@ private:
         const bool sound = at_ <= worlds_.size() && open <= (at_ < worlds_.size()) && saved_status_ >= RunStatus::Running &&
                            saved_status_ <= RunStatus::Stopped && is_count(totals_.wire_steps) && is_count(totals_.world_steps) &&
                            is_count(totals_.resumes) && is_time(totals_.wall) &&
-                           std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time) && are_sound(rows_, begin_, end_);
+                           std::all_of(stages, stages + sizeof(StageTimes) / sizeof(double), is_time) && are_sound(rows_, begin_, end_, source_.scene(0).instrument_count());
         if (!sound) throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; run again with --overwrite");
     }
 
@@ -259,8 +259,8 @@ private:
 
     void write_tables()
     {
-        write_file(options_.dir / "results.csv", batch_csv(source_.sweep, rows_));
-        write_file(options_.dir / "results.npz", batch_npz(source_.sweep, rows_));
+        write_file(options_.dir / "results.csv", batch_csv(source_.sweep, source_.instruments(), rows_));
+        write_file(options_.dir / "results.npz", batch_npz(source_.sweep, source_.instruments(), rows_));
     }
 
     std::string summary(RunStatus status) const

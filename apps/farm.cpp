@@ -213,20 +213,22 @@ ExitCode farm(Options& options)
 
 ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
 {
+    std::string sweep_text;
+    const BatchSource source = farm_source(dir, plan, sweep_text);
+    const Scene first = source.scene(0);
+    const std::vector<std::string> names = source.instruments();
     std::vector<BatchRow> rows;
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
-        const auto part = read_rows(dir, plan, t);
+        const auto part = read_rows(dir, plan, t, static_cast<std::size_t>(first.instrument_count()));
         if (part) rows.insert(rows.end(), part->begin(), part->end());
         else missing.push_back(t);
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
-    std::string sweep_text;
-    const BatchSource source = farm_source(dir, plan, sweep_text);
     const auto stopped =
         std::count_if(rows.begin(), rows.end(), [](const BatchRow& row) { return row.status == RunStatus::Stopped; });
     Json summary;
-    summary["name"] = source.scene(0).name;
+    summary["name"] = first.name;
     summary["status"] = "done";
     summary["runs"] = rows.size();
     summary["done"] = rows.size() - static_cast<std::size_t>(stopped);
@@ -236,9 +238,9 @@ ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
     summary["farm"] = status_json(plan, look_at_farm(dir, plan));
     write_file(dir / "scene.toml", resolved_scene(source, dir));
     write_file(dir / "sweep.toml", sweep_text);
-    write_file(dir / "results.npz", batch_npz(source.sweep, rows));
+    write_file(dir / "results.npz", batch_npz(source.sweep, names, rows));
     write_file(dir / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-    write_file(dir / "results.csv", batch_csv(source.sweep, rows));
+    write_file(dir / "results.csv", batch_csv(source.sweep, names, rows));
     print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.string(), rows.size(), stopped));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
 }

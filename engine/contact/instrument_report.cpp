@@ -31,6 +31,7 @@ void InstrumentContact::save(std::vector<std::uint8_t>& bytes)
 
 void InstrumentContact::save_wire(std::vector<std::uint8_t>& bytes, int wire)
 {
+    if (cells_.rods[wire].pairs == 0) return;  // touches none: its bytes must not tell whether others of the world do
     const std::vector<InstrumentState> states = living(wire);
     const auto lives = [](const InstrumentState& state) { return state.contact.epoch != 0; };
     const auto count = static_cast<std::uint32_t>(std::count_if(states.begin(), states.end(), lives));
@@ -54,6 +55,7 @@ void InstrumentContact::restore(const std::uint8_t*& bytes, const std::uint8_t* 
 
 void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
 {
+    if (cells_.rods[wire].pairs == 0) return;
     const auto first = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire]);
     const auto size = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first;
     std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));

@@ -54,14 +54,34 @@ Scene BatchSource::scene(std::size_t run) const
     }
 }
 
+namespace {
+
+std::vector<std::string> names_of(const Scene& scene)
+{
+    std::vector<std::string> names;
+    for (int k = 0; k < scene.instrument_count(); ++k)
+        if (!scene.instrument(k).label.empty()) names.push_back(scene.instrument(k).label);
+    return names;
+}
+
+}  // namespace
+
+std::vector<std::string> BatchSource::instruments() const { return names_of(scene(0)); }
+
 std::vector<std::vector<std::size_t>> plan_worlds(const BatchSource& source, std::size_t begin, std::size_t end, bool ramp)
 {
     const Scene first = source.scene(0);
+    const std::vector<std::string> names = names_of(first);
     std::vector<std::vector<std::size_t>> worlds;
     std::unordered_map<std::string, std::size_t> open;   // the world that runs of this kind go to now
     std::unordered_map<std::string, std::size_t> rooms;  // how many it takes
     for (std::size_t run = begin; run < std::min(end, source.sweep.run_count()); ++run) {
-        const std::string key = shared_part(source.scene(run), first);
+        Scene scene = source.scene(run);
+        if (names_of(scene) != names)
+            throw Error(ExitCode::BadScene, fmt::format("{}: run {} has instruments of other names than run 0, which name the columns of "
+                                                        "results.csv; leave `name` out of what is varied",
+                                                        source.sweep.source.string(), run));
+        const std::string key = shared_part(std::move(scene), first);
         const auto [at, is_new] = open.try_emplace(key, worlds.size());
         std::size_t& room = rooms.try_emplace(key, ramp ? 1 : most_wires).first->second;
         if (!is_new && worlds[at->second].size() == room) {

@@ -26,6 +26,8 @@ struct BatchSource {
 
     /// The scene of one run. @throws Error that names the sweep's line and the run
     [[nodiscard]] Scene scene(std::size_t run) const;
+    /// Names of the first run's instruments, empty with [wire]: plan_worlds() holds the others to them.
+    [[nodiscard]] std::vector<std::string> instruments() const;
 };
 
 /// What two scenes must agree in to be systems of one world, as text: everything but the wire, how it is held and fed, and the numbers

@@ -1,6 +1,7 @@
 // Makes a result row from a wire's readings, and writes the rows as CSV and as arrays of an .npz.
 #include "study/batch_table.h"
 
+#include "core/bytes.h"
 #include "io/npz_write.h"
 #include "scene/joint_readings.h"
 
@@ -43,6 +44,17 @@ void sort_by_run(std::vector<BatchRow>& rows)
 
 std::string text_of(const std::array<char, 16>& hash) { return {hash.begin(), hash.end()}; }
 
+std::string field(double value) { return std::isfinite(value) ? fmt::format(",{}", value) : ","; }
+
+std::string column_of(const std::string& instrument, const BatchColumn& column) { return fmt::format("{}.{}", instrument, column.name); }
+
+BatchRow::OfInstrument read_instrument(const World& world, int wire)
+{
+    const WireReadings r = world.readings(wire);
+    const Vec3 tip = world.rod(wire).pos(0);
+    return {r.inserted, r.turned, static_cast<double>(r.nodes), r.hand_force, r.hand_torque, tip.x(), tip.y(), tip.z()};
+}
+
 }  // namespace
 
 BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int system, const RunTally& tally)
@@ -51,7 +63,7 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     row.run = run;
     row.status = status;
     const WireReadings r = joint_readings(world, system);
-    const int first = world.wires_of(system).first;
+    const auto [first, end] = world.wires_of(system);
     const Vec3 tip = world.rod(first).pos(0);
     row.numbers = {static_cast<double>(tally.steps),
                    world.time(first),
@@ -87,29 +99,74 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
                    tip.z()};
     const std::string hash = world.state_hash(system);
     std::copy_n(hash.begin(), row.state_hash.size(), row.state_hash.begin());
+    for (int w = first; w < end; ++w) row.instruments.push_back(read_instrument(world, w));
     return row;
 }
 
-std::string batch_csv(const Sweep& sweep, std::vector<BatchRow> rows)
+// ---- bytes ------------------------------------------------------------------------------------------------------------------
+
+void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
+{
+    const std::uint64_t count = rows.size();
+    put_bytes(bytes, &count, 1);
+    for (const BatchRow& row : rows) {
+        const std::uint64_t instruments = row.instruments.size();
+        put_bytes(bytes, &row.run, 1);
+        put_bytes(bytes, &row.status, 1);
+        put_bytes(bytes, row.numbers.data(), row.numbers.size());
+        put_bytes(bytes, row.state_hash.data(), row.state_hash.size());
+        put_bytes(bytes, &instruments, 1);
+        put_bytes(bytes, row.instruments.data(), row.instruments.size());
+    }
+}
+
+std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end)
+{
+    // a count is no reason to ask for memory: rows are made as bytes are there for them
+    const auto take_count = [&](std::size_t size) {
+        std::uint64_t count = 0;
+        take_bytes(at, end, &count, 1);
+        if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ExitCode::BadFile, "a list is longer than the file");
+        return static_cast<std::size_t>(count);
+    };
+    std::vector<BatchRow> rows(take_count(sizeof(BatchRow) - sizeof(BatchRow::instruments)));
+    for (BatchRow& row : rows) {
+        take_bytes(at, end, &row.run, 1);
+        take_bytes(at, end, &row.status, 1);
+        take_bytes(at, end, row.numbers.data(), row.numbers.size());
+        take_bytes(at, end, row.state_hash.data(), row.state_hash.size());
+        row.instruments.resize(take_count(sizeof(BatchRow::OfInstrument)));
+        take_bytes(at, end, row.instruments.data(), row.instruments.size());
+    }
+    return rows;
+}
+
+// ---- tables -----------------------------------------------------------------------------------------------------------------
+
+std::string batch_csv(const Sweep& sweep, std::span<const std::string> instruments, std::vector<BatchRow> rows)
 {
     sort_by_run(rows);
     std::string text = "run";
     for (const SweepAxis& axis : sweep.axes) text += "," + quoted(axis.key);
     text += ",status";
     for (const BatchColumn& column : batch_columns) text += fmt::format(",{}", column.name);
+    for (const std::string& name : instruments)
+        for (const BatchColumn& column : instrument_columns) text += "," + column_of(name, column);
     text += ",state_hash\n";
     for (const BatchRow& row : rows) {
         text += fmt::format("{}", row.run);
         const std::vector<std::size_t> index = sweep.indices(static_cast<std::size_t>(row.run));
         for (std::size_t a = 0; a < sweep.axes.size(); ++a) text += "," + quoted(plain(sweep.axes[a].values[index[a]]));
         text += fmt::format(",{}", status_word(row.status));
-        for (const double value : row.numbers) text += std::isfinite(value) ? fmt::format(",{}", value) : ",";
+        for (const double value : row.numbers) text += field(value);
+        for (std::size_t k = 0; k < instruments.size(); ++k)
+            for (const double value : row.instruments[k]) text += field(value);
         text += "," + text_of(row.state_hash) + "\n";
     }
     return text;
 }
 
-std::string batch_npz(const Sweep& sweep, std::vector<BatchRow> rows)
+std::string batch_npz(const Sweep& sweep, std::span<const std::string> instruments, std::vector<BatchRow> rows)
 {
     sort_by_run(rows);
     NpzWriter file;
@@ -136,15 +193,21 @@ std::string batch_npz(const Sweep& sweep, std::vector<BatchRow> rows)
     }
     fill(texts, [](const BatchRow& row) { return std::string(status_word(row.status)); });
     file.add("status", texts);
-    for (std::size_t c = 0; c < std::size(batch_columns); ++c) {
-        if (batch_columns[c].whole) {
-            fill(whole, [&](const BatchRow& row) { return static_cast<std::int64_t>(row.numbers[c]); });
-            file.add(std::string(batch_columns[c].name), whole);
+    const auto add = [&](const std::string& name, bool is_whole, auto&& value) {
+        if (is_whole) {
+            fill(whole, [&](const BatchRow& row) { return static_cast<std::int64_t>(value(row)); });
+            file.add(name, whole);
         } else {
-            fill(numbers, [&](const BatchRow& row) { return row.numbers[c]; });
-            file.add(std::string(batch_columns[c].name), numbers);
+            fill(numbers, value);
+            file.add(name, numbers);
         }
-    }
+    };
+    for (std::size_t c = 0; c < std::size(batch_columns); ++c)
+        add(std::string(batch_columns[c].name), batch_columns[c].whole, [&](const BatchRow& row) { return row.numbers[c]; });
+    for (std::size_t k = 0; k < instruments.size(); ++k)
+        for (std::size_t c = 0; c < std::size(instrument_columns); ++c)
+            add(column_of(instruments[k], instrument_columns[c]), instrument_columns[c].whole,
+                [&](const BatchRow& row) { return row.instruments[k][c]; });
     fill(texts, [](const BatchRow& row) { return text_of(row.state_hash); });
     file.add("state_hash", texts);
     return file.finish();

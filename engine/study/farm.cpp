@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view rows_magic = "SELFARM1";
+constexpr std::string_view rows_magic = "SELFARM2";
 // beyond what any farm has, and little enough to be listed in memory
 constexpr std::size_t most_tasks = 1'000'000, most_items = 10'000'000, last_frame = 1'000'000'000;
 
@@ -223,9 +223,7 @@ void write_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, con
 {
     std::vector<std::uint8_t> bytes;
     put_bytes(bytes, plan.key.data(), plan.key.size());
-    const std::uint64_t count = rows.size();
-    put_bytes(bytes, &count, 1);
-    put_bytes(bytes, rows.data(), rows.size());
+    put_rows(bytes, rows);
     write_sealed(dir / "rows" / (number(task) + ".rows"), rows_magic, bytes);
 }
 
@@ -246,23 +244,23 @@ void reopen_if_lost(const fs::path& dir, const FarmPlan& plan, std::size_t task)
     if (fs::exists(done) && !has_result(dir, plan, task)) (void)renamed(done, dir / "todo" / number(task));
 }
 
-std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, std::size_t instruments)
 {
     const fs::path file = dir / "rows" / (number(task) + ".rows");
     if (!fs::exists(file)) return std::nullopt;
     const std::vector<std::uint8_t> bytes = read_sealed(file, rows_magic);
     const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
     std::string key(plan.key.size(), ' ');
-    std::uint64_t count = 0;
     take_bytes(at, end, key.data(), key.size());
-    take_bytes(at, end, &count, 1);
     const FarmPlan::Part part = plan.part(task);
-    if (key != plan.key || count != part.end - part.begin)
-        throw Error(ExitCode::BadFile, file.string() + ": is of another farm; remove it and do the task again");
-    const bool filled = static_cast<std::size_t>(end - at) == count * sizeof(BatchRow);
-    std::vector<BatchRow> rows(filled ? count : 0);
-    take_bytes(at, end, rows.data(), rows.size());
-    if (!filled || !are_sound(rows, part.begin, part.end))
+    if (key != plan.key) throw Error(ExitCode::BadFile, file.string() + ": is of another farm; remove it and do the task again");
+    std::vector<BatchRow> rows;
+    try {
+        rows = take_rows(at, end);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}: {}; remove it and do the task again", file.string(), error.what()));
+    }
+    if (at != end || rows.size() != part.end - part.begin || !are_sound(rows, part.begin, part.end, instruments))
         throw Error(ExitCode::BadFile, file.string() + ": says what cannot be; remove it and do the task again");
     return rows;
 }

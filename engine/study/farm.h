@@ -85,9 +85,9 @@ struct TaskEvent {
 void log_event(const std::filesystem::path& dir, std::size_t task, const std::string& worker, const TaskEvent& event);
 
 void write_rows(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows);
-/// Nothing where there are none. @throws Error BadFile: damaged, or of another plan
+/// Nothing where there are none. @param instruments  of a run, BatchRow::instruments @throws Error BadFile: damaged, or of another plan
 [[nodiscard]] std::optional<std::vector<BatchRow>> read_rows(const std::filesystem::path& dir, const FarmPlan& plan,
-                                                             std::size_t task);
+                                                             std::size_t task, std::size_t instruments);
 
 /// Where a frames farm's pictures are.
 [[nodiscard]] std::filesystem::path frame_file(const std::filesystem::path& dir, std::size_t frame);

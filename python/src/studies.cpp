@@ -57,7 +57,7 @@ py::bytes batch(const std::string& text, const std::string& file, const Texts& o
     {
         const py::gil_scoped_release others;
         const BatchSource source = source_of(text, file, overrides, sweep);
-        table = batch_npz(source.sweep, run_batch(source, device));
+        table = batch_npz(source.sweep, source.instruments(), run_batch(source, device));
     }
     return py::bytes(table);
 }

@@ -164,6 +164,21 @@ spin = true
                        duration, record_every);
 }
 
+/// A catheter and, inside it and farther on, a wire, both fed along a tube.
+inline std::string two_instruments(const std::string& model)
+{
+    const std::string made = "length_m = 0.1\ndensity = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = 1e4\nnodes = 21\n";
+    const auto keys = [](double from, double to) {
+        return fmt::format("keys = [ {{t_s = 0.0, advance_m = {}}}, {{t_s = 0.1, advance_m = {}}} ]\n", from, to);
+    };
+    return "[scene]\nname = \"two\"\nduration_s = 0.02\ndt_s = 0.002\nrecord_every = 2\n"
+           "[[instrument]]\nname = \"catheter\"\nradius_m = 0.001\nlumen_radius_m = 0.0007\n" + made +
+           "[instrument.feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n" + keys(0.01, 0.03) +
+           "[[instrument]]\nname = \"wire\"\nradius_m = 0.0005\n" + made + "[instrument.feed]\n" + keys(0.02, 0.06) +
+           "[coaxial]\norder = [\"catheter\", \"wire\"]\nmodel = \"" + model + "\"\n"
+           "[vessel]\nshape = \"tube\"\nradius_m = 0.003\nlength_m = 0.1\ntriangles = 2000\n";
+}
+
 /// A wire fed into a tube of 5 mm radius and 0.1 m length, slanting to the floor: it touches after some 5 mm and slides along it.
 /// 4 mm are inside at the start.
 inline std::string tube_scene(double duration = 0.3)

@@ -115,6 +115,7 @@ def main():
         for stem, text in (("rigid", RIGID), ("elastic", ELASTIC), ("coaxial", COAXIAL), ("swing", SWING)):
             (folder / f"{stem}.toml").write_text(text, encoding="utf-8")
         (folder / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+        (folder / "instrument_sweep.toml").write_text(SWEEP.replace("wire.", "instrument.0."), encoding="utf-8")
         for stem, extra in (("rigid", ["--error-estimate", "on"]), ("elastic", []), ("coaxial", ["--error-estimate", "off"])):
             run("run", f"{stem}.toml", "-o", stem, *extra)
             take("summary.json", keys_of(json.loads((folder / stem / "summary.json").read_text(encoding="utf-8"))))
@@ -123,6 +124,8 @@ def main():
                 take(kind if kind in ("trace.csv", "contacts.csv") else "wire.csv", header(file))
         run("batch", "rigid.toml", "--vary", "sweep.toml", "-o", "batch")
         take("results.csv", set(header(folder / "batch/results.csv")) - {"wire.density"})
+        run("batch", "coaxial.toml", "--vary", "instrument_sweep.toml", "-o", "instruments")
+        take("results.csv", set(header(folder / "instruments/results.csv")) - {"instrument.0.density"})
         summary = set(keys_of(json.loads((folder / "batch/summary.json").read_text(encoding="utf-8"))))
         take("results.csv", summary - written["summary.json"])  # what a batch's has beside a run's
         run("stability", "swing.toml", "--vary", "wire.density=7000,7900", "--methods", "default", "--quick", "-o", "stability")

@@ -2,6 +2,7 @@
 
 #include "apps/app_fixture.h"
 
+#include <array>
 #include <map>
 
 using namespace seldinger::test;
@@ -111,6 +112,58 @@ TEST_SUITE("apps/batch")
         const AppResult again = run_app(folder, "batch t.toml --vary s.toml -o parts --resume --json");
         CHECK(again.code == 0);
         CHECK(nlohmann::json::parse(again.out)["wire_steps"] == 20 + 20 * 300);
+    }
+
+    TEST_CASE("property: of several instruments a row has what each run alone says of each, in one piece, taken up again, by a farm")
+    {
+        const ScratchFolder folder;
+        folder.write("two.toml", two_instruments("merged"));
+        folder.write("s.toml", "[vary]\n\"coaxial.model\" = [\"merged\", \"separate\"]\n\"instrument.1.bend_nm2\" = [1e-5, 3e-5]\n");
+        REQUIRE(run_app(folder, "batch two.toml --vary s.toml -o B --quiet").code == 0);
+        const auto rows = results(folder.path / "B");
+        REQUIRE(rows.size() == 4);
+        for (const Row& row : rows) {
+            const std::string set = fmt::format("--set coaxial.model={} --set instrument.1.bend_nm2={}", row.at("coaxial.model"),
+                                                row.at("instrument.1.bend_nm2"));
+            CAPTURE(set);
+            REQUIRE(run_app(folder, "run two.toml -o R --overwrite --quiet " + set).code == 0);
+            const auto alone = summary_of(folder.path / "R");
+            CHECK(row.at("state_hash") == alone["state_hash"]);
+            REQUIRE(alone["instruments"].size() == 2);
+            for (const auto& of : alone["instruments"]) {
+                const std::string name = of["name"].get<std::string>() + ".";
+                CAPTURE(name);
+                for (const char* key : {"inserted_m", "turned_rad", "nodes", "hand_force_n", "hand_torque_nm"})
+                    CHECK(std::stod(row.at(name + key)) == of[key].get<double>());
+                for (const int c : {0, 1, 2})
+                    CHECK(std::stod(row.at(name + std::array{"tip_x_m", "tip_y_m", "tip_z_m"}[c])) == of["tip_m"][c].get<double>());
+            }
+            CHECK(row.at("wire.inserted_m") != row.at("catheter.inserted_m"));
+        }
+        const std::string csv = slurp(folder.path / "B/results.csv"), npz = slurp(folder.path / "B/results.npz");
+        for (const char* name : {"catheter.hand_force_n", "wire.tip_z_m", "wire.nodes"}) CHECK(npz.find(std::string(name) + ".npy") != std::string::npos);
+        AppResult part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --time-limit 1e-6");
+        for (int call = 0; part.code == 75 && call < 100; ++call)
+            part = run_app(folder, "batch two.toml --vary s.toml -o P --quiet --resume --time-limit 0.01");
+        CHECK(part.code == 0);
+        CHECK(slurp(folder.path / "P/results.csv") == csv);
+        REQUIRE(run_app(folder, "farm two.toml --vary s.toml -o F --tasks 3").code == 0);
+        REQUIRE(run_app(folder, "farm merge F").code == 0);
+        CHECK(slurp(folder.path / "F/results.csv") == csv);
+        CHECK(slurp(folder.path / "F/results.npz") == npz);
+
+        // side by side, where no [coaxial] names them
+        std::string apart = two_instruments("merged");
+        apart.erase(apart.find("[coaxial]"), apart.find("[vessel]") - apart.find("[coaxial]"));
+        apart.insert(apart.rfind("[instrument.feed]\n") + 18, "point = [0.0, 0.0, 0.002]\ndirection = [1.0, 0.0, 0.0]\n");
+        folder.write("apart.toml", apart);
+        folder.write("names.toml", "[vary]\n\"instrument.1.name\" = [\"wire\", \"other\"]\n");
+        const AppResult refused = run_app(folder, "batch apart.toml --vary names.toml -o N");
+        CAPTURE(refused.err);
+        CHECK(refused.code == 2);
+        CHECK(refused.error_lines() == 1);
+        CHECK(refused.err.find("run 1 has instruments of other names") != std::string::npos);
+        CHECK_FALSE(fs::exists(folder.path / "N"));
     }
 
     TEST_CASE("property: numpy reads the same table from the .npz as from the .csv")

@@ -56,7 +56,7 @@ void read_results(const std::string& payload)
     plan.key = std::string(16, '0');
     put_file(folder() / "rows/000001.rows", sealed(rows_magic, payload));
     answer([&] {
-        const auto rows = read_rows(folder(), plan, 1);
+        const auto rows = read_rows(folder(), plan, 1, 2);
         require(rows && rows->size() == 3);
         for (const BatchRow& row : *rows) require(row.run >= 2 && row.run < 5 && std::isalnum(row.state_hash[0]));
     });

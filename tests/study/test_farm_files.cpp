@@ -30,7 +30,7 @@ FarmPlan small_plan()
 std::vector<BatchRow> rows_of_task()
 {
     std::vector<BatchRow> rows(3);
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(k + 2), rows[k].state_hash.fill('a');
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].run = static_cast<std::int64_t>(k + 2), rows[k].state_hash.fill('a'), rows[k].instruments.resize(2);
     return rows;
 }
 
@@ -77,7 +77,7 @@ TEST_SUITE("study/farm files")
             change(rows);
             write_rows(folder.path(), plan, 1, rows);
             return refusal([&] {
-                const auto read = read_rows(folder.path(), plan, 1);
+                const auto read = read_rows(folder.path(), plan, 1, 2);
                 CHECK(read->size() == 3);
             });
         };
@@ -92,6 +92,10 @@ TEST_SUITE("study/farm files")
             [](auto& rows) { rows[1].status = RunStatus::Running; },
             [](auto& rows) { rows[2].state_hash[3] = '\n'; },
             [](auto& rows) { rows[2].numbers[0] = 1e300; },
+            [](auto& rows) { rows[2].instruments[1][2] = 1e300; },
+            [](auto& rows) { rows[0].instruments.pop_back(); },
+            [](auto& rows) { rows[1].instruments.resize(3); },
+            [](auto& rows) { rows.pop_back(); },
         };
         for (const auto& change : wrong) CHECK(said(change).find("says what cannot be") != std::string::npos);
     }
