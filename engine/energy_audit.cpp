@@ -290,7 +290,7 @@ void begin_audit(World::Impl& state, int wire, bool placed)
         const RodView rod = state.rods.view(wire);
         RodFrames frames(rod.n);
         audit.kinetic = kinetic_energy(state, wire);
-        const MergedGroup* group = state.group_of(wire);
+        MergedGroup* group = state.group_of(wire);
         audit.elastic = group ? elastic_now(state, *group)
                               : seldinger::energy_now(rod, state.constraints[wire].clamps, frames);
         audit.gravitational = state.solver->potential_energy(wire);

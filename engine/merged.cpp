@@ -1,10 +1,9 @@
-// Instruments that share one centreline: placed, fed, held, their nodes at the hub.
+// Instruments that share one centreline: placed, fed, held.
 
 #include "merged.h"
 
 #include "rod/coaxial_split.h"
 #include "rod/place.h"
-#include "step_stages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +28,9 @@ int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec)
 {
     double longest = 0;
     for (const int w : spec.order) longest = std::max(longest, setup.wires[w].wire.length);
-    return static_cast<int>(std::ceil(1.01 * longest / merged_edge(setup, spec))) + 6;
+    const WireSpec nodes = merged_nodes(setup, spec);
+    const double shortest = nodes.nodes == 0 ? nodes.min_edge : merged_edge(setup, spec);
+    return static_cast<int>(std::ceil(1.01 * longest / shortest)) + 6;
 }
 
 namespace {
@@ -110,16 +111,14 @@ void level_absent(World::Impl& state, MergedGroup& group)
 
 }  // namespace
 
-double elastic_now(World::Impl& state, const MergedGroup& group)
+double elastic_now(World::Impl& state, MergedGroup& group)
 {
     const RodView line = state.rods.view(group.line());
     CoaxialTrial now{line.x, line.y, line.z, {}};
     for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = state.rods.view(group.wires()[k]).theta;
-    RodFrames& frames = state.hub_scratch.split.frames;
-    state.hub_scratch.split.provide(state.rods.capacity(group.line()));
+    RodFrames& frames = group.frames;
     const bool usable = update_coaxial(group.shared.rod, line, now, group.shared.base, frames);
     const double energy = usable ? coaxial_energy(group.shared.rod, line, now, group.shared.base, frames) : 0.0;
-    frames.material = true;
     return energy;
 }
 
@@ -172,6 +171,9 @@ void place_group(World::Impl& state, MergedGroup& group)
     const int line = group.line(), count = group.shared.count(), capacity = state.rods.capacity(line);
     group.shared.rod = CoaxialRod(capacity, count);
     group.mass.resize(capacity);
+    group.frames = RodFrames(capacity);
+    group.moment.resize(capacity);
+    group.turning.resize(capacity);
     for (auto& of_one : group.inertia) of_one.resize(capacity);
     std::array<double, most_coaxial> angle{}, still{};
     for (int k = 0; k < count; ++k) {
@@ -274,37 +276,6 @@ void constrain_group(const MergedGroup& group, const RodView& line, WireConstrai
     clamp.tangent = group.shared.base.tangent;
     clamp.director = group.shared.base.director;  // each instrument is turned by itself
     out.clamps.push_back(clamp);
-}
-
-void adapt_group(World::Impl& state, MergedGroup& group, double dt)
-{
-    if (!group.feed.inside) return;
-    const int leader = group.wires()[group.leader], line = group.line();
-    const HubPath hub = state.hub_requests[leader].path();
-    const double t = state.wire_time[leader];
-    const BaseEdge limits = base_edge_limits(group.feed.edge, hub.travel(t, t + dt, +1), hub.travel(t, t + dt, -1));
-    if (state.rods.view(line).rest_length[0] > 1.75 * group.feed.edge &&
-        state.rods.node_count(line) < state.rods.capacity(line)) {
-        refresh_group(state, group);
-        const double before = elastic_now(state, group);
-        split_coaxial_tip(state.rods, group.wires(), group.shared.rod);
-        state.remesh_energy[line] += elastic_now(state, group) - before;
-    }
-    const RodView rod = state.rods.view(line);
-    const double length = rod.rest_length[rod.n - 2];
-    const bool split = length >= limits.whole + limits.born && rod.n < state.rods.capacity(line);
-    const bool merge = length < limits.least && rod.n > 2;
-    if (!split && !merge) return;
-    refresh_group(state, group);
-    const double before = elastic_now(state, group);
-    const SplitResult result =
-        split ? split_coaxial_base(state.rods, group.wires(), group.shared.rod, group.shared.base, limits.whole / length)
-              : merge_coaxial_base(state.rods, group.wires(), group.shared.rod, group.shared.base);
-    FeedState& feed = group.feed;
-    feed.surplus += result.rest_length_added;
-    feed.surplus_rate = std::clamp(result.base_rate - feed.speed, -std::abs(feed.speed), std::abs(feed.speed));
-    refresh_group(state, group);
-    state.remesh_energy[line] += elastic_now(state, group) - before;
 }
 
 void set_exposures(World::Impl& state)

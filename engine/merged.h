@@ -33,17 +33,24 @@ struct MergedGroup {
     CoaxialGroup shared;
     FeedState feed;  // of the line, as of one wire; its advance is the leader's
     int leader = 0;  // place in the group
+    WireSpec nodes;  // bounds of the line's edges: those of the instrument that asks for most
     // of the present sub-step
     std::array<double, most_coaxial> slid{}, turned{};  // change of the offsets [m], of the angles that hands hold [rad]
     double weight_work = 0, carried = 0;                // that hands do on what is moved; energy that fed material brings in [J]
     std::vector<double> mass;                           // [nodes] scratch
     std::array<std::vector<double>, most_coaxial> inertia;
+    RodFrames frames;                 // scratch, as all that follow
+    std::vector<Vec3> moment;         // NodeDemands::moment, and so on
+    std::vector<double> turning;
+    std::vector<Vec3> contact;
+    std::vector<std::uint8_t> bowed;
     // what a failed attempt returns to
     FeedState feed_backup;
     int leader_backup = 0;
 
     [[nodiscard]] std::span<const int> wires() const { return shared.wires; }
     [[nodiscard]] int line() const { return shared.line(); }
+    [[nodiscard]] bool adapts() const { return nodes.nodes == 0; }
 };
 
 /// @throws Error BadScene: instruments that cannot be merged
@@ -51,6 +58,8 @@ void check_merged(const WorldSetup& setup);
 /// Edge of the line of a group, and its most nodes.
 [[nodiscard]] double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec);
 [[nodiscard]] int merged_capacity(const WorldSetup& setup, const CoaxialSpec& spec);
+/// Bounds of the line's edges where they are adaptive, `nodes` = 0: all instruments ask for that.
+[[nodiscard]] WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec);
 /// The merged group that a wire is in, or null.
 [[nodiscard]] const CoaxialSpec* merged_spec_of(const WorldSetup& setup, int wire);
 
@@ -62,10 +71,10 @@ void lead_group(World::Impl& state, MergedGroup& group);
 void feed_group(World::Impl& state, MergedGroup& group, double h);
 /// The line's hold at the hub.
 void constrain_group(const MergedGroup& group, const RodView& line, WireConstraints& out);
-/// Births and merges at the hub.
-void adapt_group(World::Impl& state, MergedGroup& group, double dt);
+/// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
+bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].
-[[nodiscard]] double elastic_now(World::Impl& state, const MergedGroup& group);
+[[nodiscard]] double elastic_now(World::Impl& state, MergedGroup& group);
 /// After arrays and feeds have been put back: offsets, angles and integrals.
 void refresh_group(World::Impl& state, MergedGroup& group);
 /// Where the instruments lie in the line now, for contact.

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
 
 namespace seldinger {
@@ -23,7 +24,8 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
     if (!wire.feed.on) refuse(where + ".feed.on", "is false, expected instruments of one centreline (merged) to be fed");
     if ((wire.feed.point - first.feed.point).norm() > 0 || (wire.feed.direction - first.feed.direction).norm() > 0)
         refuse(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
-    if (!(wire.feed.behind >= 0)) refuse(where + ".feed.behind", fmt::format("is {} m, expected 0 or more", wire.feed.behind));
+    if (!(wire.feed.behind >= 0 && std::isfinite(wire.feed.behind)))
+        refuse(where + ".feed.behind", fmt::format("is {} m, expected a number, 0 or more", wire.feed.behind));
     if (!wire.holds.empty() || !wire.loads.empty() || !wire.links.empty())
         refuse(where, "has holds, loads or links, expected none on instruments of one centreline (merged)");
     if (wire.wire.curvature != first.wire.curvature)

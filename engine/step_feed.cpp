@@ -31,12 +31,16 @@ int parts_of(World::Impl& state, int w, double dt)
     const HubPath hub = state.hub_requests[w].path();
     const double t = state.wire_time[w];
     const double pushed = hub.travel(t, t + dt, +1), pulled = hub.travel(t, t + dt, -1);
-    const double shortest = state.adapters[w].on ? state.setup.wires[w].wire.min_edge : feed.edge / 2;
+    const MergedGroup* group = state.group_of(w);
+    const double even = feed.edge / 2;
+    const double shortest = group                  ? (group->adapts() ? group->nodes.min_edge : even)
+                            : state.adapters[w].on ? state.setup.wires[w].wire.min_edge
+                                                   : even;
     const RodView rod = state.rods.view(w);
     // a pull by more than half of the base edge takes it out in time where it is known beforehand
     const double base = feed.inside ? std::min(rod.rest_length[rod.n - 2], shortest) : shortest;
     // two that share a centreline may go opposite ways, and what one is ahead by then is put before the tip in one piece
-    const double most = state.merged_of[w] >= 0 ? feed.edge / 4 : feed.edge;
+    const double most = group ? feed.edge / 4 : feed.edge;
     const double parts = std::ceil(std::max(pushed / most, pulled / (base / 2)) - 1e-9);
     return static_cast<int>(std::clamp(parts, 1.0, most_feed_parts));
 }

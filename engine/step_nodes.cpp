@@ -14,20 +14,6 @@ namespace {
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.
 constexpr int merge_period = 16;  // steps
 
-// What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
-void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
-{
-    const auto at = force.begin() + change.at;
-    if (change.split) {
-        std::copy_backward(at + 1, force.begin() + n, force.begin() + n + 1);
-        *(at + 1) = Vec3::Zero();
-    } else {
-        *(at - 1) += 0.5 * *at;
-        *(at + 1) += 0.5 * *at;
-        std::copy(at + 1, force.begin() + n, at);
-    }
-}
-
 // @return whether it did anything
 bool adapt_base(World::Impl& state, int w, const BaseEdge& limits)
 {
@@ -83,6 +69,19 @@ bool where_clear(World::Impl& state, int w, Change change)
 
 }  // namespace
 
+void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change)
+{
+    const auto at = force.begin() + change.at;
+    if (change.split) {
+        std::copy_backward(at + 1, force.begin() + n, force.begin() + n + 1);
+        *(at + 1) = Vec3::Zero();
+    } else {
+        *(at - 1) += 0.5 * *at;
+        *(at + 1) += 0.5 * *at;
+        std::copy(at + 1, force.begin() + n, at);
+    }
+}
+
 void fade_surplus_of(World::Impl& state, int w, double dt)
 {
     const WireSpec& spec = state.setup.wires[w].wire;
@@ -92,6 +91,7 @@ void fade_surplus_of(World::Impl& state, int w, double dt)
 
 bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
 {
+    if (MergedGroup* group = state.group_of(w)) return adapt_group(state, *group, dt, may_merge);
     const WireSpec& spec = state.setup.wires[w].wire;
     const bool fed = state.feeds[w].on;
     NodeAdapter& adapter = state.adapters[w];
@@ -104,7 +104,7 @@ bool adapt_wire(World::Impl& state, int w, double dt, bool may_merge)
         if (clamp.direction && clamp.node == state.rods.node_count(w) - 1) demands.hub_tangent = clamp.tangent;
     // the moments beside a new node settle within the next step; until then only lengths are judged
     bool changed = fed && where_clear(state, w, [&] {
-                       const double whole = adapter.planner.base_edge(state.rods.view(w), spec, demands.hub_tangent);
+                       const double whole = adapter.planner.base_edge(state.rods.view(w), spec, demands);
                        return adapt_base(state, w, base_limits(state, w, whole, dt));
                    });
     if (changed) demands.may_refine = demands.may_merge = false;
@@ -128,11 +128,8 @@ void adapt_nodes_of(World::Impl& state, int w, double dt)
 {
     FeedState& feed = state.feeds[w];
     if (feed.on && !feed.inside) return;
-    if (MergedGroup* group = state.group_of(w)) {
-        if (!state.is_passenger(w)) adapt_group(state, *group, dt);
-        return;
-    }
-    if (state.adapters[w].on) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
+    if (state.is_passenger(w)) return;
+    if (state.adapters[w].on || state.group_of(w)) (void)adapt_wire(state, w, dt, state.steps % merge_period == 0);
     else if (feed.on) (void)where_clear(state, w, [&] { return adapt_base(state, w, base_limits(state, w, feed.edge, dt)); });
 }
 

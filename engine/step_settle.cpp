@@ -81,6 +81,8 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
         done[w] = 0;
         state.restore_wire(w);
     }
+    for (const auto& group : state.merged)
+        if (failed[group->line()]) refresh_group(state, *group);
     state.terms.commit(done);
     state.terms.set_settling(Settling::Off);
     for (int w = 0; w < state.wire_count(); ++w)

@@ -145,8 +145,8 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
             place_wire(rods, w, wire.wire, setup.centreline.main_points());
         }
         holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
-        adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
-        if (merged_spec_of(setup, w)) adapters.back().on = false;
+        if (merged_spec_of(setup, w)) adapters.emplace_back();
+        else adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
     }
     retired.assign(count, 0);
     remesh_energy.assign(count, 0.0);
@@ -200,8 +200,13 @@ void World::Impl::make_groups()
         for (const int w : spec.order) merged_of[w] = static_cast<int>(merged.size());
         merged.push_back(std::make_unique<MergedGroup>());
         merged.back()->shared.wires = spec.order;
-        merged.back()->feed.edge = merged_edge(setup, spec);
-        place_group(*this, *merged.back());
+        MergedGroup& group = *merged.back();
+        group.feed.edge = merged_edge(setup, spec);
+        group.nodes = merged_nodes(setup, spec);
+        NodeAdapter& adapter = adapters[group.line()];
+        adapter.on = group.adapts();
+        if (adapter.on) adapter.planner = NodePlanner(group.nodes, rods.capacity(group.line()));
+        place_group(*this, group);
     }
     if (merged.empty()) return;
     shown = std::make_unique<RodArrays>(rods);

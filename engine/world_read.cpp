@@ -397,6 +397,15 @@ std::string describe_nodes(const WireSetup& setup)
                        1e3 * spec.max_edge, 1e6 * spec.edge_error);
 }
 
+std::string describe_nodes(const MergedGroup& group)
+{
+    const WireSpec& spec = group.nodes;
+    if (!group.adapts())
+        return fmt::format("uniform edges of {:.3g} mm (instruments of one centreline)", 1e3 * group.feed.edge);
+    return fmt::format("adaptive, edges of {:.3g} to {:.3g} mm, {:.3g} um of tip error each (instruments of one centreline)",
+                       1e3 * spec.min_edge, 1e3 * spec.max_edge, 1e6 * spec.edge_error);
+}
+
 // Of wire 0, as all of model() is.
 std::string describe_spins(const World::Impl& s, const IntegratorSpec& integrator)
 {
@@ -424,9 +433,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
     const Impl& s = *impl_;
     const WireSetup& wire = s.setup.wires[0];
     std::vector<std::pair<std::string, std::string>> list;
-    list.emplace_back("nodes", s.merged_of[0] >= 0 ? fmt::format("uniform edges of {:.3g} mm (instruments of one centreline)",
-                                                                 1e3 * s.merged[s.merged_of[0]]->feed.edge)
-                                                   : describe_nodes(wire));
+    list.emplace_back("nodes", s.merged_of[0] >= 0 ? describe_nodes(*s.merged[s.merged_of[0]]) : describe_nodes(wire));
     if (!wire.start.empty()) list.emplace_back("start", wire.start);
     if (!wire.inlet.empty()) list.emplace_back("inlet", wire.inlet);
     static const char* const schemes[] = {"newton", "linearised", "static", "explicit"};

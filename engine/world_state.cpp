@@ -158,6 +158,12 @@ void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& by
         s.take_wire(at, end, w);
         if (origin == Origin::File) check_saved_wire(s, w);
     }
+    for (const int w : s.wires_of(system))
+        if (MergedGroup* group = s.group_of(w); group && !s.is_passenger(w)) refresh_group(s, *group);
+    if (!s.merged.empty()) {
+        set_exposures(s);
+        show_groups(s);
+    }
     for (const int w : s.wires_of(system)) s.terms.restore_wire(at, end, w);
     for (const int w : s.wires_of(system)) {
         take_audit(at, end, s.audits[w]);

@@ -15,9 +15,6 @@ namespace seldinger {
 
 namespace {
 
-// An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
-// two touches, a few lumen radii.
-constexpr double longest_lever = 0.03;  // [m]
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h
 // The hand force is read off the base edge, so what that edge gets wrong swings with each edge fed: measured on an arc of 40 mm,
 // base edges of up to half the longest leave 1 mN where up to one and a half left 4 mN of 240 mN, and cost three to five nodes.
@@ -52,7 +49,7 @@ Vec3 rest_binormal(const RodView& rod, int i)
 }  // namespace
 
 NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
-    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), moment_(capacity, Vec3::Zero()), marked_(capacity)
+    : longest_(capacity), curvature_(capacity), shear_jump_(capacity), turning_(capacity), moment_(capacity, Vec3::Zero()), marked_(capacity)
 {
     for (const WireSectionRange& range : spec.sections)
         for (const double s : {range.begin, range.end})
@@ -62,9 +59,10 @@ NodePlanner::NodePlanner(const WireSpec& spec, int capacity)
 }
 
 /// Curvature, moment and jump of shear at all nodes.
-void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
+void NodePlanner::measure(const RodView& rod, const NodeDemands& demands)
 {
     const int hub = rod.n - 1;
+    const Vec3& hub_tangent = demands.hub_tangent;
     curvature_[0] = curvature_[hub] = shear_jump_[0] = shear_jump_[hub] = 0;
     moment_[0] = moment_[hub] = Vec3::Zero();
     for (int i = 1; i < hub; ++i) {
@@ -78,6 +76,9 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
         curvature_[hub] = kappa.norm();
         moment_[hub] = rod.bend_stiffness[hub] * kappa;
     }
+    std::ranges::copy(demands.moment, moment_.begin());
+    std::fill_n(turning_.begin(), rod.n, 0.0);
+    std::ranges::copy(demands.turning, turning_.begin());
     for (int i = 1; i < hub; ++i)
         shear_jump_[i] =
             ((moment_[i + 1] - moment_[i]) / rod.rest_length[i] - (moment_[i] - moment_[i - 1]) / rod.rest_length[i - 1]).norm();
@@ -92,14 +93,15 @@ void NodePlanner::measure(const RodView& rod, const Vec3& hub_tangent)
 double NodePlanner::longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const
 {
     double kappa = 0, jump = 0.5 * (shear_jump_[from] + shear_jump_[to]), stiffness = rod.bend_stiffness[from];
+    double turning = 0.5 * (turning_[from] + turning_[to]);
     for (int i = from; i <= to; ++i) {
         kappa = std::max(kappa, curvature_[i]);
         stiffness = std::min(stiffness, rod.bend_stiffness[i]);
     }
-    for (int i = from + 1; i < to; ++i) jump += shear_jump_[i];
+    for (int i = from + 1; i < to; ++i) jump += shear_jump_[i], turning += turning_[i];
     const double lever = std::min(rod.material_s[to], longest_lever);
     const double cubic = kappa * kappa * (1.0 / 24 + lever * kappa * (1.0 / 12 - curvature_q(rod.curvature) / 8));
-    const double square = lever * jump / (12 * stiffness);
+    const double square = lever * jump / (12 * stiffness) + turning / 12;
     double longest = spec.max_edge / merge_share;  // an edge of max_edge is no error: it may be merged from two
     if (cubic * longest * longest * longest > spec.edge_error) longest = std::cbrt(spec.edge_error / cubic);
     if (square * longest * longest > spec.edge_error) longest = std::sqrt(spec.edge_error / square);
@@ -115,9 +117,9 @@ void NodePlanner::note_touching(const RodView& rod, const NodeDemands& demands)
         if (!demands.contact[i].isZero(0)) touching_[i] = demands.touching_edge;
 }
 
-std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const NodeDemands& demands)
 {
-    measure(rod, hub_tangent);
+    measure(rod, demands);
     for (int j = 0; j < rod.n - 1; ++j) longest_[j] = std::min(spec.max_edge, longest_edge(rod, spec, j, j + 1));
     return std::span(longest_).first(rod.n - 1);
 }
@@ -130,9 +132,9 @@ double NodePlanner::boundary_fraction(const WireSpec& spec, double begin, double
     return 0;
 }
 
-double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent)
+double NodePlanner::base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands)
 {
-    measure(rod, hub_tangent);
+    measure(rod, demands);
     note_touching(rod, {});
     const int base = rod.n - 2;
     double whole = std::max(base_share * std::min(spec.max_edge, longest_edge(rod, spec, base, base + 1)), 2 * spec.min_edge);
@@ -209,7 +211,7 @@ std::span<const NodeChange> NodePlanner::plan(const RodView& rod, const WireSpec
 {
     changes_.clear();
     note_touching(rod, demands);
-    longest_edges(rod, spec, demands.hub_tangent);
+    longest_edges(rod, spec, demands);
     plan_splits(rod, spec, demands, capacity);
     if (changes_.empty() && demands.may_merge) plan_merge(rod, spec, demands);
     return changes_;

@@ -27,6 +27,10 @@ namespace seldinger {
 /// Two neighbouring edges differ by at most this factor: the forces of (D2, D3) are second order only where lengths vary slowly.
 constexpr double edge_ratio_limit = 2.0;
 
+// An error of angle moves the tip by its distance from there; in a vessel the walls take over after the distance between
+// two touches, a few lumen radii.
+constexpr double longest_lever = 0.03;  // [m]
+
 /// A change of the node set. Lists of changes run from hub to tip, so that none moves the index of a later one.
 struct NodeChange {
     bool split = true;
@@ -45,6 +49,9 @@ struct NodeDemands {
     double touching_edge = std::numeric_limits<double>::infinity();
     std::span<const std::uint8_t> bowed = {};  // [n] nodes that stay for what lies under them
     bool fed = false;        // the base edge belongs to feeding (solve/feed.h), which makes it from 0 to h long
+    // of instruments that share a centreline (rod/coaxial_nodes.h); else a wire's own
+    std::span<const Vec3> moment = {};     // [n] bending moments M [N m]
+    std::span<const double> turning = {};  // [n] error of the tip by twist, of an edge of length h times 12/h^2 [1/m]
 };
 
 /// Scratch of one wire; allocated once.
@@ -55,16 +62,16 @@ public:
 
     /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
     /// @return [n-1]; valid until the next call
-    std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
+    std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
     /// How long a fed wire's base edge is to become before a node is born behind it [m]: as the shape there asks for, or up to
-    /// a section's boundary in it, which gets that node.
-    [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const Vec3& hub_tangent);
+    /// a section's boundary in it, which gets that node. What touches there is left out.
+    [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call
     std::span<const NodeChange> plan(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
 
 private:
-    void measure(const RodView& rod, const Vec3& hub_tangent);
+    void measure(const RodView& rod, const NodeDemands& demands);
     [[nodiscard]] double longest_edge(const RodView& rod, const WireSpec& spec, int from, int to) const;
     void note_touching(const RodView& rod, const NodeDemands& demands);
     void plan_splits(const RodView& rod, const WireSpec& spec, const NodeDemands& demands, int capacity);
@@ -75,6 +82,7 @@ private:
     std::vector<double> boundaries_;              // [m] where sections begin and end
     std::vector<double> longest_;                 // [n-1]
     std::vector<double> curvature_, shear_jump_;  // [n] [1/m], [N]
+    std::vector<double> turning_;                 // [n] NodeDemands::turning [1/m]
     std::vector<Vec3> moment_;                    // [n] [N m]
     std::vector<double> touching_;                // [n] longest edge beside it that its contact allows [m]
     std::vector<std::uint8_t> marked_;            // [n-1] to be split; [n] kept

@@ -3,68 +3,18 @@
 #include "rod/coaxial_split.h"
 
 #include "core/check.h"
+#include "rod/coaxial_edge.h"
 #include "rod/split.h"
-#include "rod/transport.h"
 
 #include <algorithm>
 
 namespace seldinger {
 
+using namespace coaxial;
+
 namespace {
 
-CoaxialTrial now_of(RodArrays& rods, std::span<const int> wires)
-{
-    const RodView line = rods.view(wires[0]);
-    CoaxialTrial now{line.x, line.y, line.z, {}};
-    for (std::size_t k = 0; k < wires.size(); ++k) now.theta[k] = rods.view(wires[k]).theta;
-    return now;
-}
-
-double axial_force(const RodView& line, int j)
-{
-    return line.stretch_stiffness[j] * ((line.pos(j + 1) - line.pos(j)).norm() / line.rest_length[j] - 1);
-}
-
-Vec3 momentum(const RodView& line, int last)
-{
-    Vec3 sum = Vec3::Zero();
-    for (int i = 0; i <= last; ++i) sum += line.mass[i] * line.vel(i);
-    return sum;
-}
-
-/// Common shift of the velocities of the nodes up to `last` that gives them this momentum.
-void set_momentum(const RodView& line, int last, const Vec3& wanted)
-{
-    double mass = 0;
-    for (int i = 0; i <= last; ++i) mass += line.mass[i];
-    const Vec3 shift = (wanted - momentum(line, last)) / mass;
-    for (int i = 0; i <= last; ++i) line.set_vel(i, line.vel(i) + shift);
-}
-
 Vec3 forwards(const RodView& line, int j) { return (line.pos(j) - line.pos(j + 1)).normalized(); }
-
-/// Tangent of edge j from its nodes, and a director carried to it.
-void set_edge_frame(const RodView& line, int j, const Vec3& from, const Vec3& d1)
-{
-    const Vec3 t = (line.pos(j + 1) - line.pos(j)).normalized();
-    line.set_tangent(j, t);
-    line.set_ref_d1(j, unit_normal(parallel_transport(d1, from, t, one_plus_cos(from, t)), t));
-}
-
-/// Reference twist at inner node i of the present frames, nearest to `last`.
-double inner_reference(const RodView& line, int i, double last)
-{
-    const Vec3 te = line.tangent(i - 1), tf = line.tangent(i);
-    return unwrap(signed_angle(parallel_transport(line.ref_d1(i - 1), te, tf, one_plus_cos(te, tf)), line.ref_d1(i), tf), last);
-}
-
-/// The same between the base edge and the sleeve.
-double sleeve_reference(const RodView& line, const CoaxialBase& base, double last)
-{
-    const Vec3 te = line.tangent(line.n - 2);
-    const Vec3 carried = parallel_transport(line.ref_d1(line.n - 2), te, base.tangent, one_plus_cos(te, base.tangent));
-    return unwrap(signed_angle(carried, base.director, base.tangent), last);
-}
 
 /// Lengths of the edges from `first` on such that they carry `force`, their sum being about `length`. @return rest length added
 double set_lengths(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, int first, double force, double length)
@@ -125,7 +75,7 @@ struct OldBase {
         const RodView line = rods.view(wires[0]);
         const int a = line.n - 2;
         length = line.rest_length[a], force = axial_force(line, a);
-        tangent = line.tangent(a), d1 = line.ref_d1(a), momentum = seldinger::momentum(line, line.n - 1);
+        tangent = line.tangent(a), d1 = line.ref_d1(a), momentum = coaxial::momentum(line, line.n - 1);
         ref = {a > 0 ? line.ref_twist[a] : 0.0, line.clamp_twist_a[a + 1]};
         for (const int w : wires) {
             theta.push_back(rods.view(w).theta[a]);

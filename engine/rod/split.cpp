@@ -68,27 +68,6 @@ Vec3 parabola_tangent(const RodView& rod, int i)
     return ((lf / le) * e + (le / lf) * f).normalized();
 }
 
-/// Point at parameter u of the cubic that leaves node j and arrives at node j+1 along the wire's tangents there.
-Vec3 point_on_cubic(const RodView& rod, int j, double u, std::span<const RodClamp> clamps)
-{
-    const Vec3 xa = rod.pos(j), xb = rod.pos(j + 1);
-    const double length = (xb - xa).norm();
-    const Vec3 chord = (xb - xa) / length;
-    const RodClamp* at_a = find_clamp(clamps, j, &RodClamp::direction);
-    const RodClamp* at_b = find_clamp(clamps, j + 1, &RodClamp::direction);
-    const bool known_a = at_a || j > 0, known_b = at_b || j + 2 < rod.n;
-    Vec3 ta = at_a ? at_a->tangent : known_a ? parabola_tangent(rod, j) : chord;
-    Vec3 tb = at_b ? at_b->tangent : known_b ? parabola_tangent(rod, j + 1) : chord;
-    // a free or hinged end carries no moment: zero second derivative of the cubic there
-    if (!known_a) ta = known_b ? Vec3(1.5 * chord - 0.5 * tb) : chord;
-    if (!known_b) tb = known_a ? Vec3(1.5 * chord - 0.5 * ta) : chord;
-
-    // speed that puts the middle of a circular arc on the circle: chord / cos^2(angle/4)
-    const double speed = length * 2 / (1 + 0.5 * (ta + tb).norm());
-    const double u2 = u * u, v = 1 - u;
-    return (v * v * (1 + 2 * u)) * xa + (u2 * (1 + 2 * v)) * xb + (speed * u * v) * (v * ta - u * tb);
-}
-
 Vec3 momentum(const RodView& rod, int first, int last)
 {
     Vec3 sum = Vec3::Zero();
@@ -221,9 +200,38 @@ void split_spin(const RodView& rod, int a, const OldEdge& old)
     rod.spin_rate[a + 1] += shift;
 }
 
-/// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
-/// the old one was. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial forces
-/// answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a second.
+/// Velocities, spins and their rates, with the old momentum and spin momentum. What a polygon's momentum changes by, of the order
+/// of (kappa h)^2 of one node's, goes to the whole wire as one: no edge is stretched by that.
+void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
+{
+    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
+    rod.set_vel(a + 1, split_velocity(rod, a, fraction, old.strain_rate));
+    set_momentum(rod, 0, rod.n - 1, old.momentum);
+    split_spin(rod, a, old);
+}
+
+}  // namespace
+
+Vec3 split_point(const RodView& rod, int j, double u, std::span<const RodClamp> clamps)
+{
+    const Vec3 xa = rod.pos(j), xb = rod.pos(j + 1);
+    const double length = (xb - xa).norm();
+    const Vec3 chord = (xb - xa) / length;
+    const RodClamp* at_a = find_clamp(clamps, j, &RodClamp::direction);
+    const RodClamp* at_b = find_clamp(clamps, j + 1, &RodClamp::direction);
+    const bool known_a = at_a || j > 0, known_b = at_b || j + 2 < rod.n;
+    Vec3 ta = at_a ? at_a->tangent : known_a ? parabola_tangent(rod, j) : chord;
+    Vec3 tb = at_b ? at_b->tangent : known_b ? parabola_tangent(rod, j + 1) : chord;
+    // a free or hinged end carries no moment: zero second derivative of the cubic there
+    if (!known_a) ta = known_b ? Vec3(1.5 * chord - 0.5 * tb) : chord;
+    if (!known_b) tb = known_a ? Vec3(1.5 * chord - 0.5 * ta) : chord;
+
+    // speed that puts the middle of a circular arc on the circle: chord / cos^2(angle/4)
+    const double speed = length * 2 / (1 + 0.5 * (ta + tb).norm());
+    const double u2 = u * u, v = 1 - u;
+    return (v * v * (1 + 2 * u)) * xa + (u2 * (1 + 2 * v)) * xb + (speed * u * v) * (v * ta - u * tb);
+}
+
 Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate)
 {
     const Vec3 va = rod.vel(a), vb = rod.vel(a + 2), linear = (1 - fraction) * va + fraction * vb;
@@ -238,18 +246,6 @@ Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_ra
     return linear + change;
 }
 
-/// Velocities, spins and their rates, with the old momentum and spin momentum. What a polygon's momentum changes by, of the order
-/// of (kappa h)^2 of one node's, goes to the whole wire as one: no edge is stretched by that.
-void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old)
-{
-    for (const std::span<double> acc : {rod.ax, rod.ay, rod.az}) acc[a + 1] = (1 - fraction) * acc[a] + fraction * acc[a + 2];
-    rod.set_vel(a + 1, split_velocity(rod, a, fraction, old.strain_rate));
-    set_momentum(rod, 0, rod.n - 1, old.momentum);
-    split_spin(rod, a, old);
-}
-
-}  // namespace
-
 SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, const WireSpec& spec,
                        std::span<const RodClamp> clamps, bool rest_is_placed)
 {
@@ -259,7 +255,7 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = point_on_cubic(before, a, fraction, clamps);
+    const Vec3 position = split_point(before, a, fraction, clamps);
 
     rods.insert_node(wire, a + 1);
     at_b.node = a + 2;
@@ -325,7 +321,7 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = point_on_cubic(before, a, fraction, clamps);
+    const Vec3 position = split_point(before, a, fraction, clamps);
     scratch.provide(rods.capacity(wire));
     scratch.clamps.assign(clamps.begin(), clamps.end());
     for (RodClamp& clamp : scratch.clamps) clamp.node += clamp.node == a + 1;

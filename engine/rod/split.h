@@ -59,6 +59,14 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
 /// Takes out the node next to the hub; the nodes that stay keep their velocities.
 SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps);
 
+/// Point at parameter u of the cubic that leaves node `edge` and arrives at the next one along the wire's tangents there.
+[[nodiscard]] Vec3 split_point(const RodView& rod, int edge, double u, std::span<const RodClamp> clamps);
+/// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
+/// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial
+/// forces answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a
+/// second.
+[[nodiscard]] Vec3 split_velocity(const RodView& rod, int a, double fraction, double strain_rate);
+
 /// By how much the node next to the hub is to move across `tangent`, of the base edge, where `gradient` is what elastic forces
 /// ask of it: by the bending stiffness of small turns there.
 [[nodiscard]] Vec3 born_node_shift(const RodView& rod, const Vec3& tangent, const Vec3& gradient);

@@ -31,6 +31,7 @@ struct SceneFeed {
     bool inlet_auto = false;  // an inlet of the vessel; else point and direction
     int inlet_number = 0;     // with inlet_auto: which one, counted from 1 (vessel/inlets.h); 0: "auto", the first
     Vec3 point = Vec3::Zero(), direction = Vec3::UnitX();
+    double behind = 0;          // FeedSpec::behind [m]
     std::vector<FeedKey> keys;  // piecewise linear, times strictly increasing; held constant outside
 
     /// The inlet, with the hub where the keys have it at t = 0.

@@ -208,7 +208,7 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
     if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
     if (all.has("instrument")) read_instruments(root, scene);
-    else if (feed) read_feed_table(*feed, "feed", false, scene, scene);
+    else if (feed) read_feed_table(*feed, "feed", {}, scene, scene);
     check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);
     read_holds_and_loads(root, scene);
     for_each_table(root, "wall_load", "wall_load",

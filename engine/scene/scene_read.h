@@ -18,7 +18,12 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
                      SceneInstrument& into, Scene& scene);
 
 /// Where an instrument enters and its key frames. @param inherits  it enters where another one does: no inlet of its own
-void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene);
+/// Where a feed's instrument is among others.
+struct FeedPlace {
+    bool inside = false;  // another one, and so enters where that does
+    bool merged = false;  // it shares its centreline with others
+};
+void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene);
 
 /// Refuses a mu_static that stands there and is below mu_sliding.
 void check_friction(const TableReader& t, double mu_static, double mu_sliding);

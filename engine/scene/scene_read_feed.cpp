@@ -41,14 +41,31 @@ void read_inlet(const TableReader& t, const Scene& scene, SceneFeed& feed)
     t.direction("direction", feed.direction);
 }
 
+/// The length between hand and inlet at the start; with the keys, which say how much is inside then.
+void read_behind(const TableReader& t, FeedPlace place, SceneInstrument& into)
+{
+    SceneFeed& feed = into.feed;
+    t.number("behind_m", feed.behind, not_negative);
+    if (feed.behind == 0) return;
+    if (!place.merged)
+        t.fail("behind_m",
+               "is of instruments in one centreline only ([coaxial] with model = \"merged\"): elsewhere the hand is at the inlet; "
+               "take it out");
+    const double inside = feed.at(0).advance;
+    if (feed.behind + inside > into.wire.length)
+        t.fail("behind_m", fmt::format("{} m behind the inlet and {} m inside at the start are more than the whole instrument, {} m; "
+                                       "make length_m longer or take less",
+                                       feed.behind, inside, into.wire.length));
+}
+
 }  // namespace
 
-void read_feed_table(const toml::table& table, const std::string& path, bool inherits, SceneInstrument& into, const Scene& scene)
+void read_feed_table(const toml::table& table, const std::string& path, FeedPlace place, SceneInstrument& into, const Scene& scene)
 {
-    const TableReader t(table, path, {"point", "direction", "inlet", "keys"});
+    const TableReader t(table, path, {"point", "direction", "inlet", "behind_m", "keys"});
     SceneFeed& feed = into.feed;
     feed.on = true;
-    if (!inherits) read_inlet(t, scene, feed);
+    if (!place.inside) read_inlet(t, scene, feed);
     else
         for (const auto key : {"inlet", "point", "direction"})
             t.refuse(key, "is that of the outer instrument: those inside each other enter at one place; take it out");
@@ -63,6 +80,7 @@ void read_feed_table(const toml::table& table, const std::string& path, bool inh
                     fmt::format("{} m is more than the whole wire, {} m; make {}length_m longer", feed.keys.back().advance,
                                 into.wire.length, into.label.empty() ? "wire." : ""));
     }
+    read_behind(t, place, into);
 }
 
 }  // namespace seldinger

@@ -109,7 +109,8 @@ void read_instrument_table(const toml::table& table, int k, Scene& scene)
                 "is missing; instruments inside each other are fed: give [instrument.feed] with keys");
     if (!feed) return;
     if (!feed->is_table()) fail_at(feed->source(), path + ".feed", "expected one table [instrument.feed]");
-    read_feed_table(*feed->as_table(), path + ".feed", place > 0, instrument, scene);
+    const bool merged = place >= 0 && scene.coaxial->model == CoaxialSpec::Model::Merged;
+    read_feed_table(*feed->as_table(), path + ".feed", {place > 0, merged}, instrument, scene);
 }
 
 double widest(const WireSpec& wire)

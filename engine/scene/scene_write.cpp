@@ -196,6 +196,7 @@ void write_feed(std::string& out, const SceneFeed& feed, std::string_view header
     if (inlet && feed.inlet_auto && feed.inlet_number > 0) t.whole("inlet", feed.inlet_number);
     else if (inlet && feed.inlet_auto) t.word("inlet", "auto");
     else if (inlet) t.vector("point", feed.point).vector("direction", feed.direction);
+    t.num_unless_zero("behind_m", feed.behind);
     std::string keys = "[\n";
     for (const FeedKey& key : feed.keys)
         keys +=

@@ -161,6 +161,30 @@ TEST_SUITE("coaxial/merged feeding")
         CHECK(world.rod(0).material_s[world.rod(0).n - 1] == about(0.04).epsilon(1e-3));
     }
 
+    // Hand and clamp are joined by the twist of what lies between: torque = C (hand's turn - clamp's)/length, which gets shorter.
+    TEST_CASE("property: what lies behind the inlet twists, and is as long as has not been pushed in")
+    {
+        WorldSetup setup =
+            merged_setup({instrument_of(0.6, 2e-4, 1.5e-4, 0.03, 15), instrument_of(0.8, 1e-4, 7.7e-5, 0.02, 25)}, {0.05, 0.03}, 2e-3);
+        setup.wires[1].feed.behind = 0.2;
+        World world(setup);
+        for (int k = 1; k <= 20; ++k) {
+            Control control;
+            control.move_to(0, 0.05, 0);
+            control.move_to(1, 0.03 + 1e-3 * k, 0.05 * k);
+            REQUIRE_FALSE(step(world, control, 0.01).failed());
+        }
+        const ConstRodView wire = world.rod(1);
+        const double at_clamp = -wire.theta[wire.n - 1], torque = world.readings(1).hand_torque;  // + turns are - theta
+        REQUIRE(std::abs(torque) > 1e-6);
+        REQUIRE(at_clamp < 1.0);
+        CHECK(torque == about(7.7e-5 * (1.0 - at_clamp) / (0.2 - 0.02)).epsilon(1e-6));
+        for (const double wrong : {-0.1, double(INFINITY), double(NAN)}) {
+            setup.wires[1].feed.behind = wrong;
+            CHECK_THROWS(World(setup));
+        }
+    }
+
     // As for one wire (step/test_feed): straight by nature, both hang as when they are not turned.
     TEST_CASE("property: nodes of the common line are born alike whether its hubs turn or not")
     {

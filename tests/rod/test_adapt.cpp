@@ -109,7 +109,7 @@ TEST_SUITE("rod/adapt")
         for (const CurvatureMeasure measure : {CurvatureMeasure::Angle, CurvatureMeasure::Tangent}) {
             wire.rod.curvature = measure;
             const double a = measure == CurvatureMeasure::Angle ? 0 : 1.0 / 12;
-            const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
+            const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, {});
             const double expected = std::cbrt(wire.spec.edge_error / (kappa * kappa / 24 + a * lever * kappa * kappa * kappa));
             // curvature phi/h or 2 tan(phi/2)/h of nodes on the circle: (kappa h)^2/24 relative and less, 4e-5 at h = 1 mm
             for (int j = 40; j < 298; ++j) CHECK(longest[j] == about(expected).epsilon(1e-4));
@@ -124,7 +124,7 @@ TEST_SUITE("rod/adapt")
         const double force = 0.05, stiffness = 5e-4, step = 0.002;
         // kappa = F (0.1 - |s - 0.15|)/(2 B), F/2 of shear on either side
         CurvedWire wire(151, [&](double s) { return std::max(0.0, force * (0.1 - std::abs(s - 0.15)) / (2 * stiffness)); });
-        const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, Vec3::Zero());
+        const auto longest = wire.planner.longest_edges(wire.rod, wire.spec, {});
         // Curvature is the mean over a cell, which rounds the peak off: the node at the force sees (1 - 1/4) of it, its
         // neighbours 1/8 each; an edge has one of either.
         const double jump = 0.5 * (0.75 + 0.125) * force;

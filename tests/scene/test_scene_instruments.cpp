@@ -99,6 +99,34 @@ TEST_SUITE("scene/scene_instruments")
         CHECK(setup.wires[3].wire.shaft.radius == 4e-4);
     }
 
+    TEST_CASE("property: the length behind the inlet is one of merged instruments")
+    {
+        const std::vector<std::string> sets = {"coaxial.model=merged", "instrument.1.feed.behind_m=0.2"};
+        const Scene scene = read(catheter_and_wire(), sets);
+        const WorldSetup setup = make_setup(scene);
+        CHECK(setup.wires[0].feed.behind == 0);
+        CHECK(setup.wires[1].feed.behind == 0.2);
+        const std::string text = write_scene(scene, ".");
+        CHECK(says(text, "behind_m = 0.2"));
+        CHECK(write_scene(read(text), ".") == text);
+        const auto error_with = [&](const std::string& behind, const std::string& model = "merged") {
+            return error_of(catheter_and_wire(), {"coaxial.model=" + model, "instrument.1.feed.behind_m=" + behind});
+        };
+        for (const char* wrong : {"-0.1", "inf", "nan", "long"}) {
+            const std::string error = error_with(wrong);
+            CHECK_MESSAGE(says(error, "instrument.1.feed.behind_m: expected a number, 0 or above"), error);
+        }
+        const std::string separate = error_with("0.2", "separate"), longer = error_with("0.9");
+        CHECK_MESSAGE(says(separate, "instrument.1.feed.behind_m: is of instruments in one centreline only"), separate);
+        CHECK_MESSAGE(says(longer, "instrument.1.feed.behind_m: 0.9 m behind the inlet and 0.06 m inside"), longer);
+        CHECK(error_with("0.0", "separate").empty());
+        for (const std::string& error : {separate, longer}) CHECK(!says(error, "\n"));
+        const std::string alone = error_of(head + "[wire]\nlength_m = 0.3\nradius_m = 5e-4\n" + stiff +
+                                           "[feed]\npoint = [0.0, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\nbehind_m = 0.1\n"
+                                           "keys = [{t_s = 0.0, advance_m = 0.0}]\n");
+        CHECK_MESSAGE(says(alone, "feed.behind_m: is of instruments in one centreline only"), alone);
+    }
+
     TEST_CASE("error: one line for what contradicts itself")
     {
         const std::pair<std::string, std::string> wrong[] = {

@@ -1,0 +1,184 @@
+// Nodes of a common centreline: births at the hub, and where all of its instruments ask for adaptive nodes, anywhere along it.
+
+#include "merged.h"
+#include "rod/coaxial_nodes.h"
+#include "rod/coaxial_split.h"
+#include "step_stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+WireSpec merged_nodes(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    WireSpec line;
+    line.nodes = 0;
+    line.length = 0;
+    line.min_edge = line.max_edge = line.edge_error = INFINITY;
+    for (const int w : spec.order) {
+        const WireSpec& wire = setup.wires[w].wire;
+        if (!nodes_adapt(setup.wires[w])) line.nodes = 1;
+        line.length = std::max(line.length, wire.length);
+        line.min_edge = std::min(line.min_edge, wire.min_edge);
+        line.max_edge = std::min(line.max_edge, wire.max_edge);
+        line.edge_error = std::min(line.edge_error, wire.edge_error);
+    }
+    return line;
+}
+
+namespace {
+
+/// Carries a change of the nodes out. @param change  of what it changes: split or merged, where     @return rest length added [m]
+template <class Change>
+void change_nodes(World::Impl& state, MergedGroup& group, const NodeChange& what, Change change)
+{
+    const int line = group.line(), n = state.rods.node_count(line);
+    refresh_group(state, group);
+    const double before = elastic_now(state, group);
+    change();
+    refresh_group(state, group);
+    state.remesh_energy[line] += elastic_now(state, group) - before;
+    for (const int w : group.wires()) renumber_forces(state.results[w].nodal_contact, n, what);
+}
+
+/// As where_clear() of step_nodes.cpp, for a group. @return whether the change stands
+template <class Change>
+bool where_clear(World::Impl& state, MergedGroup& group, Change change)
+{
+    if (!state.terms.never_overlaps()) return change(), true;
+    std::vector<std::vector<Vec3>> forces;
+    for (const int w : group.wires()) {
+        state.save_wire(w);
+        forces.push_back(state.results[w].nodal_contact);
+    }
+    const double energy = state.remesh_energy[group.line()];
+    change();
+    set_exposures(state);
+    if (std::ranges::all_of(group.wires(), [&](int w) { return state.terms.is_clear(state.rods, w); })) return true;
+    for (std::size_t k = 0; k < forces.size(); ++k) {
+        state.restore_wire(group.wires()[k]);
+        state.results[group.wires()[k]].nodal_contact = forces[k];
+    }
+    state.remesh_energy[group.line()] = energy;
+    refresh_group(state, group);
+    return false;
+}
+
+/// A birth or a merge at the hub, where the base edge has left its limits for edges that become `whole` [m].
+bool adapt_base(World::Impl& state, MergedGroup& group, double whole, double dt)
+{
+    const int leader = group.wires()[group.leader], line = group.line();
+    const HubPath hub = state.hub_requests[leader].path();
+    const double t = state.wire_time[leader], next = std::isfinite(dt) ? t + dt : t;
+    const BaseEdge limits = base_edge_limits(whole, hub.travel(t, next, +1), hub.travel(t, next, -1));
+    const RodView rod = state.rods.view(line);
+    const double length = rod.rest_length[rod.n - 2];
+    const bool split = length >= limits.whole + limits.born && rod.n < state.rods.capacity(line);
+    const bool merge = length < limits.least && rod.n > 2;
+    if (!split && !merge) return false;
+    return where_clear(state, group, [&] {
+        change_nodes(state, group, {split, rod.n - 2, 0}, [&] {
+            CoaxialGroup& shared = group.shared;
+            const SplitResult result =
+                split ? split_coaxial_base(state.rods, group.wires(), shared.rod, shared.base, limits.whole / length)
+                      : merge_coaxial_base(state.rods, group.wires(), shared.rod, shared.base);
+            FeedState& feed = group.feed;
+            feed.surplus += result.rest_length_added;
+            feed.surplus_rate = std::clamp(result.base_rate - feed.speed, -std::abs(feed.speed), std::abs(feed.speed));
+        });
+    });
+}
+
+/// Even nodes: births at the hub, and at the tip where another instrument has got ahead time after time.
+bool adapt_ends(World::Impl& state, MergedGroup& group, double dt)
+{
+    const int line = group.line();
+    bool changed = false;
+    if (state.rods.view(line).rest_length[0] > 1.75 * group.feed.edge &&
+        state.rods.node_count(line) < state.rods.capacity(line))
+        changed = where_clear(state, group, [&] {
+            change_nodes(state, group, {true, 0, 0.5}, [&] { split_coaxial_tip(state.rods, group.wires(), group.shared.rod); });
+        });
+    return adapt_base(state, group, group.feed.edge, dt) || changed;
+}
+
+/// Moments and torques of the accepted state.
+void measure(World::Impl& state, MergedGroup& group, NodeDemands& demands)
+{
+    refresh_group(state, group);
+    const RodView line = state.rods.view(group.line());
+    CoaxialTrial now{line.x, line.y, line.z, {}};
+    for (int k = 0; k < group.shared.count(); ++k) now.theta[k] = state.rods.view(group.wires()[k]).theta;
+    const auto n = static_cast<std::size_t>(line.n);
+    const std::span<Vec3> moment = std::span(group.moment).first(n);
+    const std::span<double> turning = std::span(group.turning).first(n);
+    if (update_coaxial(group.shared.rod, line, now, group.shared.base, group.frames)) {
+        measure_coaxial(group.shared.rod, line, now, group.shared.base, group.frames, moment, turning);
+    } else {
+        std::ranges::fill(moment, Vec3::Zero());
+        std::ranges::fill(turning, 0.0);
+    }
+    demands.moment = moment;
+    demands.turning = turning;
+}
+
+/// Where any of the instruments touches a wall that yields, and what lies under it.
+void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeDemands& demands)
+{
+    const auto n = static_cast<std::size_t>(state.rods.node_count(group.line()));
+    demands.touching_edge = std::max(group.nodes.min_edge, state.elastic_wall->edge());
+    group.contact.assign(n, Vec3::Zero());
+    group.bowed.assign(n, 0);
+    for (const int w : group.wires()) {
+        const std::vector<Vec3>& force = state.results[w].nodal_contact;
+        for (std::size_t i = 0; i < n; ++i)
+            if (!force[i].isZero(0)) group.contact[i] = force[i];
+        if (!may_merge) continue;
+        state.yielding->note_bowed(state.rods, w, state.bowed);
+        for (std::size_t i = 0; i < n; ++i) group.bowed[i] |= state.bowed[i];
+    }
+    demands.contact = group.contact;
+    demands.bowed = group.bowed;
+}
+
+/// Adaptive nodes; as adapt_wire() of step_nodes.cpp.
+bool adapt_line(World::Impl& state, MergedGroup& group, double dt, bool may_merge)
+{
+    NodePlanner& planner = state.adapters[group.line()].planner;
+    NodeDemands demands;
+    demands.fed = true;
+    demands.may_merge = may_merge;
+    demands.hub_tangent = group.shared.base.tangent;
+    measure(state, group, demands);
+    const auto line = [&] { return state.rods.view(group.line()); };
+    bool changed = adapt_base(state, group, planner.base_edge(line(), group.nodes, demands), dt);
+    if (changed) {  // the moments beside a new node settle within the next step; until then only lengths are judged
+        demands.may_refine = demands.may_merge = false;
+        measure(state, group, demands);
+    }
+    if (state.elastic_wall) note_yielding(state, group, demands.may_merge, demands);
+    for (const NodeChange& change : planner.plan(line(), group.nodes, demands, state.rods.capacity(group.line()))) {
+        const auto carry_out = [&] {
+            change_nodes(state, group, change, [&] {
+                CoaxialGroup& shared = group.shared;
+                const SplitResult result =
+                    change.split ? split_coaxial_edge(state.rods, group.wires(), shared.rod, shared.base, change.at, change.fraction)
+                                 : merge_coaxial_edges(state.rods, group.wires(), shared.rod, shared.base, change.at);
+                group.feed.surplus += result.rest_length_added;
+            });
+        };
+        changed = where_clear(state, group, carry_out) || changed;
+    }
+    return changed;
+}
+
+}  // namespace
+
+bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge)
+{
+    if (!group.feed.inside) return false;
+    return group.adapts() ? adapt_line(state, group, dt, may_merge) : adapt_ends(state, group, dt);
+}
+
+}  // namespace seldinger

@@ -1,0 +1,34 @@
+#pragma once
+// Adaptive nodes of instruments that share a centreline: what rod/adapt.h judges a line's nodes by, and its edges split and merged
+// anywhere along it, so that what the instruments carry does not jump, as those of a wire are (rod/split.h).
+//
+// Moments: M = dE/d(integrated curvature) of a cell, of all instruments together. Where an instrument ends or changes its section
+// the curvature jumps and M does not, wherever in a cell that is (rod/coaxial.h): the measure of rod/adapt.h holds as for a wire.
+//
+// Twist: instruments curved by nature turn each other, by a torque per length q_k(s) that begins and ends where their curves do.
+// Each node's twist is that of its cell's middle, so that the angle of k is off by J h^2/(12 C_k), J being the jump of the slope of
+// its torque at the node, as an angle of bending is by a jump of shear. That moves the tip of k by as much as it is off the axis:
+//
+//     e(h) = sum_k r_k J_k h^2/(12 C_k)                                                       [m]
+//
+// r_k: distance of the line from its own tangent at the node, at k's tip or at longest_lever, whichever is nearer. An instrument
+// alone at a place is judged as a wire, which has no such term.
+
+#include "rod/coaxial.h"
+#include "rod/split.h"
+
+namespace seldinger {
+
+/// NodeDemands::moment [n] [N m] and ::turning [n] [1/m] of a configuration of `frames`. O(n), no allocation.
+void measure_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
+                     const RodFrames& frames, std::span<Vec3> moment, std::span<double> turning);
+
+/// split_edge() and merge_edges() of rod/split.h for a line and its passengers: all nodes hubwards move by what rest length is
+/// added, and prepare_coaxial() has been called for the offsets of before. Each instrument keeps its twist per length at both
+/// neighbours (a merge: its mean angle), and its spin momentum, where it is.
+/// @param wires  of `rods`: the line, then its passengers (solve/coaxial_group.h)
+SplitResult split_coaxial_edge(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int edge,
+                               double fraction);
+SplitResult merge_coaxial_edges(RodArrays& rods, std::span<const int> wires, CoaxialRod& rod, const CoaxialBase& base, int node);
+
+}  // namespace seldinger

@@ -1,0 +1,291 @@
+// Adaptive nodes of instruments that share one centreline: against even fine ones, against a wire alone, energy, what is saved.
+
+#include "coaxial/merged_fixture.h"
+#include "merged.h"
+#include "rod/coaxial_nodes.h"
+#include "support/world_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double error_of_edge = 2e-6;  // WireSpec::edge_error [m]
+
+/// A catheter with a bent end over a wire with another one, in the air. @param edge  of even nodes, 0: adaptive [m]
+WorldSetup in_air(double catheter, double wire, double edge, Scheme scheme)
+{
+    WorldSetup setup = merged_setup({instrument_of(0.4, 2e-4, 1.5e-4, 0.03, 15), instrument_of(0.5, 1e-4, 7.7e-5, 0.02, 25)},
+                                    {catheter, wire}, edge > 0 ? edge : 1e-3, scheme);
+    for (WireSetup& one : setup.wires)
+        if (edge == 0) one.wire.nodes = 0;
+    setup.gravity = {0, 0, -9.81};
+    setup.integrator.damping_mass = 20;
+    setup.integrator.tolerance = 1e-7;
+    return setup;
+}
+
+/// A stiffer, thicker catheter over a wire, round a bend of 40 mm in a tube of 8 mm.
+WorldSetup in_a_bend(double catheter, double wire, double edge, double youngs = 0)
+{
+    TestSetup made;
+    made.gravity = Vec3::Zero();
+    add_bend(made, 4e-3, 0.04);
+    const int nodes = edge > 0 ? static_cast<int>(std::lround(0.3 / edge)) + 1 : 0;
+    WireSpec outer = steel_wire(0.3, nodes), inner = steel_wire(0.3, nodes);
+    outer.shaft.radius = 0.9e-3;
+    outer.shaft.bend_stiffness = 3e-5;
+    outer.shaft.twist_stiffness = 2.3e-5;
+    for (const auto& [spec, advance] : {std::pair(outer, catheter), std::pair(inner, wire)}) {
+        made.wires.push_back(fed_wire(spec, {0, 0, 0}, 0));
+        made.wires.back().feed.keys = {{0, advance, 0}};
+    }
+    made.systems = {2};
+    made.integrator.damping_mass = 5;
+    made.vessel.elastic = youngs > 0;
+    if (youngs > 0) made.vessel.youngs = youngs;
+    made.vessel.thickness = 0.8e-3;
+    WorldSetup setup = made;
+    setup.coaxial.push_back({.order = {0, 1}, .model = CoaxialSpec::Model::Merged});
+    return setup;
+}
+
+struct Place {
+    double catheter, wire, turn;  // [m], [m], of the wire [rad]
+};
+
+/// Steps `first` to `last` of `all` from one place to the other. @return how many changed the nodes
+int go(World& world, const Place& from, const Place& to, double dt, int all, int first, int last)
+{
+    int changes = 0;
+    for (int k = first; k <= last; ++k) {
+        const double share = static_cast<double>(k) / all;
+        Control control;
+        control.move_to(0, from.catheter + share * (to.catheter - from.catheter), 0);
+        control.move_to(1, from.wire + share * (to.wire - from.wire), from.turn + share * (to.turn - from.turn));
+        const int before = std::max(world.rod(0).n, world.rod(1).n);
+        REQUIRE_FALSE(step(world, control, dt).failed());
+        changes += std::max(world.rod(0).n, world.rod(1).n) != before;
+    }
+    return changes;
+}
+int go(World& world, const Place& from, const Place& to, int steps) { return go(world, from, to, 1e-3, steps, 1, steps); }
+
+double turned_over(const EnergyLedger& ledger)
+{
+    return std::max({std::abs(ledger.hand), std::abs(ledger.wire), ledger.friction, ledger.scheme, ledger.damping});
+}
+
+int nodes_of(const World& world) { return std::max(world.rod(0).n, world.rod(1).n); }
+
+}  // namespace
+
+TEST_SUITE("coaxial/merged adaptive")
+{
+    // An edge moves the tip by edge_error at most, as it is estimated; a jump of natural curvature by D in a cell of length h
+    // puts the nodes beside it off the axis by D h^2/8 (the first moment of the jump about the node).
+    TEST_CASE("property: at rest the tips are where those of a fine even line are, with fewer nodes")
+    {
+        const auto at_rest = [](double edge) {
+            auto world = std::make_unique<World>(in_air(0.09, 0.12, edge, Scheme::Static));
+            for (int k = 1; k <= 60; ++k) {
+                Control control;
+                control.move_to(0, 0.09, 0);
+                control.move_to(1, 0.12 + 5e-4 * std::min(k, 40), 0.05 * std::min(k, 40));
+                REQUIRE_FALSE(step(*world, control, 0.01).failed());
+            }
+            return world;
+        };
+        const auto fine = at_rest(0.5e-3), adaptive = at_rest(0);
+        REQUIRE(nodes_of(*adaptive) < nodes_of(*fine) / 4);
+        const ConstRodView wire = adaptive->rod(1);  // it leads: 0.14 m, the catheter ends 0.05 m behind its tip
+        const auto jump = [&](double curvature, double s) {
+            int i = 0;
+            while (i + 2 < wire.n && wire.material_s[i + 1] < s) ++i;
+            const double h = *std::max_element(&wire.rest_length[i > 0 ? i - 1 : i], &wire.rest_length[i + 1] + 1);
+            return curvature * h * h / 8;
+        };
+        const double share = 2.0 / 3;  // of the catheter in the stiffness of both
+        const double jumps = jump(25, 0.02) + jump(share * 15, 0.05) + jump(share * 15, 0.08);
+        const double allowed = nodes_of(*adaptive) * error_of_edge + jumps;
+        for (const int w : {0, 1}) {
+            const double off = (adaptive->rod(w).pos(0) - fine->rod(w).pos(0)).norm();
+            MESSAGE("tip off by " << off << " of " << allowed << " m, nodes " << nodes_of(*adaptive) << " and " << nodes_of(*fine));
+            CHECK(off < allowed);
+            // a torque is what turned the edges between against each other: (h/l)^2 of it, l = 40 mm the length over which they turn
+            CHECK(adaptive->readings(w).hand_torque == about(fine->readings(w).hand_torque).epsilon(std::pow(10.0 / 40, 2)));
+        }
+    }
+
+    TEST_CASE("property: through each other and back, with the energies closed")
+    {
+        World world(in_air(0.05, 0.06, 0, Scheme::Newton));
+        int changes = 0;
+        Place at{0.05, 0.06, 0};
+        for (const Place& next : {Place{0.05, 0.09, 1}, Place{0.07, 0.09, 1}, Place{0.07, 0.05, 1}, Place{0.08, 0.05, -0.5},
+                                  Place{0.05, 0.08, 0}}) {
+            changes += go(world, at, next, 300);
+            at = next;
+        }
+        CHECK(changes > 20);
+        const EnergyLedger& ledger = world.readings(0).energy;
+        CHECK(std::abs(ledger.open()) < 0.002 * turned_over(ledger));
+        for (const int w : {0, 1}) {
+            const ConstRodView rod = world.rod(w);
+            CHECK(rod.material_s[rod.n - 1] == about(w == 0 ? at.catheter : at.wire).epsilon(1e-3));
+            for (int j = 0; j + 1 < rod.n; ++j) CHECK(rod.rest_length[j] < 0.0101);
+        }
+    }
+
+    // A tip is off by edge_error an edge, and by what edges of h that lie against the wall cut the corner: kappa h^2/8 = 56 um at
+    // kappa = 25 /m, h = (24 e/kappa^2)^(1/3). What hands push with is what bends the line round the corner, by as far as the wall
+    // lets it: 56 um of 3.1 mm of clearance, and a force of bending goes with the cube of a length: 5 %. (How the sum is shared out follows the moment at the catheter's tip, of
+    // first order in the edge there, with even nodes too: rod/coaxial.h.)
+    TEST_CASE("property: round a bend as fine even nodes, beside a rigid wall and one that yields, with energy and momentum closed")
+    {
+        for (const double youngs : {0.0, 0.4e6}) {
+            CAPTURE(youngs);
+            World world(in_a_bend(0.01, 0.02, 0, youngs)), even(in_a_bend(0.01, 0.02, 1e-3, youngs));
+            const double curvature = 1 / 0.04, edge = std::cbrt(24 * error_of_edge / (curvature * curvature));
+            const double cut = curvature * edge * edge / 8;
+            Place at{0.01, 0.02, 0};
+            for (const Place& next : {Place{0.01, 0.1, 0}, Place{0.07, 0.1, 0}, Place{0.1, 0.08, 0}, Place{0.03, 0.02, 0}}) {
+                if (youngs > 0 && next.catheter == 0.1) break;
+                go(world, at, next, 800);
+                go(even, at, next, 800);
+                at = next;
+                const WireReadings outer = world.readings(0);
+                CHECK(std::abs(outer.energy.open()) < 0.004 * turned_over(outer.energy));
+                CHECK(outer.momentum.error().norm() < 1e-6);
+                CHECK(nodes_of(world) < nodes_of(even) * 0.55);
+                double hands = 0, even_hands = 0;
+                for (const int w : {0, 1}) {
+                    CHECK(world.readings(w).outside == 0);
+                    CHECK((world.rod(w).pos(0) - even.rod(w).pos(0)).norm() < nodes_of(world) * error_of_edge + cut);
+                    hands += world.readings(w).hand_force;
+                    even_hands += even.readings(w).hand_force;
+                }
+                CHECK(hands == about(even_hands).epsilon(0.05));
+            }
+        }
+    }
+
+    // Each edge by itself, of a line that moves and is twisted.
+    TEST_CASE("property: an edge split, and its node merged away again, keep what the instruments carry")
+    {
+        World world(in_air(0.05, 0.06, 2e-3, Scheme::Newton));
+        go(world, {0.05, 0.06, 0}, {0.06, 0.09, 2}, 200);
+        World::Impl& state = world.impl();
+        MergedGroup& group = *state.merged[0];
+        const std::vector<std::uint8_t> before = world.save_state();
+        struct Carried {
+            Vec3 momentum = Vec3::Zero();
+            double spin[2] = {}, spun[2] = {}, length = 0, force = 0;  // spun: sum of the sizes; force: of an edge
+        };
+        const auto carried = [&](int edge) {
+            Carried sum;
+            const RodView line = state.rods.view(group.line());
+            for (int i = 0; i < line.n; ++i) sum.momentum += line.mass[i] * line.vel(i);
+            for (const int w : {0, 1}) {
+                const RodView own = state.rods.view(w);
+                for (int j = 0; j < own.n - 1; ++j) sum.spin[w] += own.spin_inertia[j] * own.spin_rate[j];
+                for (int j = 0; j < own.n - 1; ++j) sum.spun[w] += std::abs(own.spin_inertia[j] * own.spin_rate[j]);
+            }
+            sum.force = line.stretch_stiffness[edge] * ((line.pos(edge + 1) - line.pos(edge)).norm() / line.rest_length[edge] - 1);
+            sum.length = line.material_s[line.n - 1];
+            return sum;
+        };
+        const int edges = state.rods.node_count(group.line()) - 1;
+        REQUIRE(edges > 30);
+        const double speed = 0.2, mass = 2 * 6500 * pi * 0.25e-6 * 0.09;
+        for (int edge = 0; edge < edges; ++edge) {
+            CAPTURE(edge);
+            world.restore_state(before);
+            const Carried old = carried(edge);
+            const double energy = elastic_now(state, group);
+            const RodView line = state.rods.view(group.line());
+            const double h = line.rest_length[edge], stretch = line.stretch_stiffness[edge];
+            CoaxialGroup& shared = group.shared;
+            const SplitResult split = split_coaxial_edge(state.rods, group.wires(), shared.rod, shared.base, edge, 0.4);
+            const Carried now = carried(edge), other = carried(edge + 1);
+            CHECK((now.momentum - old.momentum).norm() < 1e-12 * mass * speed);
+            // an instrument of 50 mm at least that ends within the line is short of what was added until its offset is set anew
+            const double moved = std::abs(split.rest_length_added) / 0.05;
+            CHECK(std::abs(now.spin[0] - old.spin[0]) < (1e-9 + moved) * old.spun[0]);
+            CHECK(std::abs(now.spin[1] - old.spin[1]) < 1e-9 * old.spun[1]);
+            // lengths carry the force but for how a stiffness may change inside of what was one edge
+            CHECK(std::abs(now.force - old.force) < 1e-3 * std::abs(old.force) + 1e-12 * stretch);
+            CHECK(std::abs(other.force - old.force) < 1e-3 * std::abs(old.force) + 1e-12 * stretch);
+            CHECK(std::abs(now.length - old.length - split.rest_length_added) < 1e-15);
+            CHECK(std::abs(split.rest_length_added) < h * std::pow(30 * h, 2));
+            refresh_group(state, group);
+            // a cell that is new at the tip is straight, of an end that is curved by 15 and by 25 /m
+            const double born = edge == 0 ? 0.25 * h * (2e-4 * 15 * 15 + 1e-4 * 25 * 25) : 0;
+            CHECK(std::abs(elastic_now(state, group) - energy) < 0.01 * energy + born);
+            const SplitResult merge = merge_coaxial_edges(state.rods, group.wires(), shared.rod, shared.base, edge + 1);
+            refresh_group(state, group);
+            // (what an end is moved by, 1e-12 m at most, takes its mass along)
+            CHECK((carried(edge).momentum - old.momentum).norm() < (1e-12 + 1e-12 / 0.09) * mass * speed);
+            CHECK(std::abs(split.rest_length_added + merge.rest_length_added) < 1e-12);
+            CHECK(elastic_now(state, group) == about(energy).epsilon(1e-6));
+            for (const int w : {0, 1}) CHECK(std::abs(carried(edge).spin[w] - old.spin[w]) < 1e-9 * old.spun[w]);
+        }
+    }
+
+    TEST_CASE("property: a run that is taken up again while nodes come and go ends with the same bits")
+    {
+        for (const double youngs : {0.0, 0.4e6}) {
+            CAPTURE(youngs);
+            const auto made = [&] { return in_a_bend(0.01, 0.02, 0, youngs); };
+            World whole(made()), first(made()), second(made());
+            const Place from{0.01, 0.02, 0}, to{0.05, 0.09, 1};
+            go(whole, from, to, 1e-3, 600, 1, 600);
+            go(first, from, to, 1e-3, 600, 1, 350);
+            second.restore_state(first.save_state());
+            CHECK(second.state_hash() == first.state_hash());
+            CHECK(go(second, from, to, 1e-3, 600, 351, 600) > 3);
+            CHECK(second.state_hash() == whole.state_hash());
+            CHECK(second.readings(0).energy.hand == whole.readings(0).energy.hand);
+            World third(made());
+            third.restore_state(0, first.save_state(0));
+            CHECK(third.readings(1).nodes == first.readings(1).nodes);
+        }
+    }
+
+    // The same equations and the same estimate of errors; births at the hub differ by what a polygon's node is off, (kappa h)^2 h.
+    TEST_CASE("property: an instrument alone in the group has the nodes of an adaptive wire, and its shape")
+    {
+        WorldSetup both = in_a_bend(0, 0.02, 0), one = both;
+        one.wires.erase(one.wires.begin());
+        one.coaxial.clear();
+        one.systems.clear();
+        World group(both), alone(one);
+        go(group, {0, 0.02, 0}, {0, 0.1, 0}, 800);
+        for (int k = 1; k <= 800; ++k) {
+            Control control;
+            control.move_to(0, 0.02 + 1e-4 * k, 0);
+            REQUIRE_FALSE(step(alone, control, 1e-3).failed());
+        }
+        CHECK(group.rod(1).n == alone.rod(0).n);
+        CHECK((group.rod(1).pos(0) - alone.rod(0).pos(0)).norm() < 1e-6);
+        CHECK(group.readings(1).friction == about(alone.readings(0).friction).epsilon(1e-3));
+        CHECK(group.readings(1).hand_force == about(alone.readings(0).hand_force).epsilon(1e-3));
+    }
+
+    TEST_CASE("property: nodes are even where one of the instruments asks for that")
+    {
+        WorldSetup setup = in_air(0.05, 0.06, 0, Scheme::Newton);
+        setup.wires[0].wire.nodes = 201;  // edges of 2 mm
+        World world(setup);
+        go(world, {0.05, 0.06, 0}, {0.05, 0.09, 1}, 300);
+        const ConstRodView wire = world.rod(1);
+        for (int j = 1; j + 2 < wire.n; ++j) CHECK(wire.rest_length[j] == about(2e-3).epsilon(0.01));
+    }
+}
