@@ -1,7 +1,6 @@
 // Makes a result row from a wire's readings, and writes the rows as CSV and as arrays of an .npz.
 #include "study/batch_table.h"
 
-#include "core/bytes.h"
 #include "io/npz_write.h"
 #include "scene/joint_readings.h"
 
@@ -101,44 +100,6 @@ BatchRow make_row(std::int64_t run, RunStatus status, const World& world, int sy
     std::copy_n(hash.begin(), row.state_hash.size(), row.state_hash.begin());
     for (int w = first; w < end; ++w) row.instruments.push_back(read_instrument(world, w));
     return row;
-}
-
-// ---- bytes ------------------------------------------------------------------------------------------------------------------
-
-void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
-{
-    const std::uint64_t count = rows.size();
-    put_bytes(bytes, &count, 1);
-    for (const BatchRow& row : rows) {
-        const std::uint64_t instruments = row.instruments.size();
-        put_bytes(bytes, &row.run, 1);
-        put_bytes(bytes, &row.status, 1);
-        put_bytes(bytes, row.numbers.data(), row.numbers.size());
-        put_bytes(bytes, row.state_hash.data(), row.state_hash.size());
-        put_bytes(bytes, &instruments, 1);
-        put_bytes(bytes, row.instruments.data(), row.instruments.size());
-    }
-}
-
-std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end)
-{
-    // a count is no reason to ask for memory: rows are made as bytes are there for them
-    const auto take_count = [&](std::size_t size) {
-        std::uint64_t count = 0;
-        take_bytes(at, end, &count, 1);
-        if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ExitCode::BadFile, "a list is longer than the file");
-        return static_cast<std::size_t>(count);
-    };
-    std::vector<BatchRow> rows(take_count(sizeof(BatchRow) - sizeof(BatchRow::instruments)));
-    for (BatchRow& row : rows) {
-        take_bytes(at, end, &row.run, 1);
-        take_bytes(at, end, &row.status, 1);
-        take_bytes(at, end, row.numbers.data(), row.numbers.size());
-        take_bytes(at, end, row.state_hash.data(), row.state_hash.size());
-        row.instruments.resize(take_count(sizeof(BatchRow::OfInstrument)));
-        take_bytes(at, end, row.instruments.data(), row.instruments.size());
-    }
-    return rows;
 }
 
 // ---- tables -----------------------------------------------------------------------------------------------------------------
