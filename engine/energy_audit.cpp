@@ -131,8 +131,10 @@ double load_work(World::Impl& state, int wire)
         if (load.moment.isZero()) continue;
         const Vec3 edge = rod.pos(load.edge + 1) - rod.pos(load.edge), t = edge.normalized();
         const Vec3 change = move_of(solver, wire, load.edge + 1) - move_of(solver, wire, load.edge);
+        const MergedGroup* group = state.group_of(wire);
+        const int spun = group ? group->wires()[load.member] : wire;
         work += load.moment.cross(t).dot(change) / edge.norm() +
-                load.moment.dot(t) * solver.displacement(wire, RodDofs::spin(load.edge));
+                load.moment.dot(t) * solver.displacement(spun, RodDofs::spin(load.edge));
     }
     for (const auto& spring : state.constraints[wire].springs) {
         const Vec3 move = move_of(solver, wire, spring.edge, spring.bary);
@@ -140,6 +142,9 @@ double load_work(World::Impl& state, int wire)
         if (!end_forces(state.setup.integrator)) at -= 0.5 * move;
         work += spring.stiffness * (spring.anchor - at).dot(move);
     }
+    if (const MergedGroup* group = state.group_of(wire))  // what slides along the line goes on by that beside
+        for (int k = 0; k < group->shared.count(); ++k)
+            if (group->slid[k] != 0) work += axial_load(state, *group, k) * group->slid[k];
     return work;
 }
 

@@ -236,7 +236,10 @@ void feed_group(World::Impl& state, MergedGroup& group, double h)
     set_inside(state, group);
     set_offsets(state, group);
     set_angles(state, group);
-    for (int k = 0; k < count; ++k) group.slid[k] = group.shared.rod.instrument[k].offset - offset[k];
+    for (int k = 0; k < count; ++k) {
+        group.slid[k] = group.shared.rod.instrument[k].offset - offset[k];
+        group.shared.fed[k] = state.feeds[group.wires()[k]].grown;
+    }
     prepare_group(state.rods, group.wires(), group.shared.rod);
     level_absent(state, group);
     EnergyAudit& audit = state.audits[group.line()];
@@ -264,7 +267,9 @@ void lead_group(World::Impl& state, MergedGroup& group)
         change_leader(state, group, leader);
 }
 
-void constrain_group(const MergedGroup& group, const RodView& line, WireConstraints& out)
+namespace {
+
+void hold_at_hub(const MergedGroup& group, const RodView& line, WireConstraints& out)
 {
     const int hub = line.n - 1;
     for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
@@ -276,6 +281,32 @@ void constrain_group(const MergedGroup& group, const RodView& line, WireConstrai
     clamp.tangent = group.shared.base.tangent;
     clamp.director = group.shared.base.director;  // each instrument is turned by itself
     out.clamps.push_back(clamp);
+}
+
+}  // namespace
+
+void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t)
+{
+    WireConstraints& out = state.constraints[wire];
+    out.clear();
+    if (wire != group.line()) return;
+    const RodView line = state.rods.view(wire);
+    hold_at_hub(group, line, out);
+    for (int k = 0; k < group.shared.count(); ++k)
+        state.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
+}
+
+double axial_load(World::Impl& state, const MergedGroup& group, int k)
+{
+    const WireConstraints& constraints = state.constraints[group.line()];
+    const RodView line = state.rods.view(group.line());
+    const auto forwards = [&](int edge) { return (line.pos(edge) - line.pos(edge + 1)).normalized(); };
+    double force = 0;
+    for (const auto& load : constraints.loads)
+        if (load.member == k) force += load.force.dot(forwards(load.edge));
+    for (const auto& spring : constraints.springs)
+        if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
+    return force;
 }
 
 void set_exposures(World::Impl& state)

@@ -14,13 +14,15 @@
 // Each instrument touches the wall where no other one is around it, with its own radius, friction and stiffness, its slip being
 // that of its own material: what is fed of it past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
-// Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of the wall on
-// instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
+// Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of wall, loads and
+// links on instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
 // F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k), L being the length of the line at fixed offsets.
+// Friction between the instruments, by the laws per length of CoaxialSpec (contact/coaxial_friction.h), pushes back on each hand
+// as much as it pulls at another one, and on the line not at all.
 // a_k is along the edges that the material lies on (EdgeSums::along), and slip counts no turn at their corners: the rod's surface on
 // the outside of a bend slides by 1 + kappa r, by some per cent in a vessel, which is left out on both sides, so that hands put in
 // what friction takes out.
-// Between the instruments there is no friction: CoaxialSpec's mu and stiffness are the separate model's.
+// CoaxialSpec's mu and stiffness are the separate model's.
 // Axial inertia of what slides along the line is not in it: all material of a place moves with the line's.
 
 #include "solve/coaxial_group.h"
@@ -69,8 +71,10 @@ void place_group(World::Impl& state, MergedGroup& group);
 void lead_group(World::Impl& state, MergedGroup& group);
 /// Advances and turns all hubs of the group to the end of the sub-step.
 void feed_group(World::Impl& state, MergedGroup& group, double h);
-/// The line's hold at the hub.
-void constrain_group(const MergedGroup& group, const RodView& line, WireConstraints& out);
+/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of a passenger nothing.
+void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
+/// Force of loads and links on an instrument along the line, + towards the tip [N].
+[[nodiscard]] double axial_load(World::Impl& state, const MergedGroup& group, int k);
 /// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
 bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge);
 /// Elastic energy of the accepted state [J].

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -26,10 +27,26 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
         refuse(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
     if (!(wire.feed.behind >= 0 && std::isfinite(wire.feed.behind)))
         refuse(where + ".feed.behind", fmt::format("is {} m, expected a number, 0 or more", wire.feed.behind));
-    if (!wire.holds.empty() || !wire.loads.empty() || !wire.links.empty())
-        refuse(where, "has holds, loads or links, expected none on instruments of one centreline (merged)");
+    if (!wire.holds.empty())
+        refuse(where + ".holds",
+               "is not empty, expected no holds on instruments of one centreline (merged): they slide along it and have no node of "
+               "their own; take a stiff link, or a rod each (separate)");
     if (wire.wire.curvature != first.wire.curvature)
         refuse(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
+}
+
+/// The lumen presses on what is in it, off by what there is room for.
+void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
+{
+    for (std::size_t k = 1; k < spec.order.size() && spec.lumen_friction; ++k) {
+        const double lumen = setup.wires[spec.order[k - 1]].wire.lumen_radius;
+        const WireSpec& inner = setup.wires[spec.order[k]].wire;
+        double radius = inner.shaft.radius;
+        for (const WireSectionRange& range : inner.sections) radius = std::max(radius, range.section.radius);
+        if (!(lumen > radius))
+            refuse(fmt::format("wires[{}].wire.lumen_radius", spec.order[k - 1]),
+                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen, radius));
+    }
 }
 
 void check_scheme(const WorldSetup& setup)
@@ -65,6 +82,7 @@ void check_merged(const WorldSetup& setup)
             if (++seen[w] > 1) refuse(where + ".order", fmt::format("names wire {}, which is in another one already", w));
             check_member(setup, spec, w);
         }
+        check_room(setup, spec);
         any = true;
     }
     if (any) check_scheme(setup);

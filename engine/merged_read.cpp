@@ -1,5 +1,6 @@
 // Instruments that share one centreline: what their hands feel, and each by itself.
 
+#include "contact/coaxial_friction.h"
 #include "merged.h"
 
 #include <algorithm>
@@ -10,8 +11,18 @@ namespace seldinger {
 
 namespace {
 
-/// The wall's force on an instrument along the line, + towards the tip [N].
-double axial_contact(const World::Impl& state, int wire) { return state.contact ? state.contact->along(wire) : 0; }
+/// Force of what is around on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
+double axial_contact(World::Impl& state, const MergedGroup& group, int k)
+{
+    const double load = axial_load(state, group, k);
+    return state.contact ? state.contact->along(group.wires()[k]) + load : load;
+}
+
+/// Friction of the others on an instrument, likewise. In a group it adds up to nothing: the line does not feel it.
+double axial_friction(const World::Impl& state, int wire)
+{
+    return state.coaxial_friction ? state.coaxial_friction->along(wire) : 0;
+}
 
 double mass_rate(const WireSection* section)
 {
@@ -57,10 +68,12 @@ void read_hands(World::Impl& state, MergedGroup& group)
         WireResult& result = state.results[group.wires()[k]];
         result.hand_torque = -hands.torque[k];
         if (k == group.leader) continue;
-        const double beside = weight_of(state, group, k) - axial_contact(state, group.wires()[k]);
-        result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(state, group, hands, k);
+        const double beside = weight_of(state, group, k) - axial_contact(state, group, k);
+        result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(state, group, hands, k) -
+                            axial_friction(state, group.wires()[k]);
         of_leader -= beside;
     }
+    of_leader -= axial_friction(state, group.wires()[group.leader]);
     state.results[group.wires()[group.leader]].hand_force = of_leader;
 }
 
@@ -72,7 +85,8 @@ MergedWork merged_work(World::Impl& state, const MergedGroup& group)
     work.hand = group.weight_work;
     for (int k = 0; k < group.shared.count(); ++k) {
         work.feed += hands.offset_force[k] * group.slid[k];
-        if (group.slid[k] != 0) work.hand -= axial_contact(state, group.wires()[k]) * group.slid[k];
+        if (group.slid[k] != 0) work.hand -= axial_contact(state, group, k) * group.slid[k];
+        if (group.shared.fed[k] != 0) work.hand -= axial_friction(state, group.wires()[k]) * group.shared.fed[k];
         work.feed += twist_behind(state, group, hands, k) * state.feeds[group.wires()[k]].grown;
         work.turning += hands.torque[k] * group.turned[k];
     }

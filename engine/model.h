@@ -36,6 +36,10 @@ struct CoaxialSpec {
     Model model = Model::Separate;
     double mu_static = 0.06, mu_sliding = 0.05;  // between an instrument and the lumen that it is in [-]
     double stiffness = 0;                        // of that contact, force per metre and depth^1.5 [N/m^2.5]; 0: from the outer one's wall
+    // Merged, between instruments next to each other and per length of overlap: dry friction [N/m], resistance of a film
+    // [N s/m per m]
+    double drag = 0, viscous = 0;
+    bool lumen_friction = false;  // merged: and mu times the force that the clearance leaves between them (contact/coaxial_friction.h)
 };
 
 /// What a world is made from. The vessel has been read and repaired already (io/mesh_file.h, vessel/repair.h, vessel/shapes.h).

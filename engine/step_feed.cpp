@@ -48,10 +48,9 @@ int parts_of(World::Impl& state, int w, double dt)
 void constrain(World::Impl& state, int w, double t)
 {
     const RodView rod = state.rods.view(w);
+    if (const MergedGroup* group = state.group_of(w)) return constrain_member(state, *group, w, t);
     state.holds[w].fill(t, rod, state.constraints[w]);
-    if (state.is_passenger(w)) return;
-    if (const MergedGroup* group = state.group_of(w)) constrain_group(*group, rod, state.constraints[w]);
-    else if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
+    if (state.feeds[w].on) add_feed_constraints(state.feeds[w], rod, state.constraints[w]);
 }
 
 /// All that is done to instruments that share a centreline is done when their line's turn comes.

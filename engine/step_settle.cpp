@@ -64,6 +64,7 @@ WireMask balance(World::Impl& state, const std::vector<ContinuationPath>& paths,
     };
     state.terms.set_settling(settling);
     set_exposures(state);
+    for (const auto& group : state.merged) group->shared.fed = {};
     state.terms.begin_step(state.rods);
     for (int w = 0; w < state.wire_count(); ++w) {
         state.live[w] = state.active[w] = mask[w] && state.is_solved(w);

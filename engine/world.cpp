@@ -2,6 +2,7 @@
 
 #include "world.h"
 
+#include "contact/coaxial_friction.h"
 #include "core/error.h"
 #include "device/enumerate.h"
 #include "merged.h"
@@ -166,6 +167,7 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
         instruments = std::make_unique<InstrumentContact>(*context, touching, rods);
         terms.add(*instruments);
     }
+    make_coaxial_friction();
     constraints.resize(count);
     reports.resize(count);
     active.assign(count, 1);
@@ -211,6 +213,21 @@ void World::Impl::make_groups()
     if (merged.empty()) return;
     shown = std::make_unique<RodArrays>(rods);
     shown_from.assign(setup.wires.size(), 0);
+}
+
+void World::Impl::make_coaxial_friction()
+{
+    std::size_t place = 0;
+    for (const CoaxialSpec& spec : setup.coaxial) {
+        if (spec.model != CoaxialSpec::Model::Merged) continue;
+        MergedGroup& group = *merged[place++];
+        const double pressed = spec.lumen_friction ? 1 : 0;
+        const CoaxialFrictionSpec friction{spec.drag, spec.viscous, pressed * spec.mu_static, pressed * spec.mu_sliding};
+        if (!friction.any()) continue;
+        if (!coaxial_friction) coaxial_friction = std::make_unique<CoaxialFriction>(rods);
+        coaxial_friction->add(group.shared, friction, group.adapts() ? group.nodes.min_edge : group.feed.edge);
+    }
+    if (coaxial_friction) terms.add(*coaxial_friction);
 }
 
 bool World::Impl::is_passenger(int wire) const { return merged_of[wire] >= 0 && merged[merged_of[wire]]->line() != wire; }

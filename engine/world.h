@@ -25,7 +25,8 @@
 
 namespace seldinger {
 
-struct MergedGroup;  // merged.h
+class CoaxialFriction;  // contact/coaxial_friction.h
+struct MergedGroup;     // merged.h
 
 /// What was read off a wire when its step was accepted.
 struct WireResult {
@@ -87,7 +88,8 @@ struct World::Impl {
     std::unique_ptr<ContactMethod> contact;     // none without a vessel
     std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
     std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
-    ForceTerms terms;                           // what acts on the wires: contact
+    std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
+    ForceTerms terms;                           // what acts on the wires: contact, friction
     std::unique_ptr<Solver> solver;
     // scratch of a step
     std::vector<WireConstraints> constraints;
@@ -128,6 +130,7 @@ struct World::Impl {
     /// Whether its nodes are those of another one, the line of its group.
     [[nodiscard]] bool is_passenger(int wire) const;
     void make_groups();
+    void make_coaxial_friction();
     /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);

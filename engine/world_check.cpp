@@ -146,6 +146,8 @@ void check_nested(const WorldSetup& setup, const CoaxialSpec& nest, const std::s
     }
     need_not_negative(nest.stiffness, where + ".stiffness");
     need_not_negative(nest.mu_sliding, where + ".mu_sliding");
+    need_not_negative(nest.drag, where + ".drag");
+    need_not_negative(nest.viscous, where + ".viscous");
     if (nest.mu_static < nest.mu_sliding)
         refuse(where + ".mu_static", fmt::format("is {}, expected mu_sliding, {}, at least", nest.mu_static, nest.mu_sliding));
 }

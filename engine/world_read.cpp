@@ -426,6 +426,17 @@ std::string describe_wall(const World::Impl& s)
         s.elastic_wall->edge_reason());
 }
 
+/// Of the first group.
+std::string describe_coaxial_friction(const WorldSetup& setup)
+{
+    const auto merged = [](const CoaxialSpec& spec) { return spec.model == CoaxialSpec::Model::Merged; };
+    const CoaxialSpec& spec = *std::ranges::find_if(setup.coaxial, merged);
+    std::string text = fmt::format("{:.3g} N/m and {:.3g} Pa s", spec.drag, spec.viscous);
+    if (spec.lumen_friction)
+        text += fmt::format(", and {:.3g}, sliding {:.3g}, of what presses at the clearance", spec.mu_static, spec.mu_sliding);
+    return text + " (asked for)";
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> World::model() const
@@ -447,6 +458,7 @@ std::vector<std::pair<std::string, std::string>> World::model() const
         list.emplace_back("spins", describe_spins(s, integrator));
     list.emplace_back("curvature",
                       wire.wire.curvature == CurvatureMeasure::Angle ? "turning angle" : "2 tan(angle/2) (asked for)");
+    if (s.coaxial_friction) list.emplace_back("friction between instruments", describe_coaxial_friction(s.setup));
     if (!s.contact) {
         list.emplace_back("contact", "none (no vessel)");
         return list;

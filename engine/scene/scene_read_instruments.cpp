@@ -73,7 +73,7 @@ std::vector<int> read_order(const TableReader& t, const Scene& scene)
 
 void read_coaxial(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "coaxial", {"order", "model", "mu_static", "mu_sliding", "stiffness"});
+    const TableReader t(table, "coaxial", {"order", "model", "mu_static", "mu_sliding", "stiffness", "drag_n_m", "viscous_pa_s", "lumen_friction"});
     CoaxialSpec spec;
     spec.order = read_order(t, scene);
     spec.model = coaxial_words[0].value;
@@ -81,6 +81,9 @@ void read_coaxial(const toml::table& table, Scene& scene)
     t.number("mu_static", spec.mu_static, friction_range);
     t.number("mu_sliding", spec.mu_sliding, friction_range);
     t.number("stiffness", spec.stiffness, positive);
+    t.number("drag_n_m", spec.drag, not_negative);
+    t.number("viscous_pa_s", spec.viscous, not_negative);
+    t.flag("lumen_friction", spec.lumen_friction);
     check_friction(t, spec.mu_static, spec.mu_sliding);
     if (spec.mu_static < spec.mu_sliding) {
         note_raised_friction(scene, "coaxial", spec.mu_static, spec.mu_sliding);

@@ -228,6 +228,8 @@ void write_instruments(std::string& out, const Scene& scene)
     t.raw("order", "[" + names + "]").word("model", word_of(coaxial_words, scene.coaxial->model));
     t.num("mu_static", scene.coaxial->mu_static).num("mu_sliding", scene.coaxial->mu_sliding);
     t.num_unless_zero("stiffness", scene.coaxial->stiffness);
+    t.num_unless_zero("drag_n_m", scene.coaxial->drag).num_unless_zero("viscous_pa_s", scene.coaxial->viscous);
+    if (scene.coaxial->lumen_friction) t.flag("lumen_friction", true);
 }
 
 void write_at(TableText& t, const WirePoint& at)

@@ -20,6 +20,7 @@ struct CoaxialGroup {
     CoaxialRod rod;                            // its angles are scratch: they are kept in the wires' arrays
     CoaxialBase base;                          // at the end of the step
     std::array<double, most_coaxial> clamp{};  // angle at the clamp at the end of the step, where the hand is there [rad]
+    std::array<double, most_coaxial> fed{};    // pushed over the present step, along the line [m]
     [[nodiscard]] int line() const { return wires.front(); }
     [[nodiscard]] int count() const { return static_cast<int>(wires.size()); }
 };

@@ -87,6 +87,28 @@ void CoaxialProblem::add_residual()
             line().q.residual[RodDofs::position(i, c)] += gradient_[dofs.position(i, c)];
         for (int k = 0; k < group_.count(); ++k) wires_[k]->q.residual[RodDofs::spin(i)] += gradient_[dofs.spin(i, k)];
     }
+    for (const auto& load : line().constraints().loads)
+        if (load.member != 0)
+            wires_[load.member]->q.residual[RodDofs::spin(load.edge)] -= load.moment.dot(line().frames.tangent[load.edge]);
+}
+
+/// d(m.t)/de of dead moments on passengers, as DeadLoads has it of the line's own.
+void CoaxialProblem::add_moments(bool symmetric, const double* all, FarEntries& far) const
+{
+    for (const auto& load : line().constraints().loads) {
+        if (load.member == 0 || load.moment.isZero()) continue;
+        const Vec3 t = line().frames.tangent[load.edge];
+        const Vec3 spin = (load.moment - load.moment.dot(t) * t) / line().frames.edge_length[load.edge];
+        const int row = static_cast<int>(wires_[load.member]->q.start.data() - all) + RodDofs::spin(load.edge);
+        const int first = static_cast<int>(line().q.start.data() - all);
+        for (int c = 0; c < RodDofs::coordinates; ++c)
+            for (const int end : {0, 1}) {
+                const double value = (end == 1 ? -spin[c] : spin[c]) * (symmetric ? 0.5 : 1.0);
+                const int col = first + RodDofs::position(load.edge + end, c);
+                far.add(row, col, value);
+                if (symmetric) far.add(col, row, value);
+            }
+    }
 }
 
 void CoaxialProblem::fold_residual()
@@ -103,7 +125,7 @@ void CoaxialProblem::fold_residual()
     }
 }
 
-void CoaxialProblem::add_tangent(HessianMode mode, const double* all, BandMatrix& band, FarEntries& far)
+void CoaxialProblem::add_tangent(HessianMode mode, bool symmetric, const double* all, BandMatrix& band, FarEntries& far)
 {
     const int n = line().rod.n, width = group_.rod.dofs().per_node();
     hessian_.reset(n);
@@ -132,6 +154,7 @@ void CoaxialProblem::add_tangent(HessianMode mode, const double* all, BandMatrix
                     if (ahead > 0) add(q, p, j, i, value);
                 }
         }
+    add_moments(symmetric, all, far);
 }
 
 void CoaxialProblem::fold_tangent(const BandMatrix& of_terms, const double* all, BandMatrix& band, FarEntries& far) const

@@ -26,12 +26,13 @@ public:
     void begin(std::span<WireProblem* const> wires);
     /// Takes a passenger's positions from the line, at the trial.
     void mirror();
-    /// Elastic forces at the trial into the wires' residuals.
+    /// Elastic forces at the trial into the wires' residuals, and the torques of dead moments on passengers' spins.
     void add_residual();
     /// What is on passengers' positions goes to the line's.
     void fold_residual();
     /// Elastic tangent into band and far entries of the system. @param all  start of the system's vector of unknowns
-    void add_tangent(HessianMode mode, const double* all, BandMatrix& band, FarEntries& far);
+    /// @param symmetric  the symmetric part of what dead moments do
+    void add_tangent(HessianMode mode, bool symmetric, const double* all, BandMatrix& band, FarEntries& far);
     /// The same of what force terms have put into passengers' tangents.
     void fold_tangent(const BandMatrix& of_terms, const double* all, BandMatrix& band, FarEntries& far) const;
     /// The same of unknowns beside the band that passengers' positions are joined with.
@@ -49,6 +50,7 @@ private:
     [[nodiscard]] WireProblem& line() const { return *wires_.front(); }
     [[nodiscard]] CoaxialTrial trial() const;
     void evaluate();
+    void add_moments(bool symmetric, const double* all, FarEntries& far) const;
 
     CoaxialGroup& group_;
     std::vector<WireProblem*> wires_;  // in the group's order

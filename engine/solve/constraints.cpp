@@ -173,26 +173,24 @@ int WireHolds::node(int hold, const RodView& rod) const
     return nearest_node(holds_[hold].spec.at, holds_[hold].material_s, rod);
 }
 
-WireHolds::Place WireHolds::locate(const WirePoint& at, const RodView& rod)
+WireHolds::Place WireHolds::locate(const WirePoint& at, const RodView& rod, double offset)
 {
-    if (at.kind == WirePoint::Kind::Tip) return {0, 0.0, true};
+    const double length = rod.material_s[rod.n - 1];
+    if (!(-offset < length)) return {0, 0.0, false};  // not in yet
+    if (at.kind == WirePoint::Kind::Tip && offset == 0) return {0, 0.0, true};
     if (at.kind == WirePoint::Kind::Base) return {rod.n - 2, 1.0, true};
     const auto begin = rod.material_s.begin(), end = begin + rod.n;
-    const double length = rod.material_s[rod.n - 1];
-    if (at.from_tip > length * (1 + 1e-9)) return {0, 0.0, false};
-    const int above = static_cast<int>(std::upper_bound(begin, end, at.from_tip) - begin);
+    const double s = (at.kind == WirePoint::Kind::Tip ? 0.0 : at.from_tip) - offset;
+    if (s > length * (1 + 1e-9)) return {0, 0.0, false};
+    const int above = static_cast<int>(std::upper_bound(begin, end, s) - begin);
     const int edge = std::clamp(above - 1, 0, rod.n - 2);
     const double start = rod.material_s[edge], span = rod.material_s[edge + 1] - start;
-    return {edge, std::clamp((at.from_tip - start) / span, 0.0, 1.0), true};
+    return {edge, std::clamp((s - start) / span, 0.0, 1.0), true};
 }
 
 void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
 {
-    out.prescribed.clear();
-    out.clamps.clear();
-    out.loads.clear();
-    out.springs.clear();
-    out.hub_flow.setZero();
+    out.clear();
     for (std::size_t k = 0; k < holds_.size(); ++k) {
         const Hold& hold = holds_[k];
         const int at_node = node(static_cast<int>(k), rod);
@@ -206,15 +204,20 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
             out.clamps.push_back({at_node, hold.spec.direction, hold.spec.spin, hold.tangent, director, turned});
         }
     }
+    add_loads(t, rod, 0, 0, out);
+}
+
+void WireHolds::add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const
+{
     for (const LoadSpec& load : loads_) {
-        const Place place = locate(load.at, rod);
+        const Place place = locate(load.at, line, offset);
         const double factor = ramp_factor(load, t);
-        if (place.inside) out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment});
+        if (place.inside) out.loads.push_back({place.edge, place.bary, factor * load.force, factor * load.moment, member});
     }
     for (const LinkSpec& link : links_) {
-        const Place place = locate(link.at, rod);
+        const Place place = locate(link.at, line, offset);
         const auto [x, y, z] = interpolate(link.move, t);
-        if (place.inside) out.springs.push_back({place.edge, place.bary, link.anchor + Vec3(x, y, z), link.stiffness});
+        if (place.inside) out.springs.push_back({place.edge, place.bary, link.anchor + Vec3(x, y, z), link.stiffness, member});
     }
 }
 

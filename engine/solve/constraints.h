@@ -24,6 +24,9 @@ public:
     /// Overwrites `out` with the constraints at time t [s] (infinity: ramps and moves are over). No allocation once `out`
     /// has been filled before. A load or link on a part of the wire that is not inside yet is left out.
     void fill(double t, const RodView& rod, WireConstraints& out) const;
+    /// Loads and links alone, of an instrument that shares its centreline with others: added to the line's constraints.
+    /// @param offset  of its material along the line (rod/coaxial.h) [m]     @param member  its place among them
+    void add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const;
 
     /// Material distances [m] from the tip at which a node must stay (holds between the ends): not to be merged away.
     [[nodiscard]] std::span<const double> held_distances() const { return held_distances_; }
@@ -51,7 +54,7 @@ private:
     };
 
     [[nodiscard]] static int nearest_node(const WirePoint& at, double material_s, const RodView& rod);
-    [[nodiscard]] static Place locate(const WirePoint& at, const RodView& rod);
+    [[nodiscard]] static Place locate(const WirePoint& at, const RodView& rod, double offset);
     void refuse_contradictions(const RodView& rod) const;
 
     std::vector<Hold> holds_;

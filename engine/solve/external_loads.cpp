@@ -48,7 +48,7 @@ void DeadLoads::add_moments_to_residual(const RodFrames& frames, std::span<doubl
         const Vec3 couple = load.moment.cross(t) / frames.edge_length[load.edge];
         add_to_node(r, load.edge + 1, -couple);
         add_to_node(r, load.edge, couple);
-        r[RodDofs::spin(load.edge)] -= load.moment.dot(t);
+        if (load.member == 0) r[RodDofs::spin(load.edge)] -= load.moment.dot(t);
     }
 }
 
@@ -65,6 +65,7 @@ void DeadLoads::add_moments_to_tangent(const RodFrames& frames, BandRows& tangen
         couple = couple * (Mat3::Identity() - 2 * t * t.transpose()) / (length * length);
         const Vec3 spin = (m - m.dot(t) * t) / length;
         add_edge_block(tangent, j, symmetric ? Mat3(-0.5 * (couple + couple.transpose())) : Mat3(-couple));
+        if (load.member != 0) continue;
         for (int c = 0; c < RodDofs::coordinates; ++c)
             for (int end : {0, 1}) {
                 const double value = (end == 1 ? -spin[c] : spin[c]) * (symmetric ? 0.5 : 1.0);

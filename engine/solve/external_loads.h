@@ -19,7 +19,7 @@ public:
     void begin(const RodView& rod, const WireConstraints& constraints, const Vec3& gravity);
     /// Weight and forces on all unknowns [N].
     [[nodiscard]] const double* forces() const { return forces_.data(); }
-    /// Minus the moments' forces and torques into R.
+    /// Minus the moments' forces and torques into R; torques on the spins of others in its centreline: solve/coaxial_problem.h.
     void add_moments_to_residual(const RodFrames& frames, std::span<double> r) const;
     /// @param symmetric  the symmetric part alone
     void add_moments_to_tangent(const RodFrames& frames, BandRows& tangent, bool symmetric) const;

@@ -210,17 +210,17 @@ void SystemProblem::assemble_tangent(HessianMode mode, bool symmetric, const For
         wire->add_stiffness_damping(part);
     }
     terms.couple(unknowns(), scratch_.first(static_cast<std::size_t>(count)), &linear, symmetric);
-    add_coaxial_tangents(mode, !terms.empty());
+    add_coaxial_tangents(mode, symmetric, !terms.empty());
     if (!linear.far.empty() && order_.empty()) order_nodes();
 }
 
-void SystemProblem::add_coaxial_tangents(HessianMode mode, bool terms)
+void SystemProblem::add_coaxial_tangents(HessianMode mode, bool symmetric, bool terms)
 {
     if (solved_coaxial_.empty()) return;
     far_of_terms_.clear();
     far_of_terms_.add_scaled(linear.far, 1);
     for (CoaxialProblem* group : solved_coaxial_) {
-        group->add_tangent(mode, start.data(), linear.band, linear.far);
+        group->add_tangent(mode, symmetric, start.data(), linear.band, linear.far);
         if (!terms) continue;
         group->fold_tangent(term_tangent_, start.data(), linear.band, linear.far);
         group->fold_condensed(start.data(), linear.condensed);

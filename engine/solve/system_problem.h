@@ -143,7 +143,7 @@ private:
     void share_out();
     void share_scratch();
     void order_nodes();
-    void add_coaxial_tangents(HessianMode mode, bool terms);
+    void add_coaxial_tangents(HessianMode mode, bool symmetric, bool terms);
     [[nodiscard]] SystemUnknowns unknowns() const { return {map, solved_wires_}; }
     [[nodiscard]] bool finish_residual();
 

@@ -15,6 +15,7 @@ struct WireConstraints {
         int edge;
         double bary;
         Vec3 force, moment;
+        int member = 0;  // of a common centreline: place of the instrument that it acts on, whose spin the moment turns
     };  // position = (1-bary) x_edge + bary x_{edge+1}
     std::vector<PointLoad> loads;
     struct Spring {
@@ -22,10 +23,25 @@ struct WireConstraints {
         double bary;
         Vec3 anchor;
         double stiffness;
+        int member = 0;  // likewise
+        [[nodiscard]] Vec3 pull(const RodView& rod) const
+        {
+            return stiffness * (anchor - (1 - bary) * rod.pos(edge) - bary * rod.pos(edge + 1));
+        }
     };
     std::vector<Spring> springs;
     Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
     double base_grown = 0;         // rest length that the base edge of a fed wire has gained over the step [m]
+
+    /// Nothing holds and nothing acts; memory is kept.
+    void clear()
+    {
+        prescribed.clear();
+        clamps.clear();
+        loads.clear();
+        springs.clear();
+        hub_flow.setZero();
+    }
 };
 
 }  // namespace seldinger

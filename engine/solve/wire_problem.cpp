@@ -184,9 +184,9 @@ void WireProblem::evaluate_residual()
         damping_.multiply(q.velocities, q.scratch);
         for (int i = 0; i < count; ++i) r[i] += q.scratch[i];
     }
-    if (role != WireRole::Alone) return;  // solve/coaxial_problem.h
+    if (role == WireRole::Passenger) return;  // what acts on it is put on the line, where it is not solve/coaxial_problem.h's
     if (time.conserving()) add_discrete_gradient(rod, clamps, start_frames_, frames, turned_, r, constraints_->base_grown);
-    else add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
+    else if (role == WireRole::Alone) add_elastic(rod, clamps, frames, r, nullptr, HessianMode::None);
     links_.add_to_residual(q, r);
     dead_loads_.add_moments_to_residual(frames, r);
 }

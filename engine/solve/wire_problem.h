@@ -104,6 +104,7 @@ public:
     /// Dead forces, links and damping by mass on the whole wire, as R has taken them [N].
     [[nodiscard]] Vec3 load_force() const;
     [[nodiscard]] int size() const { return RodDofs::count(rod.n); }
+    [[nodiscard]] const WireConstraints& constraints() const { return *constraints_; }
     [[nodiscard]] bool fed() const { return !constraints_->hub_flow.isZero(0); }
     [[nodiscard]] RodTrial trial_view() const;
 

@@ -127,6 +127,39 @@ TEST_SUITE("scene/scene_instruments")
         CHECK_MESSAGE(says(alone, "feed.behind_m: is of instruments in one centreline only"), alone);
     }
 
+    TEST_CASE("property: friction of merged instruments, and what holds them")
+    {
+        const std::vector<std::string> sets = {"coaxial.model=merged", "coaxial.drag_n_m=0.3", "coaxial.viscous_pa_s=2.5",
+                                               "coaxial.lumen_friction=true"};
+        const Scene scene = read(catheter_and_wire(), sets);
+        const WorldSetup setup = make_setup(scene);
+        CHECK(setup.coaxial[0].drag == 0.3);
+        CHECK(setup.coaxial[0].viscous == 2.5);
+        CHECK(setup.coaxial[0].lumen_friction);
+        const std::string text = write_scene(scene, ".");
+        CHECK(says(text, "lumen_friction = true"));
+        CHECK(write_scene(read(text), ".") == text);
+        const Scene none = read(catheter_and_wire());
+        CHECK(none.coaxial->drag == 0);
+        CHECK(none.coaxial->viscous == 0);
+        CHECK(!none.coaxial->lumen_friction);
+        CHECK(!says(write_scene(none, "."), "drag_n_m"));
+        for (const std::string key : {"drag_n_m", "viscous_pa_s"})
+            for (const char* wrong : {"-0.1", "inf", "nan", "much"}) {
+                const std::string error = error_of(catheter_and_wire(), {"coaxial." + key + "=" + wrong});
+                CHECK_MESSAGE(says(error, "coaxial." + key + ": expected a number, 0 or above"), error);
+                CHECK(!says(error, "\n"));
+            }
+        CHECK(says(error_of(catheter_and_wire(), {"coaxial.lumen_friction=1"}), "coaxial.lumen_friction: expected true or false"));
+        const std::string hold = "[[hold]]\ninstrument = \"wire\"\nat = \"tip\"\nposition = true\n";
+        CHECK(error_of(catheter_and_wire() + hold, {"coaxial.model=separate"}).empty());
+        const std::string held = error_of(catheter_and_wire() + hold, {"coaxial.model=merged"});
+        CHECK_MESSAGE(says(held, "hold.0.instrument: \"wire\" shares its centreline with others"), held);
+        CHECK(!says(held, "\n"));
+        const std::string tied = "[[link]]\ninstrument = \"wire\"\nat = \"tip\"\nanchor = [0.1, 0.0, 0.0]\nstiffness_n_m = 1.0\n";
+        CHECK(error_of(catheter_and_wire() + tied, {"coaxial.model=merged"}).empty());
+    }
+
     TEST_CASE("error: one line for what contradicts itself")
     {
         const std::pair<std::string, std::string> wrong[] = {

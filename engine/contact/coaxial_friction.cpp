@@ -1,0 +1,289 @@
+// Friction between instruments that share a centreline, in the order in which a step calls it.
+
+#include "contact/coaxial_friction.h"
+
+#include "core/bytes.h"
+#include "math/banded_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seldinger {
+
+namespace {
+
+// Way that surfaces give elastically before they slip [m]: a hundredth of what instruments are thick, as asperities and jackets do.
+// Longer, hands feel a spring where there is a grip; shorter, Newton's equations get stiffer than torsion is from edge to edge.
+constexpr double give = 1e-5;
+// Where they press they grip harder: k of the whole, for q of 0.1 to 10 N/m ten micrometres to a tenth of one [N/m^2].
+constexpr double grip = 1e6;
+
+}  // namespace
+
+void CoaxialFriction::add(CoaxialGroup& group, const CoaxialFrictionSpec& spec, double cell)
+{
+    Group made;
+    made.shared = &group;
+    made.spec = spec;
+    if (spec.pressed()) made.frames = RodFrames(rods_.capacity(group.line()));
+    for (int inner = 1; inner < group.count(); ++inner)
+        for (int outer = 0; outer < inner; ++outer) {  // next to each other where those between them do not reach
+            Pair pair;
+            pair.outer = outer;
+            pair.inner = inner;
+            pair.cell = cell;
+            const double length = group.rod.instrument[outer].spec->length;
+            const auto cells = static_cast<std::size_t>(std::ceil(length / cell)) + 1;
+            pair.elastic.assign(cells, Eigen::Vector2d::Zero());
+            pair.slid.assign(cells, 0);
+            pair.pressing.assign(spec.pressed() ? cells : 0, 0.0);
+            pair.off.assign(spec.pressed() ? cells : 0, LumenPress::Complex(0));
+            made.pairs.push_back(std::move(pair));
+        }
+    for (int k = 0; k < group.count(); ++k)
+        place_of_[static_cast<std::size_t>(group.wires[k])] = {static_cast<int>(groups_.size()), k};
+    groups_.push_back(std::move(made));
+}
+
+// ---- where they overlap -----------------------------------------------------------------------------------------------------
+
+void CoaxialFriction::prepare(RodArrays& /*rods*/, std::span<const std::uint8_t> live)
+{
+    for (Group& group : groups_)
+        for (Pair& pair : group.pairs) {
+            pair.parts.clear();
+            pair.weights.clear();
+            pair.along = pair.work = pair.stored = 0;
+            if (live[group.shared->line()]) find_parts(group, pair);
+        }
+}
+
+CoaxialFriction::Overlap CoaxialFriction::overlap_of(const Group& group, const Pair& pair)
+{
+    const auto& instrument = group.shared->rod.instrument;
+    const RodView line = rods_.view(group.shared->line());
+    Overlap lap;
+    lap.offset = instrument[pair.outer].offset;
+    const double inner_tip = -instrument[pair.inner].offset;
+    lap.mouth = inner_tip < -lap.offset;
+    lap.begin = std::max({line.material_s[0], -lap.offset, inner_tip});
+    lap.end = std::min(line.material_s[line.n - 1], instrument[pair.outer].spec->length - lap.offset);
+    for (int m = pair.outer + 1; m < pair.inner; ++m) lap.end = std::min(lap.end, -instrument[m].offset);
+    return lap;
+}
+
+void CoaxialFriction::find_parts(Group& group, Pair& pair)
+{
+    const auto [begin, end, offset, mouth] = overlap_of(group, pair);
+    if (!(end > begin)) return;
+    int edge = 0;
+    auto cell = static_cast<std::size_t>(std::max(0.0, std::floor((begin + offset) / pair.cell)));
+    for (double from = begin; from < end; ++cell) {
+        const double to = std::min(end, static_cast<double>(cell + 1) * pair.cell - offset);
+        if (to > from) add_part(group, pair, cell, from, to, edge);
+        from = std::max(from, to);
+    }
+}
+
+/// @param edge  that the part before ended on
+void CoaxialFriction::add_part(const Group& group, Pair& pair, std::size_t cell, double from, double to, int& edge)
+{
+    const RodView line = rods_.view(group.shared->line());
+    const RodView outer = rods_.view(group.shared->wires[pair.outer]), inner = rods_.view(group.shared->wires[pair.inner]);
+    const CoaxialInstrument& inside = group.shared->rod.instrument[pair.inner];
+    while (edge + 2 < line.n && line.material_s[edge + 1] <= from) ++edge;
+    Part part;
+    part.cell = cell;
+    part.length = to - from;
+    part.radius = inside.spec->at(0.5 * (from + to) + inside.offset).radius;
+    part.first = pair.weights.size();
+    part.edge = edge;
+    for (int j = edge; j + 1 < line.n; ++j) {
+        const bool last = j + 2 == line.n || line.material_s[j + 1] >= to;
+        const double within = (last ? to : line.material_s[j + 1]) - std::max(from, line.material_s[j]);
+        pair.weights.push_back(within / part.length);
+        part.start += pair.weights.back() * (inner.theta[j] - outer.theta[j]);
+        ++part.count;
+        if (last) break;
+    }
+    pair.parts.push_back(part);
+}
+
+// ---- at a trial -------------------------------------------------------------------------------------------------------------
+
+void CoaxialFriction::evaluate(const TrialState& trial, double h, std::span<const std::uint8_t> active)
+{
+    for (Group& group : groups_) {
+        if (!active[group.shared->line()]) continue;
+        for (Pair& pair : group.pairs) evaluate(group, pair, trial, h > 0 ? 1 / h : 0);
+    }
+}
+
+void CoaxialFriction::evaluate(const Group& group, Pair& pair, const TrialState& trial, double rate)
+{
+    const double* outer = trial.theta.data() + rods_.node_begin(group.shared->wires[pair.outer]);
+    const double* inner = trial.theta.data() + rods_.node_begin(group.shared->wires[pair.inner]);
+    const double along = group.shared->fed[pair.inner] - group.shared->fed[pair.outer];
+    const CoaxialFrictionSpec& spec = group.spec;
+    SlipLawPerLength law{spec.drag, spec.drag / give + (spec.pressed() ? grip : 0.0), spec.viscous};
+    pair.along = pair.work = pair.stored = 0;
+    for (Part& part : pair.parts) {
+        double angle = -part.start;
+        for (int a = 0; a < part.count; ++a)
+            angle += pair.weights[part.first + a] * (inner[part.edge + a] - outer[part.edge + a]);
+        const Eigen::Vector2d slip(along, part.radius * angle);
+        if (spec.pressed())
+            law.limit = spec.drag + (pair.slid[part.cell] ? spec.mu_sliding : spec.mu_static) * pair.pressing[part.cell];
+        const SlipPerLength now = slip_per_length(law, pair.elastic[part.cell], slip, rate, stuck_);
+        part.elastic = now.elastic;
+        part.slides = now.slides;
+        part.couple = part.length * part.radius * now.force.y();
+        part.slope = part.length * part.radius * part.radius * now.slope;
+        pair.along += part.length * now.force.x();
+        pair.work += part.length * now.force.dot(slip);
+        pair.stored += part.length * 0.5 * law.stiffness * now.elastic.squaredNorm();
+    }
+}
+
+void CoaxialFriction::add(int wire, std::span<double> residual, BandRows* tangent, bool /*symmetric*/) const
+{
+    const Place at = place_of(wire);
+    if (at.group < 0) return;
+    for (const Pair& pair : groups_[static_cast<std::size_t>(at.group)].pairs) {
+        if (pair.outer != at.member && pair.inner != at.member) continue;
+        const double sign = pair.inner == at.member ? 1 : -1;
+        for (const Part& part : pair.parts)
+            for (int a = 0; a < part.count; ++a) {
+                const double weight = pair.weights[part.first + a];
+                const int row = RodDofs::spin(part.edge + a);
+                residual[row] -= sign * weight * part.couple;
+                for (int b = std::max(0, a - RodDofs::reach); tangent && b < part.count && b <= a + RodDofs::reach; ++b)
+                    tangent->add(row, RodDofs::spin(part.edge + b), weight * pair.weights[part.first + b] * part.slope);
+            }
+    }
+}
+
+void CoaxialFriction::couple(const SystemUnknowns& system, std::span<double> /*residual*/, BandedSolver* tangent,
+                             bool /*symmetric*/) const
+{
+    if (!tangent) return;
+    for (const Group& group : groups_) {
+        if (system.rod_of(group.shared->line()) < 0) continue;
+        for (const Pair& pair : group.pairs) add_coupling(group, pair, system, *tangent);
+    }
+}
+
+/// Between the two, and what of one wire lies beyond the band.
+void CoaxialFriction::add_coupling(const Group& group, const Pair& pair, const SystemUnknowns& system, BandedSolver& tangent)
+{
+    const int outer = system.rod_of(group.shared->wires[pair.outer]), inner = system.rod_of(group.shared->wires[pair.inner]);
+    for (const Part& part : pair.parts)
+        for (int a = 0; a < part.count; ++a)
+            for (int b = 0; b < part.count; ++b) {
+                const double value = pair.weights[part.first + a] * pair.weights[part.first + b] * part.slope;
+                const auto at = [&](int rod, int edge) { return system.map.spin(rod, part.edge + edge); };
+                tangent.far.add(at(outer, a), at(inner, b), -value);
+                tangent.far.add(at(inner, a), at(outer, b), -value);
+                if (std::abs(a - b) <= RodDofs::reach) continue;
+                tangent.far.add(at(outer, a), at(outer, b), value);
+                tangent.far.add(at(inner, a), at(inner, b), value);
+            }
+}
+
+// ---- what can be read off ---------------------------------------------------------------------------------------------------
+
+double CoaxialFriction::along(int wire) const
+{
+    const Place at = place_of(wire);
+    double sum = 0;
+    if (at.group < 0) return sum;
+    for (const Pair& pair : groups_[static_cast<std::size_t>(at.group)].pairs)
+        sum += pair.inner == at.member ? pair.along : pair.outer == at.member ? -pair.along : 0.0;
+    return sum;
+}
+
+/// The group of which a wire is the line: its energies stand for all.
+const CoaxialFriction::Group* CoaxialFriction::led_by(int line) const
+{
+    const Place at = place_of(line);
+    return at.group >= 0 && at.member == 0 ? &groups_[static_cast<std::size_t>(at.group)] : nullptr;
+}
+
+ContactWork CoaxialFriction::contact_work(int wire) const
+{
+    ContactWork work;
+    if (const Group* group = led_by(wire))
+        for (const Pair& pair : group->pairs) work.friction += pair.work;
+    return work;
+}
+
+double CoaxialFriction::stored_energy(int wire) const
+{
+    double energy = 0;
+    if (const Group* group = led_by(wire))
+        for (const Pair& pair : group->pairs) energy += pair.stored;
+    return energy;
+}
+
+// ---- the accepted state -----------------------------------------------------------------------------------------------------
+
+void CoaxialFriction::commit(std::span<const std::uint8_t> active)
+{
+    for (Group& group : groups_) {
+        if (!active[group.shared->line()]) continue;
+        for (Pair& pair : group.pairs) {
+            std::fill(pair.elastic.begin(), pair.elastic.end(), Eigen::Vector2d::Zero());
+            std::fill(pair.slid.begin(), pair.slid.end(), std::uint8_t{0});
+            for (const Part& part : pair.parts) {
+                pair.elastic[part.cell] = part.elastic;
+                pair.slid[part.cell] = part.slides;
+            }
+        }
+        if (group.spec.pressed()) find_pressing(group);
+    }
+}
+
+void CoaxialFriction::save_wire(std::vector<std::uint8_t>& bytes, int wire)
+{
+    const Group* group = led_by(wire);
+    if (!group) return;
+    for (const Pair& pair : group->pairs) {
+        put_bytes(bytes, reinterpret_cast<const double*>(pair.elastic.data()), 2 * pair.elastic.size());
+        if (!group->spec.pressed()) continue;
+        put_bytes(bytes, pair.slid.data(), pair.slid.size());
+        put_bytes(bytes, pair.pressing.data(), pair.pressing.size());
+        put_bytes(bytes, reinterpret_cast<const double*>(pair.off.data()), 2 * pair.off.size());
+    }
+}
+
+void CoaxialFriction::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire)
+{
+    if (!led_by(wire)) return;
+    const auto need = [](bool sound) {
+        if (!sound) throw Error(ExitCode::BadFile, "the saved state is damaged: friction between instruments is out of bounds");
+    };
+    Group& group = groups_[static_cast<std::size_t>(place_of(wire).group)];
+    for (Pair& pair : group.pairs) {
+        take_bytes(bytes, end, reinterpret_cast<double*>(pair.elastic.data()), 2 * pair.elastic.size());
+        for (const Eigen::Vector2d& slip : pair.elastic) need(slip.cwiseAbs().maxCoeff() <= 1e4);  // [m]; false for NaN
+        if (!group.spec.pressed()) continue;
+        take_bytes(bytes, end, pair.slid.data(), pair.slid.size());
+        take_bytes(bytes, end, pair.pressing.data(), pair.pressing.size());
+        take_bytes(bytes, end, reinterpret_cast<double*>(pair.off.data()), 2 * pair.off.size());
+        for (const std::uint8_t slid : pair.slid) need(slid <= 1);
+        for (const double pressing : pair.pressing) need(pressing >= 0 && pressing <= 1e18);
+        for (const LumenPress::Complex off : pair.off) need(std::abs(off.real()) <= 1 && std::abs(off.imag()) <= 1);
+    }
+}
+
+void CoaxialFriction::save(std::vector<std::uint8_t>& bytes)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) save_wire(bytes, w);
+}
+
+void CoaxialFriction::restore(const std::uint8_t*& bytes, const std::uint8_t* end)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w) restore_wire(bytes, end, w);
+}
+
+}  // namespace seldinger

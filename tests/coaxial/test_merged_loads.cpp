@@ -1,0 +1,171 @@
+// Loads and links on instruments that share one centreline: each acts on a place of its instrument's material.
+
+#include "coaxial/merged_fixture.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double bend = 2e-4, twist = 1e-4;  // of the outer one; the inner one has half as much [N m^2]
+
+WorldSetup straight_pair(double outer, double inner, Scheme scheme = Scheme::Static, double edge = 2e-3)
+{
+    WorldSetup setup =
+        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)}, {outer, inner},
+                     edge, scheme);
+    setup.integrator.tolerance = 1e-9;
+    return setup;
+}
+
+LoadSpec load_at(double from_tip, const Vec3& force, const Vec3& moment = Vec3::Zero())
+{
+    LoadSpec load;
+    load.at.kind = WirePoint::Kind::Distance;
+    load.at.from_tip = from_tip;
+    load.force = force;
+    load.moment = moment;
+    return load;
+}
+
+void advance(World& world, double outer, double inner, double dt = 1e-3)
+{
+    Control control;
+    control.move_to(0, outer, 0);
+    control.move_to(1, inner, 0);
+    REQUIRE_FALSE(step(world, control, dt).failed());
+}
+
+/// Height of an instrument's material so far from its own tip.
+double height(const World& world, int wire, double s)
+{
+    const ConstRodView rod = world.rod(wire);
+    int j = 0;
+    while (j + 2 < rod.n && rod.material_s[j + 1] <= s) ++j;
+    const double w = (s - rod.material_s[j]) / (rod.material_s[j + 1] - rod.material_s[j]);
+    return (1 - w) * rod.z[j] + w * rod.z[j + 1];
+}
+
+}  // namespace
+
+TEST_SUITE("coaxial/merged loads")
+{
+    // A cantilever of B over `a` and of B/3 beyond it, to `x`: F x^3/3 by parts. A load between nodes and a change inside an edge
+    // are exact to (edge/length)^2; gone on with, the line is as long as its births leave it, to a thousandth.
+    TEST_CASE("analytic: a force on an instrument's material bends the line where that is, as it goes on")
+    {
+        const double a = 0.05, force = 2e-4;
+        const auto expected = [&](double inner) {  // 10 mm behind the inner one's tip
+            const double x = inner - 0.01, both = 1.5 * bend, alone = 0.5 * bend, beyond = std::pow(std::max(0.0, x - a), 3);
+            return force * ((x * x * x - beyond) / (3 * both) + beyond / (3 * alone));
+        };
+        for (int k = -10; k <= 20; k += 3) {
+            const double inner = 0.05 + 1e-3 * k;
+            WorldSetup setup = straight_pair(a, inner);
+            setup.wires[1].loads.push_back(load_at(0.01, {0, 0, force}));
+            World world(setup);
+            advance(world, a, inner);
+            CHECK(height(world, 1, 0.01) == about(expected(inner)).epsilon(2e-3));
+        }
+        WorldSetup setup = straight_pair(a, 0.045, Scheme::Newton);
+        setup.integrator.damping_mass = 200;  // [1/s], the slowest mode's 2 pi 60 Hz: at rest within 50 ms
+        setup.wires[1].loads.push_back(load_at(0.01, {0, 0, force}));
+        World world(setup);
+        for (int k = 1; k <= 3000; ++k) {
+            const double inner = 0.045 + 1e-5 * std::min(k, 2500);
+            advance(world, a, inner);
+            if (k % 500 == 0) CHECK(height(world, 1, 0.01) == about(expected(inner)).epsilon(0.01));
+        }
+    }
+
+    // The outer one's hand holds what pulls at the outer one; the inner one's what pulls at that, wherever the line's tip is.
+    TEST_CASE("analytic: hands hold what pulls at their own instrument, and turn what twists it")
+    {
+        for (const double inner : {0.03, 0.07}) {
+            WorldSetup setup = straight_pair(0.05, inner);
+            setup.wires[0].loads.push_back(load_at(0.02, {3e-3, 0, 0}, {4e-6, 0, 0}));
+            setup.wires[1].loads.push_back(load_at(0.01, {-5e-3, 0, 0}, {-1e-6, 0, 0}));
+            World world(setup);
+            for (int k = 0; k < 3; ++k) advance(world, 0.05, inner);
+            CHECK(world.readings(0).hand_force == about(-3e-3).epsilon(1e-4));
+            CHECK(world.readings(1).hand_force == about(5e-3).epsilon(1e-4));
+            CHECK(world.readings(0).hand_torque == about(-4e-6).epsilon(1e-4));
+            CHECK(world.readings(1).hand_torque == about(1e-6).epsilon(1e-4));
+            // twisted over the way from its hub, theta being against turns
+            CHECK(-world.rod(1).theta[0] == about(-1e-6 * (inner - 0.01) / (0.5 * twist)).epsilon(0.06));  // half an edge
+        }
+    }
+
+    TEST_CASE("analytic: a dead moment bends by m L^2/(2 B) wherever it acts, and a link is a spring")
+    {
+        const double length = 0.06, moment = 1e-5, both = 1.5 * bend;
+        WorldSetup setup = straight_pair(length, length);
+        LoadSpec end;
+        end.at.kind = WirePoint::Kind::Tip;
+        end.moment = {0, -moment, 0};
+        setup.wires[1].loads.push_back(end);
+        World bent(setup);
+        for (int k = 0; k < 3; ++k) advance(bent, length, length);
+        // on the last edge, of 2 mm: that is bent half an edge less
+        CHECK(bent.rod(1).z[0] == about(moment * (length * length - 1e-6) / (2 * both)).epsilon(2e-3));
+
+        setup.wires[1].loads.clear();
+        LinkSpec link;
+        link.at.kind = WirePoint::Kind::Tip;
+        link.stiffness = 3 * both / std::pow(length, 3);  // as stiff as the pair
+        link.anchor = {length, 0, 2e-3};
+        setup.wires[1].links.push_back(link);
+        World tied(setup);
+        for (int k = 0; k < 3; ++k) advance(tied, length, length);
+        CHECK(tied.rod(1).z[0] == about(1e-3).epsilon(2e-3));
+        CHECK(tied.readings(0).momentum.loads.z() == about(1e-3 * link.stiffness).epsilon(2e-3));
+        CHECK(tied.readings(0).momentum.error().norm() < 1e-8);
+    }
+
+    // Both advance and turn while the one is pulled at, twisted and tied: works and energies add up.
+    TEST_CASE("property: energies and momentum are closed under loads and links that go along")
+    {
+        WorldSetup setup = straight_pair(0.05, 0.06, Scheme::Newton);
+        setup.integrator.damping_mass = 20;
+        setup.wires[0].loads.push_back(load_at(0.005, {0, 2e-4, 1e-4}, {2e-6, 1e-6, 0}));
+        setup.wires[1].loads.push_back(load_at(0.015, {2e-3, 0, 3e-4}, {-2e-6, 0, 1e-6}));
+        LinkSpec link;
+        link.at.kind = WirePoint::Kind::Tip;
+        link.stiffness = 0.2;
+        link.anchor = {0.08, 0.01, 0.005};
+        setup.wires[1].links.push_back(link);
+        World world(setup);
+        double most = 0;
+        for (int k = 1; k <= 1000; ++k) {
+            const double phase = 2 * pi * k / 500;
+            Control control;
+            control.move_to(0, 0.05 + 0.01 * (1 - std::cos(phase)), 0.5 * std::sin(phase));
+            control.move_to(1, 0.06 + 0.02 * std::sin(phase), 0.004 * k);
+            REQUIRE_FALSE(step(world, control, 1e-3).failed());
+            most = std::max(most, world.readings(0).momentum.error().norm());
+        }
+        CHECK(most < 1e-6);
+        const EnergyLedger& ledger = world.readings(0).energy;
+        const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
+        CHECK(std::abs(ledger.outside) > 1e-6);
+        CHECK(std::abs(ledger.open()) < 0.005 * turned_over);
+    }
+
+    TEST_CASE("property: a hold is refused, a load beyond the instrument is")
+    {
+        WorldSetup setup = straight_pair(0.05, 0.06);
+        HoldSpec hold;
+        hold.at.kind = WirePoint::Kind::Tip;
+        hold.position = true;
+        setup.wires[1].holds.push_back(hold);
+        CHECK_THROWS_WITH_AS(World{setup}, doctest::Contains("wires[1].holds"), Error);
+        setup.wires[1].holds.clear();
+        setup.wires[1].loads.push_back(load_at(0.7, {0, 0, 1}));
+        CHECK_THROWS_AS(World{setup}, Error);
+    }
+}
