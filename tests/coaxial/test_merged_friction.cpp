@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -262,12 +263,13 @@ TEST_SUITE("coaxial/merged friction")
         CHECK_THROWS_WITH_AS(friction.restore_wire(at, bytes.data() + bytes.size(), 0), doctest::Contains("friction between instruments"), Error);
     }
 
-    // A curved catheter over a straight wire at a clearance of 0.1 mm, one of them pushed: what presses is what straightens the one
-    // and bends the other. `separate` finds that by contact. It comes to the merged shape with the square root of the clearance;
-    // of the force, 15 % was seen.
+    // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
+    // bends the other. `separate` finds that by contact. Friction is what a hand feels more than without it; the rest, which bends both
+    // as a change of stiffness comes in, is in a merged line where that is, and spread over the clearance's way where it is not.
+    // 3 % was seen, 8 where friction changes fast.
     TEST_CASE("independent: friction of what presses in the lumen is that of a rod each")
     {
-        const auto setup_of = [](CoaxialSpec::Model model) {
+        const auto setup_of = [](CoaxialSpec::Model model, bool friction) {
             WorldSetup setup = merged_setup({instrument_of({{0.005, 3e-4, 0}, {0.012, 3e-4, 65}, {0.383, 3e-4, 0}}, 1),
                                              instrument_of({{0.05, 2e-5, 0}, {0.55, 2.9e-4, 0}}, 0.77)},
                                             {0.06, 0.05}, 1e-3, Scheme::Newton);
@@ -281,33 +283,36 @@ TEST_SUITE("coaxial/merged friction")
             setup.integrator.damping_mass = 20;
             setup.integrator.tolerance = 1e-6;
             setup.coaxial[0].model = model;
-            setup.coaxial[0].lumen_friction = true;
+            setup.coaxial[0].lumen_friction = friction;
+            if (!friction) setup.coaxial[0].mu_static = setup.coaxial[0].mu_sliding = 0;
             return setup;
         };
-        const auto hand_forces = [&](CoaxialSpec::Model model) {
-            World world(setup_of(model));
-            std::vector<double> means;
+        const auto hand_forces = [&](CoaxialSpec::Model model, bool friction) {
+            World world(setup_of(model, friction));
+            std::vector<double> means;  // over 4 mm each
             double sum = 0;
-            for (int k = 1; k <= 1600; ++k) {  // 20 mm/s: its soft tip goes through the bend, then its shaft comes into it
+            for (int k = 1; k <= 800; ++k) {  // its soft part goes through the bend, then its shaft comes into it
                 Control control;
                 control.move_to(0, 0.06, 0);
-                control.move_to(1, 0.05 + 4e-5 * k, 0);
-                REQUIRE_FALSE(step(world, control, 2e-3).failed());
-                sum += world.readings(1).hand_force;
-                if (k % 400 != 0) continue;
-                means.push_back(sum / 400);
-                sum = 0;
+                control.move_to(1, 0.05 + 8e-5 * k, 0);
+                REQUIRE_FALSE(step(world, control, 4e-3).failed());
+                sum += world.readings(1).hand_force / 50;
+                if (k % 50 == 0) means.push_back(std::exchange(sum, 0));
             }
             return means;
         };
-        const std::vector<double> merged = hand_forces(CoaxialSpec::Model::Merged), separate = hand_forces(CoaxialSpec::Model::Separate);
-        for (std::size_t k = 0; k < merged.size(); ++k) {
+        using enum CoaxialSpec::Model;
+        const std::vector<double> with = hand_forces(Merged, true), without = hand_forces(Merged, false);
+        const std::vector<double> contact = hand_forces(Separate, true), smooth = hand_forces(Separate, false);
+        double least = 1, most = 0;
+        for (std::size_t k = 0; k < with.size(); ++k) {
+            const double predicted = with[k] - without[k], found = contact[k] - smooth[k];
             CAPTURE(k);
-            CAPTURE(merged[k]);
-            CAPTURE(separate[k]);
-            if (k > 0) CHECK(merged[k] == about(separate[k]).epsilon(0.25));
+            CHECK(predicted == about(found).epsilon(0.15));
+            least = std::min(least, found), most = std::max(most, found);
         }
-        CHECK(separate.back() > 0.05);
+        CHECK(most > 6 * least);  // it has been through a wide range: 26 to 245 mN
+        CHECK(with.back() == about(contact.back()).epsilon(0.05));
     }
 
     TEST_CASE("property: what presses is of the saved state, and needs room in the lumen")

@@ -70,7 +70,7 @@ TEST_SUITE("coaxial/merged loads")
             setup.wires[1].loads.push_back(load_at(0.01, {0, 0, force}));
             World world(setup);
             advance(world, a, inner);
-            CHECK(height(world, 1, 0.01) == about(expected(inner)).epsilon(2e-3));
+            CHECK(height(world, 1, 0.01) == about(expected(inner)).epsilon(3e-3));  // 30 mm: (2/30)^2 / 2
         }
         WorldSetup setup = straight_pair(a, 0.045, Scheme::Newton);
         setup.integrator.damping_mass = 200;  // [1/s], the slowest mode's 2 pi 60 Hz: at rest within 50 ms
