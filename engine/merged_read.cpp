@@ -67,6 +67,7 @@ void read_hands(World::Impl& state, MergedGroup& group)
     for (int k = 0; k < count; ++k) {
         WireResult& result = state.results[group.wires()[k]];
         result.hand_torque = -hands.torque[k];
+        if (state.coaxial_friction) state.coaxial_friction->set_outside(group.wires()[k], axial_contact(state, group, k));
         if (k == group.leader) continue;
         const double beside = weight_of(state, group, k) - axial_contact(state, group, k);
         result.hand_force = hands.push(k, group.leader, count) + beside + twist_behind(state, group, hands, k) -

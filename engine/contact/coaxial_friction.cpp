@@ -94,6 +94,7 @@ void CoaxialFriction::add_part(const Group& group, Pair& pair, std::size_t cell,
     while (edge + 2 < line.n && line.material_s[edge + 1] <= from) ++edge;
     Part part;
     part.cell = cell;
+    part.at = 0.5 * (from + to);
     part.length = to - from;
     part.radius = inside.spec->at(0.5 * (from + to) + inside.offset).radius;
     part.first = pair.weights.size();
@@ -137,9 +138,10 @@ void CoaxialFriction::evaluate(const Group& group, Pair& pair, const TrialState&
         const SlipPerLength now = slip_per_length(law, pair.elastic[part.cell], slip, rate, stuck_);
         part.elastic = now.elastic;
         part.slides = now.slides;
+        part.along = part.length * now.force.x();
         part.couple = part.length * part.radius * now.force.y();
         part.slope = part.length * part.radius * part.radius * now.slope;
-        pair.along += part.length * now.force.x();
+        pair.along += part.along;
         pair.work += part.length * now.force.dot(slip);
         pair.stored += part.length * 0.5 * law.stiffness * now.elastic.squaredNorm();
     }
@@ -191,6 +193,12 @@ void CoaxialFriction::add_coupling(const Group& group, const Pair& pair, const S
 }
 
 // ---- what can be read off ---------------------------------------------------------------------------------------------------
+
+void CoaxialFriction::set_outside(int wire, double force)
+{
+    const Place at = place_of(wire);
+    if (at.group >= 0) groups_[static_cast<std::size_t>(at.group)].outside[static_cast<std::size_t>(at.member)] = force;
+}
 
 double CoaxialFriction::along(int wire) const
 {
@@ -247,6 +255,7 @@ void CoaxialFriction::save_wire(std::vector<std::uint8_t>& bytes, int wire)
 {
     const Group* group = led_by(wire);
     if (!group) return;
+    if (group->spec.pressed()) put_bytes(bytes, group->outside.data(), group->outside.size());
     for (const Pair& pair : group->pairs) {
         put_bytes(bytes, reinterpret_cast<const double*>(pair.elastic.data()), 2 * pair.elastic.size());
         if (!group->spec.pressed()) continue;
@@ -263,6 +272,8 @@ void CoaxialFriction::restore_wire(const std::uint8_t*& bytes, const std::uint8_
         if (!sound) throw Error(ExitCode::BadFile, "the saved state is damaged: friction between instruments is out of bounds");
     };
     Group& group = groups_[static_cast<std::size_t>(place_of(wire).group)];
+    if (group.spec.pressed()) take_bytes(bytes, end, group.outside.data(), group.outside.size());
+    for (const double force : group.outside) need(std::abs(force) <= 1e18);
     for (Pair& pair : group.pairs) {
         take_bytes(bytes, end, reinterpret_cast<double*>(pair.elastic.data()), 2 * pair.elastic.size());
         for (const Eigen::Vector2d& slip : pair.elastic) need(slip.cwiseAbs().maxCoeff() <= 1e4);  // [m]; false for NaN

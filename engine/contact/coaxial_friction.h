@@ -18,7 +18,8 @@
 // **Where the lumen presses**, friction is also mu times the force between the two. Without clearance that has no bound; it is what the
 // instruments' own clearance makes of their moments in the state accepted last (rod/lumen_press.h, places a cell apart), known in the
 // step as the wall's friction is not: a step behind. Of three and more, all that is around the lumen bends as one and all that is in
-// it. What the lumen carries of an axial force round a bend is left out.
+// it. A tension T of what is in it, all that holds it back between its tip and there, presses by T kappa round a bend; what pulls at it
+// from outside does so beyond the mouth, by these sums.
 
 #include "contact/coaxial_slip.h"
 #include "rod/coaxial_moment.h"
@@ -61,6 +62,8 @@ public:
     void restore(const std::uint8_t*& bytes, const std::uint8_t* end) override;
     void restore_wire(const std::uint8_t*& bytes, const std::uint8_t* end, int wire) override;
 
+    /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
+    void set_outside(int wire, double force);
     /// Of the others on this instrument along the line at the last evaluation, + towards the tip [N]; in a group they add up to 0.
     [[nodiscard]] double along(int wire) const;
 
@@ -74,12 +77,13 @@ private:
     /// The part of a cell that is in the overlap now.
     struct Part {
         std::size_t cell = 0;
-        double length = 0, radius = 0;  // [m]
+        double at = 0, length = 0, radius = 0;  // its middle on the line [m]
         double start = 0;               // angle between the two at the start of the step [rad]
         std::size_t first = 0;          // in `weights`: its edges, consecutive from `edge` on
         int edge = 0, count = 0;
         // of the last evaluation
         Eigen::Vector2d elastic = Eigen::Vector2d::Zero();
+        double along = 0;              // on the inner one [N]
         double couple = 0, slope = 0;  // on the inner one [N m], its fall with the angle [N m]
         bool slides = false;
     };
@@ -101,6 +105,7 @@ private:
         CoaxialGroup* shared = nullptr;
         CoaxialFrictionSpec spec;
         std::vector<Pair> pairs;
+        std::array<double, most_coaxial> outside{};  // accepted; of each instrument, where the lumen presses [N]
         RodFrames frames;  // scratch
         CoaxialMoments moments;
     };
@@ -118,12 +123,14 @@ private:
     // coaxial_press.cpp
     void find_pressing(Group& group);
     void find_pressing(const Group& group, const CoaxialTrial& now, Pair& pair);
+    void set_lateral(const Group& group, const Pair& pair, const Overlap& overlap, int first);
     [[nodiscard]] LumenPress::Place place_at(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& overlap,
                                              double s);
     [[nodiscard]] LumenPress::End end_of(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& overlap);
 
     RodArrays& rods_;
-    LumenPress press_;  // scratch
+    LumenPress press_;             // scratch
+    std::vector<double> tension_;  // likewise, at its places [N]
     std::vector<Group> groups_;
     std::vector<Place> place_of_;  // [wires]
     bool stuck_ = false;

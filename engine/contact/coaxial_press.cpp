@@ -61,6 +61,7 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
         press_.places.push_back(place_at(group, now, pair, lap, i * d - lap.offset));
         press_.off.push_back(pair.off[static_cast<std::size_t>(i)]);
     }
+    set_lateral(group, pair, lap, first);
     press_.end = lap.mouth ? end_of(group, now, pair, lap) : LumenPress::End{};
     std::ranges::fill(pair.pressing, 0.0);
     std::ranges::fill(pair.off, Complex(0));
@@ -75,7 +76,27 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
     }
 }
 
-/// Means over the half cells on both sides of s, as far as they are in the overlap.
+/// Tension of what is inside, from its tip on: what pulls at it from outside, and friction of all around it; times the curvature that
+/// place_at() has left in `lateral`.
+void CoaxialFriction::set_lateral(const Group& group, const Pair& pair, const Overlap& lap, int first)
+{
+    double outside = 0;
+    for (int k = pair.inner; k < group.shared->count(); ++k) outside += group.outside[static_cast<std::size_t>(k)];
+    tension_.assign(press_.places.size(), outside);
+    for (const Pair& other : group.pairs) {
+        if (other.inner < pair.inner || other.outer >= pair.inner) continue;  // both are inside, or both around
+        std::size_t next = 0;
+        double sum = 0;
+        for (std::size_t i = 0; i < tension_.size(); ++i) {
+            const double s = (first + static_cast<int>(i)) * pair.cell - lap.offset;
+            for (; next < other.parts.size() && other.parts[next].at < s; ++next) sum += other.parts[next].along;
+            tension_[i] += sum;
+        }
+    }
+    for (std::size_t i = 0; i < tension_.size(); ++i) press_.places[i].lateral *= tension_[i];
+}
+
+/// Means over the half cells on both sides of s, as far as they are in the overlap; `lateral` is the curvature still.
 LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& lap, double s)
 {
     const CoaxialRod& rod = group.shared->rod;
@@ -90,12 +111,15 @@ LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTri
         const int edge = edge_at(line, middle);
         const CoaxialShare in = share_in(rod, *piece, now, group.moments, edge, pair.inner, rod.instruments);
         place.stiffness += part * in.stiffness * in.others / (in.stiffness + in.others);
-        place.moment += part * in.of(moment_at(line, group.moments, edge, middle));
+        const Complex moment = moment_at(line, group.moments, edge, middle);
+        place.moment += part * in.of(moment);
+        place.lateral += part * in.curvature(moment);
         length += part;
     }
     if (length > 0) {
         place.stiffness /= length;
         place.moment /= length;
+        place.lateral /= length;
     }
     const CoaxialInstrument& inner = rod.instrument[pair.inner];
     place.clearance = rod.instrument[pair.outer].spec->lumen_radius - inner.spec->at(s + inner.offset).radius;

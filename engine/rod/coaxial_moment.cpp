@@ -43,7 +43,8 @@ CoaxialShare share_in(const CoaxialRod& rod, const CoaxialPiece& piece, const Co
         wanted += turned;
         if (own) of_own += turned;
     }
-    if (share.stiffness > 0) share.own = share.stiffness / (share.stiffness + share.others) * wanted - of_own;
+    if (share.stiffness + share.others > 0) share.natural = wanted / (share.stiffness + share.others);
+    if (share.stiffness > 0) share.own = share.stiffness * share.natural - of_own;
     return share;
 }
 

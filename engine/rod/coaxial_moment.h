@@ -24,10 +24,15 @@ void measure_moments(const CoaxialRod& rod, const RodView& line, const CoaxialTr
 struct CoaxialShare {
     double stiffness = 0, others = 0;       // their B, that of the rest [N m^2]
     CoaxialMoments::Complex own = 0;        // sum of B_k (r - R_k kappa_k) [N m]
+    CoaxialMoments::Complex natural = 0;    // r [1/m]
     /// Of the line's moment, theirs.
     [[nodiscard]] CoaxialMoments::Complex of(CoaxialMoments::Complex moment) const
     {
         return stiffness > 0 ? stiffness / (stiffness + others) * moment + own : 0.0;
+    }
+    [[nodiscard]] CoaxialMoments::Complex curvature(CoaxialMoments::Complex moment) const
+    {
+        return stiffness + others > 0 ? natural + moment / (stiffness + others) : 0.0;
     }
 };
 /// In a piece of the line, on edge j.

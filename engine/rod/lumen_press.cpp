@@ -38,7 +38,9 @@ double LumenPress::energy(const std::vector<Complex>& at, double h) const
     // the second differences at the first place and the one before it, of what goes on beyond
     sum += (scalar(end.moment, y(1)) - scalar(end.moment + h * end.shear, y(0))) / h;
     for (int i = 0; i < last; ++i) {
-        const double deep = std::abs(y(i)) - places[static_cast<std::size_t>(i)].clearance;
+        const Place& place = places[static_cast<std::size_t>(i)];
+        sum -= (i == 0 ? 0.5 : 1.0) * h * scalar(place.lateral, y(i));
+        const double deep = std::abs(y(i)) - place.clearance;
         if (deep > 0) sum += 0.5 * give * h * deep * deep;
     }
     return sum;
@@ -67,6 +69,7 @@ void LumenPress::set_bending(double h)
             }
         }
     }
+    for (int i = 0; i < last; ++i) load(i, (i == 0 ? -0.5 : -1.0) * h * places[static_cast<std::size_t>(i)].lateral);
     load(0, -(end.moment + h * end.shear) / h);
     load(1, end.moment / h);
 }

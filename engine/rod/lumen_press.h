@@ -6,9 +6,10 @@
 // without bound there. At the clearance c that the lumen leaves the inner one goes its own way instead, off by y(s), and |y| <= c.
 // With B = B_in B_out/(B_in + B_out), as stiff as the one is against the other, y is the least of
 //
-//     J = int B |y''|^2/2 + M . y'' ds + M_e . y'(e) - Q_e . y(e),      |y| <= c,   y = y' = 0 at the hub
+//     J = int B |y''|^2/2 + M . y'' - w . y ds + M_e . y'(e) - Q_e . y(e),      |y| <= c,   y = y' = 0 at the hub
 //
-// a convex problem: moments M + B y'' of the inner one, and force between them only where it touches. At the end e of the overlap M_e
+// a convex problem: moments M + B y'' of the inner one, and force between them only where it touches. w is what else moves the inner one
+// sideways, T kappa where it is drawn round a bend. At the end e of the overlap M_e
 // and Q_e are moment and shear of what of the inner one goes on beyond it; 0 where that ends. The lumen gives by K of force per
 // length and depth. A jump M_0 alone is a couple of forces M_0/l, l = sqrt(12 B c/M_0), from one side of the lumen to the other: the
 // force grows as 1/sqrt(c).
@@ -29,6 +30,7 @@ public:
         double stiffness = 0;  // B [N m^2]
         Complex moment = 0;    // M [N m]
         double clearance = 0;  // c [m], > 0
+        Complex lateral = 0;   // w [N/m]
     };
     struct End {
         Complex moment = 0, shear = 0;  // M_e [N m], Q_e [N]

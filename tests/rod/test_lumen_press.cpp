@@ -73,6 +73,12 @@ TEST_SUITE("rod/lumen press")
         double middle = 0;
         for (std::size_t i = 200; i < 400; ++i) middle += press.force[i];
         CHECK(middle == about(curved * 200 * spacing).epsilon(0.02));
+        // and by what else moves it sideways: against each other both leave nothing
+        for (LumenPress::Place& place : press.places) place.lateral = curved;
+        REQUIRE(press.solve(spacing, 200) < 200);
+        middle = 0;
+        for (std::size_t i = 200; i < 400; ++i) middle += press.force[i];
+        CHECK(middle < 0.02 * curved * 200 * spacing);
     }
 
     TEST_CASE("property: the result does not depend on the first guess, and takes few steps from the last one")
