@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What `merged` leaves out at a real clearance: a scene of catheter and wire run in both models, tip, hand forces and whip compared.
+"""What `merged` leaves out at a real clearance: a scene of catheter and wire run as `merged`, as that with `lumen_friction` and as `separate`;
+tip, hand forces and whip compared.
 
     bench/coaxial_models.py --app build/seldinger [--scene assets/scenes/catheter-over-wire.toml] [-o table.csv]
 
@@ -33,6 +34,9 @@ def whip(rows, start, seconds):
     return max(ahead) - min(ahead), way[-1]
 
 
+MODELS = {"merged": ["coaxial.model=merged"], "lumen": ["coaxial.model=merged", "coaxial.lumen_friction=true"], "separate": ["coaxial.model=separate"]}
+
+
 def main():
     here = pathlib.Path(__file__).resolve().parent.parent
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -55,19 +59,24 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         (scratch / "scene.toml").write_text(text)
-        for model in ("merged", "separate"):
-            done = subprocess.run([given.app, "run", scratch / "scene.toml", "--set", f"coaxial.model={model}", "-o", scratch / model, "--quiet"])
+        for model, settings in MODELS.items():
+            sets = [word for setting in settings for word in ("--set", setting)]
+            done = subprocess.run([given.app, "run", scratch / "scene.toml", *sets, "-o", scratch / model, "--quiet"])
             if done.returncode:
                 sys.exit(f"coaxial_models: {model} ended with {done.returncode}")
             traces[model] = {name: trace(scratch / model, name) for name in names}
             summary[model] = json.loads((scratch / model / "summary.json").read_text())
     rows = []
     for name in names:
-        pairs = list(zip(traces["merged"][name], traces["separate"][name]))
-        apart = [1e3 * math.dist(tip(a), tip(b)) for a, b in pairs]
-        row = {"instrument": name, "tip_apart_mean_mm": sum(apart) / len(apart), "tip_apart_max_mm": max(apart)}
-        for model in ("merged", "separate"):
+        row = {"instrument": name}
+        for model in MODELS:
             forces = [r["hand_force_n"] for r in traces[model][name] if r["time_s"] < start]
+            if model != "separate":
+                pairs = list(zip(traces[model][name], traces["separate"][name]))
+                apart = [1e3 * math.dist(tip(a), tip(b)) for a, b in pairs]
+                off = [(a["hand_force_n"] - b["hand_force_n"]) ** 2 for a, b in pairs if a["time_s"] < start]
+                row[f"tip_apart_mean_{model}_mm"], row[f"tip_apart_max_{model}_mm"] = sum(apart) / len(apart), max(apart)
+                row[f"hand_apart_rms_{model}_mn"] = 1e3 * math.sqrt(sum(off) / len(off))
             row[f"hand_mean_{model}_mn"] = 1e3 * sum(abs(f) for f in forces) / len(forces)
             row[f"hand_max_{model}_mn"] = 1e3 * max(abs(f) for f in forces)
             row[f"whip_{model}_deg"], row[f"tip_way_{model}_m"] = whip(traces[model][name], start, given.turn_s)

@@ -266,7 +266,7 @@ TEST_SUITE("coaxial/merged friction")
     // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
     // bends the other. `separate` finds that by contact. Friction is what a hand feels more than without it; the rest, which bends both
     // as a change of stiffness comes in, is in a merged line where that is, and spread over the clearance's way where it is not.
-    // 3 % was seen, 8 where friction changes fast.
+    // 3 % was seen, 12 where friction changes fast.
     TEST_CASE("independent: friction of what presses in the lumen is that of a rod each")
     {
         const auto setup_of = [](CoaxialSpec::Model model, bool friction) {
@@ -311,7 +311,7 @@ TEST_SUITE("coaxial/merged friction")
             CHECK(predicted == about(found).epsilon(0.15));
             least = std::min(least, found), most = std::max(most, found);
         }
-        CHECK(most > 6 * least);  // it has been through a wide range: 26 to 245 mN
+        CHECK(most > 6 * least);  // it has been through a wide range: 23 to 247 mN
         CHECK(with.back() == about(contact.back()).epsilon(0.05));
     }
 
