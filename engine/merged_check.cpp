@@ -45,7 +45,8 @@ void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
         for (const WireSectionRange& range : inner.sections) radius = std::max(radius, range.section.radius);
         if (!(lumen > radius))
             refuse(fmt::format("wires[{}].wire.lumen_radius", spec.order[k - 1]),
-                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen, radius));
+                   fmt::format("is {} m, expected more than the radius of the instrument inside, {} m, with lumen_friction", lumen,
+                               radius));
     }
 }
 

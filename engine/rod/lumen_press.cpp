@@ -64,8 +64,10 @@ void LumenPress::set_bending(double h)
             load(i - 1 + a, share * weights[a] / (h * h) * place.moment);
             for (int b = 0; b <= a; ++b) {
                 if (i - 1 + a >= last) continue;
-                for (int c = 0; c < 2; ++c)
-                    bending_[static_cast<std::size_t>((2 * (i - 1 + a) + c) * width + 2 * (a - b))] += stiff * weights[a] * weights[b];
+                for (int c = 0; c < 2; ++c) {
+                    const int row = 2 * (i - 1 + a) + c;
+                    bending_[static_cast<std::size_t>(row * width + 2 * (a - b))] += stiff * weights[a] * weights[b];
+                }
             }
         }
     }
@@ -81,7 +83,10 @@ void LumenPress::set_newton(double h)
     rows_ = bending_;
     rhs_.resize(load_.size());
     for (std::size_t r = 0; r < rhs_.size(); ++r) rhs_[r] = -load_[r];
-    const auto y = [&](int r) { return r % 2 == 0 ? off[static_cast<std::size_t>(r / 2)].real() : off[static_cast<std::size_t>(r / 2)].imag(); };
+    const auto y = [&](int r) {
+        const Complex at = off[static_cast<std::size_t>(r / 2)];
+        return r % 2 == 0 ? at.real() : at.imag();
+    };
     for (int r = 0; r < 2 * last; ++r)
         for (int back = 0; back < width && back <= r; ++back) {
             const double value = bending_[static_cast<std::size_t>(r * width + back)];
@@ -152,8 +157,7 @@ int LumenPress::solve(double h, int most)
         double part = 1;
         for (int cut = 0; cut < 12; ++cut, part *= 0.5) {
             tried_ = off;
-            for (int i = 0; i < last; ++i)
-                tried_[static_cast<std::size_t>(i)] += part * Complex(rhs_[static_cast<std::size_t>(2 * i)], rhs_[static_cast<std::size_t>(2 * i + 1)]);
+            for (std::size_t i = 0; i + 1 < tried_.size(); ++i) tried_[i] += part * Complex(rhs_[2 * i], rhs_[2 * i + 1]);
             if (energy(tried_, h) <= start + 1e-4 * part * slope) break;
         }
         done = true;

@@ -73,7 +73,8 @@ std::vector<int> read_order(const TableReader& t, const Scene& scene)
 
 void read_coaxial(const toml::table& table, Scene& scene)
 {
-    const TableReader t(table, "coaxial", {"order", "model", "mu_static", "mu_sliding", "stiffness", "drag_n_m", "viscous_pa_s", "lumen_friction"});
+    const TableReader t(table, "coaxial",
+                        {"order", "model", "mu_static", "mu_sliding", "stiffness", "drag_n_m", "viscous_pa_s", "lumen_friction"});
     CoaxialSpec spec;
     spec.order = read_order(t, scene);
     spec.model = coaxial_words[0].value;
