@@ -110,6 +110,9 @@ void apply_override(toml::table& root, const std::string& text)
     const std::vector<std::string> parts = split_path(trimmed(text.substr(0, equals)));
     if (parts.size() < 2 || std::any_of(parts.begin(), parts.end(), [](const std::string& p) { return p.empty(); }))
         fail_set(text, "expected table.key=value");
+    // quotes mean nothing in a path, so that what too_deep() takes for a text may be one
+    if (parts.size() > most_toml_depth)
+        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
     toml::table parsed = parse_value(text, trimmed(text.substr(equals + 1)));
 
     toml::node* at = &root;
