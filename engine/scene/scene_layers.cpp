@@ -55,7 +55,7 @@ void lay_under(toml::table& upper, toml::table&& lower)
 {
     for (auto&& [key, node] : lower)
         if (!upper.contains(key.str()))
-            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::move(value)); });
+            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::forward<decltype(value)>(value)); });
 }
 
 /// The same of [wire]: stiffness is a material or three numbers, and either takes the place of the other below it.

@@ -100,7 +100,7 @@ std::string meant_key(std::string_view given, std::span<const std::string_view> 
 {
     std::string key(given.substr(0, longest_word));
     std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
-    const std::string alike = nearest_word(key, known);
+    std::string alike = nearest_word(key, known);
     // one or two slips, or another unit behind the same word
     const bool mistyped = edit_distance(key, alike) <= (key.size() > 5 ? 2 : 1);
     const std::string stem = key.substr(0, key.rfind('_'));
