@@ -1,6 +1,7 @@
 #pragma once
 // Plain values to and from the bytes of a saved state.
 
+#include "core/check.h"
 #include "core/error.h"
 
 #include <cstdint>
@@ -10,10 +11,29 @@
 
 namespace seldinger {
 
+/// Whether every byte of a T belongs to a member. What lies between members nobody sets: the bytes of two equal states would differ,
+/// and memory that is not the file's business would get into it.
+template <class T>
+bool is_without_gaps()
+{
+#if defined(__has_builtin)
+    #if __has_builtin(__builtin_clear_padding)  // g++
+    alignas(T) unsigned char bytes[sizeof(T)];
+    std::memset(bytes, 0xff, sizeof bytes);
+    __builtin_clear_padding(reinterpret_cast<T*>(bytes));
+    for (const unsigned char byte : bytes)
+        if (byte != 0xff) return false;
+    #endif
+#endif
+    return true;
+}
+
 template <class T>
 void put_bytes(std::vector<std::uint8_t>& bytes, const T* data, std::size_t count)
 {
     static_assert(std::is_trivially_copyable_v<T>);
+    static const bool without_gaps = is_without_gaps<T>();
+    SEL_ASSERT(without_gaps);
     const auto* first = reinterpret_cast<const std::uint8_t*>(data);
     bytes.insert(bytes.end(), first, first + count * sizeof(T));
 }

@@ -136,7 +136,7 @@ private:
     void set(cl_uint index, const Buffer& buffer)
     {
         cl_mem memory = buffer.handle();
-        CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));
+        CL_CHECK(clSetKernelArg(kernel_, index, sizeof memory, &memory));  // NOLINT(bugprone-sizeof-expression): the handle
     }
     template <class T>
     void set(cl_uint index, const T& value)

@@ -27,7 +27,7 @@ struct ExitTally {
     };
     double tip[most_wires][3] = {};  // where it was last seen [m]
     std::uint8_t seen[most_wires] = {};
-    std::int32_t count = 0;
+    std::int32_t count = 0, unused = 0;  // a checkpoint has no bytes that nobody sets
     Exit exit[most_exits] = {};
 };
 static_assert(std::is_trivially_copyable_v<ExitTally>);

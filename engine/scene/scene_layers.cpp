@@ -22,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_include = 8;
+// Of all that a scene includes, each as often as it is named: ten files that include ten others, eight deep, would be read for hours.
+constexpr std::size_t most_includes = 100, most_included_bytes = 16u << 20;
 constexpr std::string_view stiffness_keys[] = {"bend_nm2", "twist_nm2", "stretch_n"};
 constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};
 constexpr std::string_view instrument_kinds[] = {"wire", "catheter", "sheath"};
@@ -53,7 +55,7 @@ void lay_under(toml::table& upper, toml::table&& lower)
 {
     for (auto&& [key, node] : lower)
         if (!upper.contains(key.str()))
-            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::move(value)); });
+            std::move(node).visit([&, &name = key](auto&& value) { upper.insert_or_assign(name, std::forward<decltype(value)>(value)); });
 }
 
 /// The same of [wire]: stiffness is a material or three numbers, and either takes the place of the other below it.
@@ -87,8 +89,9 @@ std::vector<std::string> nearest_names(const std::string& name)
     std::copy_if(all.begin(), all.end(), std::back_inserter(near), [&](const auto& other) { return other.starts_with(name); });
     if (!near.empty()) return near;
     near = all;
+    const std::string begin = name.substr(0, longest_word);
     std::stable_sort(near.begin(), near.end(),
-                     [&](const auto& a, const auto& b) { return edit_distance(name, a) < edit_distance(name, b); });
+                     [&](const auto& a, const auto& b) { return edit_distance(begin, a) < edit_distance(begin, b); });
     near.resize(std::min<std::size_t>(near.size(), 3));
     return near;
 }
@@ -109,12 +112,12 @@ toml::table wire_of_preset(const toml::node& preset, const std::string& path)
     return std::move(*file["wire"].as_table());
 }
 
-/// [wire], or each [[instrument]], with its path.
+/// [wire], or each [[instrument]], with its path; not those that are more than a scene may have, which are refused when they are read.
 void for_each_wire(toml::table& root, const std::function<void(toml::table&, const std::string&)>& visit)
 {
     if (toml::table* wire = root["wire"].as_table()) visit(*wire, "wire");
     toml::array* list = root["instrument"].as_array();
-    for (std::size_t k = 0; list && k < list->size(); ++k)
+    for (std::size_t k = 0; list && k < std::min(list->size(), most_scene_instruments); ++k)
         if (toml::table* table = (*list)[k].as_table()) visit(*table, fmt::format("instrument.{}", k));
 }
 
@@ -194,6 +197,11 @@ Layer read_include(const toml::node& item, const fs::path& from, Chain& chain, L
     } catch (const Error& error) {
         fail_at(item.source(), "include", fmt::format("{}; paths start at the folder of the file that includes", error.what()));
     }
+    whole.included_bytes += text.size();
+    if (++whole.included > most_includes || whole.included_bytes > most_included_bytes)
+        fail_at(item.source(), "include",
+                fmt::format("is one too many: a scene includes at most {} files of {} MB in all ({}); include fewer",
+                            most_includes, most_included_bytes >> 20, names_of(longer)));
     note_include(whole, *item.value<std::string>());
     return read_layer(text, file, longer, whole);
 }

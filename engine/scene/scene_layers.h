@@ -15,7 +15,10 @@ namespace seldinger {
 struct LayeredScene {
     toml::table root;  // without `include` and `wire.preset`; nodes know the file they came from
     std::vector<std::pair<std::string, std::string>> notes;  // what was brought in, for Scene::notes
+    std::size_t included = 0, included_bytes = 0;            // files that were included so far, those in others too
 };
+
+inline constexpr std::size_t most_scene_instruments = 16;
 
 /// Keys of [wire] that an instrument may have: what it is, not where or how finely it is modelled.
 inline constexpr std::string_view instrument_keys[] = {"radius_m",  "lumen_radius_m", "density",   "youngs_pa",

@@ -1,4 +1,5 @@
 // Several instruments: [[instrument]] with their feeds, and [coaxial], which says what is inside what.
+#include "scene/scene_layers.h"
 #include "scene/scene_read.h"
 
 #include <fmt/format.h>
@@ -10,7 +11,7 @@
 namespace seldinger {
 namespace {
 
-constexpr std::size_t most_instruments = 16, longest_name = 40;
+constexpr std::size_t longest_name = 40;
 // A run names files after its instruments, beside these.
 constexpr std::string_view taken_names[] = {"trace", "contacts",   "wall",  "vessel", "summary",
                                             "scene", "checkpoint", "frame", "picture"};
@@ -36,7 +37,8 @@ std::vector<const toml::table*> read_names(const toml::table& root, Scene& scene
         std::vector<std::string_view> any;  // keys are looked at when the whole table is read
         for (const auto& [key, value] : table) any.push_back(key.str());
         const TableReader t(table, path, any);
-        if (tables.size() == most_instruments) t.fail("name", fmt::format("expected at most {} instruments", most_instruments));
+        if (tables.size() == most_scene_instruments)
+            t.fail("name", fmt::format("expected at most {} instruments", most_scene_instruments));
         t.need("name", "what the instrument is called in messages and files");
         std::string name;
         t.text("name", name);

@@ -28,6 +28,7 @@ struct LoadTally {
     std::int64_t regions = 0;
     double window = 0, patch = 0;  // [m]
     std::uint8_t widened = 0;      // 0 or 1: a file may hold anything, which a bool may not
+    std::uint8_t unused[7] = {};   // a checkpoint has no bytes that nobody sets
     void take_in(const ContactAlong& now, double time);
 };
 

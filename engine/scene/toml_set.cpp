@@ -72,14 +72,14 @@ toml::table parse_value(const std::string& text, const std::string& value)
 // Moving a node keeps its source, copying does not: that is how later messages can name the --set text.
 void put(toml::table& table, const std::string& key, toml::table&& parsed)
 {
-    std::move(*parsed.get("value")).visit([&](auto&& node) { table.insert_or_assign(key, std::move(node)); });
+    std::move(*parsed.get("value")).visit([&](auto&& node) { table.insert_or_assign(key, std::forward<decltype(node)>(node)); });
 }
 
 void put(toml::array& array, std::size_t index, toml::table&& parsed)
 {
     const auto place = [&] { return array.begin() + static_cast<std::ptrdiff_t>(index); };
     if (index < array.size()) array.erase(place());
-    std::move(*parsed.get("value")).visit([&](auto&& node) { array.insert(place(), std::move(node)); });
+    std::move(*parsed.get("value")).visit([&](auto&& node) { array.insert(place(), std::forward<decltype(node)>(node)); });
 }
 
 /// The node at part `i` below `at`, made (a table, or an array of tables when a number follows) where it is absent.
@@ -110,6 +110,9 @@ void apply_override(toml::table& root, const std::string& text)
     const std::vector<std::string> parts = split_path(trimmed(text.substr(0, equals)));
     if (parts.size() < 2 || std::any_of(parts.begin(), parts.end(), [](const std::string& p) { return p.empty(); }))
         fail_set(text, "expected table.key=value");
+    // quotes mean nothing in a path, so that what too_deep() takes for a text may be one
+    if (parts.size() > most_toml_depth)
+        fail_set(printable(text, 200), fmt::format("is nested deeper than {} levels; no scene is", most_toml_depth));
     toml::table parsed = parse_value(text, trimmed(text.substr(equals + 1)));
 
     toml::node* at = &root;

@@ -98,9 +98,9 @@ bool has_word(std::string_view key, std::string_view word)
 /// Which key was meant: a mistyped one, else one of that meaning, else whatever looks most like it.
 std::string meant_key(std::string_view given, std::span<const std::string_view> known, std::string& hint)
 {
-    std::string key(given);
+    std::string key(given.substr(0, longest_word));
     std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
-    const std::string alike = nearest_word(key, known);
+    std::string alike = nearest_word(key, known);
     // one or two slips, or another unit behind the same word
     const bool mistyped = edit_distance(key, alike) <= (key.size() > 5 ? 2 : 1);
     const std::string stem = key.substr(0, key.rfind('_'));
@@ -156,6 +156,7 @@ int edit_distance(std::string_view a, std::string_view b)
 
 std::string nearest_word(std::string_view word, std::span<const std::string_view> known)
 {
+    word = word.substr(0, longest_word);
     std::string_view best;
     int best_distance = std::numeric_limits<int>::max();
     for (const std::string_view candidate : known) {

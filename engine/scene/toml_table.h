@@ -34,6 +34,8 @@ inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio abo
 
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
+/// What is longer is compared by its beginning: no key is as long, and edits take a time of the product of both lengths.
+inline constexpr std::size_t longest_word = 64;
 /// The word of `known` with the fewest edits from `word`.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string_view> known);
 

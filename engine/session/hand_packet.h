@@ -6,8 +6,8 @@
 #ifndef SELDINGER_HAND_PACKET_H
 #define SELDINGER_HAND_PACKET_H
 
-#include <stdint.h>
-#include <string.h>
+#include <stdint.h> /* NOLINT(modernize-deprecated-headers): not only C++ */
+#include <string.h> /* NOLINT(modernize-deprecated-headers) */
 
 #define SEL_HAND_REQUEST_MAGIC 0x484C4553u /* "SELH" */
 #define SEL_HAND_ANSWER_MAGIC 0x464C4553u  /* "SELF" */

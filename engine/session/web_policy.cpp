@@ -1,6 +1,8 @@
 // Token, origin and host of a web request.
 #include "session/web_policy.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 
 namespace seldinger {
@@ -31,7 +33,12 @@ std::string_view value_after(std::string_view list, std::string_view name, char 
 
 bool is_loopback(std::string_view address)
 {
-    return address.starts_with("127.") || address == "::1" || address == "[::1]" || address == "localhost";
+    if (address == "::1" || address == "[::1]" || address == "localhost") return true;
+    // a number of 127.0.0.0/8 and not a name that begins so, 127.example.com, which whoever owns it may let point here
+    in_addr number{};
+    const bool is_number = address.find_first_not_of("0123456789.") == std::string_view::npos &&
+                           inet_pton(AF_INET, std::string(address).c_str(), &number) == 1;
+    return is_number && address.starts_with("127.");
 }
 
 bool same_secret(std::string_view a, std::string_view b)

@@ -9,6 +9,10 @@
 namespace seldinger {
 namespace {
 
+/// What a row of no instruments takes in a file.
+constexpr std::size_t least_row =
+    sizeof BatchRow::run + sizeof BatchRow::status + sizeof BatchRow::numbers + sizeof BatchRow::state_hash + sizeof(std::uint64_t);
+
 bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
 /// Counts stand in whole columns of the table; the other numbers may be any, and none too.
@@ -52,7 +56,7 @@ std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end
         if (count > static_cast<std::uint64_t>(end - at) / size) throw Error(ExitCode::BadFile, "a list is longer than the file");
         return static_cast<std::size_t>(count);
     };
-    std::vector<BatchRow> rows(take_count(sizeof(BatchRow) - sizeof(BatchRow::instruments)));
+    std::vector<BatchRow> rows(take_count(least_row));
     for (BatchRow& row : rows) {
         take_bytes(at, end, &row.run, 1);
         take_bytes(at, end, &row.status, 1);

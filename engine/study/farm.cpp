@@ -250,7 +250,7 @@ std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPl
     if (!fs::exists(file)) return std::nullopt;
     const std::vector<std::uint8_t> bytes = read_sealed(file, rows_magic);
     const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
-    std::string key(plan.key.size(), ' ');
+    std::string key(std::min(plan.key.size(), bytes.size()), ' ');
     take_bytes(at, end, key.data(), key.size());
     const FarmPlan::Part part = plan.part(task);
     if (key != plan.key) throw Error(ExitCode::BadFile, file.string() + ": is of another farm; remove it and do the task again");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace seldinger {
@@ -114,6 +115,11 @@ double frechet_distance(std::span<const Vec3> a, std::span<const Vec3> b, double
 {
     SEL_ASSERT(a.size() >= 2 && b.size() >= 2);
     double low = std::max((a.front() - b.front()).norm(), (a.back() - b.back()).norm()), high = simple_walk(a, b);
+    const auto is_there = [](std::span<const Vec3> line) {
+        return std::all_of(line.begin(), line.end(), [](const Vec3& p) { return p.allFinite(); });
+    };
+    // halving would not end
+    if (!std::isfinite(high) || !is_there(a) || !is_there(b)) return std::numeric_limits<double>::infinity();
     if (high <= low || leash_suffices(a, b, low)) return low;
     while (high - low > relative * high && high > negligible) {
         const double middle = 0.5 * (low + high);

@@ -95,4 +95,10 @@ double number_in(const std::string& text)
     return text.empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(text.c_str(), nullptr);
 }
 
+int count_in(const std::string& text)
+{
+    const double value = number_in(text);
+    return value >= 0 && value <= std::numeric_limits<int>::max() ? static_cast<int>(value) : 0;
+}
+
 }  // namespace seldinger

@@ -43,5 +43,7 @@ private:
 [[nodiscard]] std::string csv_number(double value);
 /// NaN for an empty text.
 [[nodiscard]] double number_in(const std::string& text);
+/// 0 of what is no count that an int holds: a table may have been written by anyone.
+[[nodiscard]] int count_in(const std::string& text);
 
 }  // namespace seldinger

@@ -75,10 +75,10 @@ RunRecord record_of(const ResultTable::Row& row)
     r.failed_at = next(), r.simulated = next();
     r.wall_limit = row[k].empty() ? std::numeric_limits<double>::infinity() : number_in(row[k]), ++k;
     r.cost.wall = next(), r.cost.lowest = next(), r.cost.highest = next();
-    r.cost.repeats = static_cast<int>(next()), r.cost.cpu = next(), r.cost.cpu_lowest = next(), r.cost.cpu_highest = next();
-    r.nodes = static_cast<int>(next()), r.contacts = static_cast<int>(next()), r.readings.steps = static_cast<long>(next());
+    r.cost.repeats = count_in(row[k++]), r.cost.cpu = next(), r.cost.cpu_lowest = next(), r.cost.cpu_highest = next();
+    r.nodes = count_in(row[k++]), r.contacts = count_in(row[k++]), r.readings.steps = count_in(row[k++]);
     r.readings.jitter = next(), r.readings.overlap = next(), r.readings.outside = next(), r.readings.mean_iterations = next();
-    r.wall_move = next(), r.wall_far_steps = static_cast<long>(next());
+    r.wall_move = next(), r.wall_far_steps = count_in(row[k++]);
     return r;
 }
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double most_runs = 1e6;
 constexpr std::size_t most_values = 4'000'000;  // in all axes: some 300 MB
+constexpr std::size_t most_axes = 1000;
 
 std::string number_text(double value)
 {
@@ -100,6 +101,8 @@ void read_axis(const std::string& key, const toml::node& node, std::int64_t seed
     }
     if (key.find('.') == std::string::npos)
         fail_at(node.source(), "vary." + key, "expected a key of the scene with its table, e.g. \"wire.bend_nm2\"");
+    if (sweep.axes.size() == most_axes)
+        fail_at(node.source(), "vary." + key, fmt::format("is more than {} keys; vary fewer", most_axes));
     sweep.axes.push_back(std::move(axis));
 }
 

@@ -45,6 +45,16 @@ Sample take_sample(const std::uint8_t*& at, const std::uint8_t* end)
     return sample;
 }
 
+/// As a run makes them; the checksum says nothing of who wrote the file.
+bool are_sound(const std::vector<Sample>& samples)
+{
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (samples[k].shape.size() < 2 || !std::isfinite(samples[k].t)) return false;
+        if (k > 0 && samples[k].t <= samples[k - 1].t) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::vector<double> accumulate_forces(const std::vector<ForceAt>& forces, double wire_length)
@@ -99,6 +109,7 @@ bool load_trajectory(const std::filesystem::path& file, Trajectory& trajectory)
         take_bytes(at, end, read.peaks.data(), read.peaks.size());
         take_bytes(at, end, &count, 1);
         for (std::uint64_t k = 0; k < count; ++k) read.samples.push_back(take_sample(at, end));
+        if (at != end || !are_sound(read.samples)) return false;
         trajectory = std::move(read);
         return true;
     } catch (const Error&) {

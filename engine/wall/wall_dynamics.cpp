@@ -126,7 +126,7 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
 
 Vec3 WallDynamics::free(std::int32_t vertex) const
 {
-    const Vec3 loaded = at(load_, vertex);
+    Vec3 loaded = at(load_, vertex);
     if (still_) return loaded;
     return s_ * now(vertex) + at(memory_, vertex) + double(step_) * at(change_, vertex) + loaded;
 }

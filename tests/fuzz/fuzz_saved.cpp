@@ -5,7 +5,9 @@
 #include "scene/checkpoint.h"
 #include "scene/scene.h"
 #include "session/session_record.h"
+#include "study/errors.h"
 #include "study/farm.h"
+#include "study/result_table.h"
 #include "support/temporary_folder.h"
 
 #include <cmath>
@@ -34,6 +36,15 @@ const fs::path& folder()
     return made.path();
 }
 
+/// The first bytes of a file that the engine's own writer has just made: written down here, they would be those of an older version one
+/// day, and nothing behind them would be reached.
+std::string magic_in(const fs::path& file)
+{
+    std::string magic(8, '\0');
+    std::ifstream(file, std::ios::binary).read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    return magic;
+}
+
 void read_plan(const std::string& json, const std::string& log)
 {
     put_file(folder() / "farm.json", json);
@@ -54,7 +65,9 @@ void read_results(const std::string& payload)
     plan.items = 5;
     plan.tasks = 2;
     plan.key = std::string(16, '0');
-    put_file(folder() / "rows/000001.rows", sealed(rows_magic, payload));
+    const fs::path file = folder() / "rows/000001.rows";
+    static const std::string magic = (write_rows(folder(), plan, 1, {}), magic_in(file));
+    put_file(file, sealed(magic, payload));
     answer([&] {
         const auto rows = read_rows(folder(), plan, 1, 2);
         require(rows && rows->size() == 3);
@@ -68,7 +81,8 @@ void read_results(const std::string& payload)
 void checkpoint(Bytes bytes)
 {
     const fs::path file = folder() / "checkpoint.bin";
-    put_file(file, sealed(checkpoint_magic, text_of(bytes)));
+    static const std::string magic = (write_checkpoint(file, {}), magic_in(file));
+    put_file(file, sealed(magic, text_of(bytes)));
     std::optional<Checkpoint> saved;
     answer([&] { saved = read_checkpoint(file); });
     if (!saved) return;
@@ -103,6 +117,25 @@ void farm(Bytes bytes)
     if (!bytes.empty() && bytes[0] == 'r') return read_results(text_of(bytes.subspan(1)));
     const std::vector<std::string> parts = parts_of(bytes, 2);
     read_plan(parts[0], parts[1]);
+}
+
+/// What a study goes on from: a trajectory without its checksum, compared with itself, or, after a first byte of 'r', a table of results.
+void kept(Bytes bytes)
+{
+    const bool is_table = !bytes.empty() && bytes[0] == 'r';
+    const fs::path file = folder() / (is_table ? "runs.csv" : "run.trajectory");
+    std::string content = text_of(is_table ? bytes.subspan(1) : bytes);
+    if (!is_table) append(content, fnv1a(content.data(), content.size()));
+    put_file(file, content);
+    answer([&] {
+        Trajectory trajectory;
+        if (is_table) {
+            const ResultTable table(file, {"scene", "model", "nodes"}, 2);
+            for (const ResultTable::Row& row : table.rows()) require(table.find({row[0], row[1]}) && count_in(row[2]) >= 0);
+        } else if (load_trajectory(file, trajectory)) {
+            require(trajectory_errors(trajectory, trajectory, {}).samples <= static_cast<int>(trajectory.samples.size()));
+        }
+    });
 }
 
 }  // namespace seldinger::fuzz

@@ -11,8 +11,6 @@
 
 namespace seldinger::fuzz {
 
-constexpr std::string_view checkpoint_magic = "SELCKPT2", rows_magic = "SELFARM1", record_magic = "SELLIVE1";
-
 /// A scene, short, to which checkpoints and records belong.
 constexpr const char* saved_scene = R"([scene]
 duration_s = 0.4

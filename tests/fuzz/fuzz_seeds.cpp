@@ -7,6 +7,7 @@
 #include "session/hand_packet.h"
 #include "session/session_record.h"
 #include "study/farm.h"
+#include "study/trajectory.h"
 #include "support/temporary_folder.h"
 
 namespace seldinger::fuzz {
@@ -80,6 +81,22 @@ void make_farms(const fs::path& dir, const fs::path& folder)
     put_seed(dir, "farm", "frames", slurp(folder / "farm.json"));
 }
 
+void make_kept(const fs::path& dir, const fs::path& scratch)
+{
+    Trajectory run;
+    run.wire_length = 0.3;
+    for (const double t : {0.1, 0.2, 0.3}) {
+        Sample& sample = run.samples.emplace_back();
+        sample.t = t;
+        sample.shape = {{0, t, 0}, {0.1, t, 0}, {0.3, 0, t}};
+        sample.contact_up_to = {0, t, 1};
+    }
+    save_trajectory(scratch, run);
+    const std::string file = slurp(scratch);
+    put_seed(dir, "kept", "trajectory", file.substr(0, file.size() - 8));
+    put_seed(dir, "kept", "table", "rscene,model,nodes\na,\"x, \"\"y\"\"\",41\nb,z,\na,z,1e300\n");
+}
+
 void make_packets(const fs::path& dir)
 {
     std::string packets;
@@ -103,5 +120,6 @@ int main(int count, char** words)
     seldinger::fuzz::make_checkpoints(words[1], scratch.path() / "checkpoint.bin");
     seldinger::fuzz::make_records(words[1], scratch.path() / "live.rec");
     seldinger::fuzz::make_farms(words[1], scratch.path() / "farm");
+    seldinger::fuzz::make_kept(words[1], scratch.path() / "run.trajectory");
     seldinger::fuzz::make_packets(words[1]);
 }

@@ -28,6 +28,7 @@ void sweep(Bytes bytes);
 void checkpoint(Bytes bytes);
 void record(Bytes bytes);
 void farm(Bytes bytes);
+void kept(Bytes bytes);
 
 // fuzz_live.cpp
 void web(Bytes bytes);

@@ -223,6 +223,20 @@ TEST_SUITE("scene/checkpoint mutants")
         CHECK(refusal({"vessel.radius_m=0.005"}).find("[vessel] radius_m") != std::string::npos);
     }
 
+    TEST_CASE("property: two checkpoints of one state are the same bytes, whatever lay in memory before")
+    {
+        const TemporaryFolder folder;
+        const auto bytes_over = [&](unsigned char before) {
+            alignas(Checkpoint) unsigned char memory[sizeof(Checkpoint)];
+            std::memset(memory, before, sizeof memory);
+            auto* saved = new (memory) Checkpoint;  // not (): that would make zeros of all of it first
+            write_checkpoint(folder.path() / "c", *saved);
+            saved->~Checkpoint();
+            return read_file(folder.path() / "c");
+        };
+        CHECK(bytes_over(0xaa) == bytes_over(0x55));
+    }
+
     TEST_CASE("property: a flag that is neither 0 nor 1 is refused")
     {
         Checkpoint saved;

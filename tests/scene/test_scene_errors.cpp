@@ -278,6 +278,10 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"wire.length_m.x=1"}, "--set wire.length_m.x=1: wire.length_m"});
         check_mistake({good, {"hold.1.position=true"}, "--set hold.1.position=true: there are only 0 of hold"});
         check_mistake({good, {"wire.nodes=3\nscene.dt_s=1"}, "expected a value on one line"});
+        // quotes make no text of a path: each dot is a level
+        std::string quoted = "wire.\"a";
+        for (int k = 0; k < 32; ++k) quoted += ".a";
+        check_mistake({good, {quoted + "\"=1"}, "is nested deeper than 32 levels"});
     }
 
     TEST_CASE("property: missing files are files' mistakes")

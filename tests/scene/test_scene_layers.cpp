@@ -273,6 +273,17 @@ TEST_SUITE("scene/scene_layers")
         for (int i = 0; i < 12; ++i) files.write(fmt::format("d{}.toml", i), fmt::format("include = \"d{}.toml\"\n", i + 1));
         files.write("d8.toml", "");
         check_error(scene("\"d0.toml\""), {"d7.toml:1:11: include: is more than 8 files deep"});
+        // few bytes that would be read for hours: each includes the next eleven times
+        for (int i = 0; i < 7; ++i) {
+            std::string list = fmt::format("\"m{}.toml\"", i + 1);
+            for (int k = 0; k < 10; ++k) list += fmt::format(", \"m{}.toml\"", i + 1);
+            files.write(fmt::format("m{}.toml", i), "include = [" + list + "]\n");
+        }
+        files.write("m7.toml", "");
+        check_error(scene("\"m0.toml\""), {"include: is one too many: a scene includes at most 100 files of 16 MB in all"});
+        files.write("large.toml", "#" + std::string(9u << 20, 'x') + "\n");
+        CHECK_NOTHROW(scene("\"large.toml\"")());
+        check_error(scene("[\"large.toml\", \"large.toml\"]"), {"include: is one too many"});
         CHECK_NOTHROW((void)scene("\"d1.toml\"")());
         // only at the top of a scene
         check_error([&] { return read("[scene]\ninclude = \"a.toml\"\n" + wire); }, {"scene.include: unknown key"});

@@ -63,6 +63,11 @@ TEST_SUITE("session/web")
         CHECK(admit({"/", "localhost:8080", "http://localhost:8080", ""}, here, "") == Welcome);
         CHECK(admit({"/", "[::1]:8080", "", ""}, here, "") == Welcome);
         CHECK(admit({"/", "evil.example:8080", "", ""}, here, "") == WrongHost);  // its name points here
+        for (const char* name : {"127.evil.example", "127.0.0.1.evil.example", "127.0.0.1evil", "127.0.0.1.", "127.1"}) {
+            CAPTURE(name);  // names of others, too, that a page's script asks by: they may point here
+            CHECK(admit({"/ws", name, std::string("http://") + name, ""}, here, "") == WrongHost);
+        }
+        CHECK(admit({"/", "127.8.9.10:8080", "", ""}, here, "") == Welcome);
         CHECK(admit({"/", "", "", ""}, here, "") == WrongHost);
         CHECK(admit({"/ws", "127.0.0.1:8080", "http://evil.example", ""}, here, "") == WrongOrigin);
         CHECK(admit({"/ws", "127.0.0.1:8080", "http://127.0.0.1:9999", ""}, here, "") == WrongOrigin);

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
 
 using namespace seldinger;
 using namespace seldinger::test;
@@ -95,6 +96,25 @@ TEST_SUITE("study/errors")
         std::filesystem::resize_file(file, 100);
         CHECK_FALSE(load_trajectory(file, read));
         CHECK_FALSE(load_trajectory(folder.path() / "none", read));
+    }
+
+    TEST_CASE("property: a trajectory that no run makes is not taken, whatever its checksum says")
+    {
+        const TemporaryFolder folder;
+        const auto file = folder.path() / "run.trajectory";
+        const auto is_taken = [&](const std::function<void(Trajectory&)>& alter) {
+            Trajectory saved, read;
+            saved.wire_length = length;
+            saved.samples = {moment(0.1, 1.0 / 3, -2, 7, {{0.1, 3}}), moment(0.2, 2.0 / 3, 5, 1e-300, {})};
+            alter(saved);
+            save_trajectory(file, saved);
+            return load_trajectory(file, read);
+        };
+        CHECK(is_taken([](Trajectory&) {}));
+        CHECK_FALSE(is_taken([](Trajectory& t) { t.samples[1].shape.clear(); }));    // errors are taken of its first point
+        CHECK_FALSE(is_taken([](Trajectory& t) { t.samples[0].shape.resize(1); }));  // and of its edges
+        CHECK_FALSE(is_taken([](Trajectory& t) { t.samples[1].t = t.samples[0].t; }));
+        CHECK_FALSE(is_taken([](Trajectory& t) { t.samples[0].t = std::nan(""); }));
     }
 }
 

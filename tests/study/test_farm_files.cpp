@@ -98,5 +98,10 @@ TEST_SUITE("study/farm files")
             [](auto& rows) { rows.pop_back(); },
         };
         for (const auto& change : wrong) CHECK(said(change).find("says what cannot be") != std::string::npos);
+        // a farm whose key is longer than the file: the line names the file
+        (void)said([](auto&) {});
+        FarmPlan other = plan;
+        other.key = std::string(100'000, 'a');
+        CHECK(refusal([&] { (void)read_rows(folder.path(), other, 1, 2); }).find("000001.rows: is of another farm") != std::string::npos);
     }
 }

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -35,6 +36,17 @@ TEST_SUITE("study/frechet")
         CHECK(frechet_distance(a, b) == about(0.25).epsilon(1e-6));
         CHECK(frechet_distance(b, a) == about(0.25).epsilon(1e-6));
         CHECK(frechet_distance(a, a) == 0);
+    }
+
+    TEST_CASE("property: curves that are nowhere have no distance, and looking for it ends")
+    {
+        const std::vector<Vec3> a = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+        for (const double nowhere : {std::numeric_limits<double>::infinity(), std::nan(""), 1e300}) {
+            std::vector<Vec3> b = a;
+            b[1].y() = nowhere;
+            CHECK_FALSE(std::isfinite(frechet_distance(a, b)));
+            CHECK_FALSE(std::isfinite(frechet_distance(b, a)));
+        }
     }
 
     TEST_CASE("analytic: concentric arcs are R - r apart")

@@ -36,6 +36,16 @@ TEST_SUITE("study/result_table")
         CHECK(std::isnan(number_in("")));
     }
 
+    TEST_CASE("property: a count that cannot be one is none")
+    {
+        CHECK(count_in("41.0") == 41);
+        CHECK(count_in("2147483647") == 2147483647);
+        for (const char* text : {"", "nan", "inf", "-1", "2147483648", "1e300", "x"}) {
+            CAPTURE(text);
+            CHECK(count_in(text) == 0);
+        }
+    }
+
     TEST_CASE("property: a table cut off anywhere keeps its whole rows and goes on")
     {
         const TemporaryFolder folder;

@@ -129,5 +129,8 @@ TEST_SUITE("study/sweep")
         std::string draws = "[vary]\n";
         for (int k = 0; k < 9; ++k) draws += fmt::format("\"a.x{}\" = {{min = 0, max = 1, n = 1000000}}\n", k);
         CHECK(complaint(draws).find("a.x4.n: makes more than 4000000 values") != std::string::npos);
+        std::string keys = "[vary]\n";
+        for (int k = 0; k < 1001; ++k) keys += fmt::format("\"a.x{}\" = {{min = 0, max = 1, n = 1}}\n", k);
+        CHECK(complaint(keys).find("is more than 1000 keys") != std::string::npos);
     }
 }
