@@ -75,11 +75,15 @@ void close_ring(WireSetup& wire)
 
 ContactSetup contact_setup(const WorldSetup& setup, const WallModel& wall)
 {
-    ContactSetup made{{}, {}, wall, false};
+    ContactSetup made{{}, {}, wall, {}, false};
     for (const WireSetup& wire : setup.wires) {
         made.wires.push_back(wire.wire);
         made.contacts.push_back(wire.contact);
     }
+    for (const int size : setup.systems) made.several.insert(made.several.end(), size, size > 1);
+    for (const CoaxialSpec& nest : setup.coaxial)
+        for (const int w : nest.order)
+            if (nest.model == CoaxialSpec::Model::Merged && !made.several.empty()) made.several[w] = 0;
     const Scheme scheme = setup.integrator.scheme;
     made.known_velocities = scheme == Scheme::Linearised || scheme == Scheme::Explicit;
     return made;

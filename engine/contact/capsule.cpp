@@ -36,7 +36,7 @@ NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree
 CapsuleContact::CapsuleContact(device::Context& context, const ContactSetup& setup, RodArrays& rods, const WallTree& tree)
     : ContactMethod(context, setup, rods, tree),
       swept_(setup.method().detection == Detection::Swept),
-      quadrature_(make_quadrature(setup.wires, setup.contacts, setup.wall)),
+      quadrature_(make_quadrature(setup)),
       states_(context, quadrature_),
       near_(context, quadrature_, wall_, nodes_, states_, near_lengths(quadrature_, tree, kernel_law(setup.method().normal))),
       active_(context, quadrature_, sums_, rods.total_capacity()),

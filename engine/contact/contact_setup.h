@@ -5,6 +5,7 @@
 #include "rod/wire_spec.h"
 #include "wall/wall_model.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace seldinger {
@@ -13,6 +14,7 @@ struct ContactSetup {
     std::vector<WireSpec> wires;        // [wires]
     std::vector<ContactSpec> contacts;  // [wires]; detection, laws and precision are those of the first
     const WallModel& wall;              // outlives what is made from it
+    std::vector<std::uint8_t> several;  // [wires] solved together with others as rods of their own; empty: none is
     bool known_velocities = false;      // steps may take contact at their start (ForceTerm::evaluate_start)
 
     /// Detection, laws and precision of all.

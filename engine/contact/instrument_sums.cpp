@@ -85,7 +85,11 @@ void add_outer_product(double (&to)[InstrumentSums::size][InstrumentSums::size],
     for (int i = 0; i < InstrumentSums::size; ++i) {
         const double su = s * u[i];
         if (su == 0) continue;
-        for (int j = 0; j < InstrumentSums::size; ++j) to[i][j] += su * v[j];
+        for (int j = 0; j < InstrumentSums::size; j += per_node) {
+            Vec4d row;
+            read_block(&v[j], row);
+            block(&to[i][j]) += su * row;
+        }
     }
 }
 

@@ -62,8 +62,11 @@ double quadrature_spacing(const WireSpec& spec, const ContactSpec& contact, Ridg
 
 }  // namespace
 
-QuadratureSet make_quadrature(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts, const WallModel& wall)
+QuadratureSet make_quadrature(const ContactSetup& setup)
 {
+    const std::vector<WireSpec>& specs = setup.wires;
+    const std::vector<ContactSpec>& contacts = setup.contacts;
+    const WallModel& wall = setup.wall;
     QuadratureSet set;
     Ridges ridges(wall.mesh);
     for (std::size_t w = 0; w < specs.size(); ++w) {
@@ -76,8 +79,11 @@ QuadratureSet make_quadrature(std::span<const WireSpec> specs, std::span<const C
         points.capacity = stretches + 1;
         points.s.push_back(0);
         const ContactSpec contact = with_lengths(contacts[w], least_radius(spec));
+        // one wire alone keeps its bits: there the step's few trials do not pay for the ridges' curvature
+        const double ridges = !setup.several.empty() && setup.several[w] ? 1 : 0;
         const auto add_model = [&, reach = contact_reach * least_radius(spec)](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
+            model.ridges = ridges;
             set.models.push_back(model);
         };
         // `nodes`: one quadrature point at each control node, with its Voronoi length (the tip's is half an edge)

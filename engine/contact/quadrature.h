@@ -12,7 +12,7 @@
 // length that the ridge presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is
 // finer, down to r/4.
 
-#include "contact/contact_spec.h"
+#include "contact/contact_setup.h"
 #include "rod/rod_arrays.h"
 #include "shared/contact_types.h"
 #include "wall/wall_model.h"
@@ -45,9 +45,8 @@ struct QuadratureSet {
     [[nodiscard]] int total() const { return static_cast<int>(models.size()); }
 };
 
-/// @param specs  per wire; contact coefficients per section come from the wire's sections
-[[nodiscard]] QuadratureSet make_quadrature(std::span<const WireSpec> specs, std::span<const ContactSpec> contacts,
-                                            const WallModel& wall);
+/// Contact coefficients per section come from the wire's sections.
+[[nodiscard]] QuadratureSet make_quadrature(const ContactSetup& setup);
 
 /// Puts the quadrature points of a wire on its edges by material coordinate and sets `live`. @param begin  index of the wire's
 /// first node in the concatenated arrays. Places at the start of the step are kept in edge_t0, bary_t0 when `start` is set, and

@@ -69,13 +69,15 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
 /// Whether the next direction is the correction that the last factors have given for the trial, which is at hand. Of instruments that
 /// touch only, whose factors cost more than the test, and whose tangent leaves things out (how the Gauss points of their contact move):
 /// with the last factors corrections shrink by the contraction from trial to trial, with new ones by new_factors or so, and the last
-/// ones do where they need no more trials.
+/// ones do where they need no more trials. The contraction is one of metres, beside which forces on a short stiff edge may hardly
+/// fall: what these have done since the base counts, too.
 bool NewtonSystem::keeps_factors() const
 {
+    const double share = problem.residual_share(), contraction = std::max(contraction_, share / base_share_);
     const bool whole = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
-    if (!whole || !problem.keeps_tangent() || contraction_ > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
-    const auto trials = [left = std::log(problem.residual_share())](double contraction) { return std::ceil(left / -std::log(contraction)); };
-    return trials(std::max(contraction_, 1e-6)) <= trials(new_factors);
+    if (!whole || !problem.keeps_tangent() || contraction > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
+    const auto trials = [left = std::log(share)](double contraction) { return std::ceil(left / -std::log(contraction)); };
+    return trials(std::max(contraction, 1e-6)) <= trials(new_factors);
 }
 
 /// Converged, failed, or a new trial set without a new direction. @return whether that is all
@@ -134,6 +136,7 @@ void NewtonSystem::take_base()
     const int size = problem.size();
     if (options_.shifted && phase_ == Phase::Search) adapt_shift();
     problem.set_base();
+    base_share_ = problem.residual_share();
     if (options_.shifted && problem.far_from_reference()) problem.move_reference();
     std::copy_n(problem.trial.begin(), size, base_.begin());
     std::copy_n(problem.residual.begin(), size, base_residual_.begin());

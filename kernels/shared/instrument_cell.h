@@ -11,8 +11,8 @@
 // the two rods are those of one force and its opposite.
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
 #define SEL_SHARED_INSTRUMENT_CELL_H
+#include "shared/instrument_lanes.h"
 #include "shared/instrument_law.h"
-#include "shared/instrument_pieces.h"
 
 SEL_BEGIN
 
@@ -75,25 +75,32 @@ SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawCont
     out->stored += weight * elastic_normal(closing.depth, c->m, &ignored) * closing.depth / (c->m.exponent + 1);
 }
 
+#define SEL_PIECE_POINTS 4  // Gauss points of a piece
+
 // The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
                        InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
-    real moment = 0;
-    for (uint k = 0; k < SEL_INSTRUMENT_POINTS / SEL_CELL_PIECES; ++k) {
-        const real s = middle + half_length * gauss_place(k), before = out->normal_sum;
-        const CellPoint point = cell_point(scene, s, (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at)));
+    real moment = 0, s[SEL_PIECE_POINTS], start[SEL_PIECE_POINTS];
+    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
+        s[k] = middle + half_length * gauss_place(k);
+        start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
+    }
+    const LanePlaces lanes = places_in_lanes(scene, s, start, spline_at_near(scene->a, middle, scene->edge));
+    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
+        const real before = out->normal_sum;
+        const CellPoint point = lanes.known ? cell_point_at(scene, s[k], lanes.of_a[k], lanes.at[k]) : cell_point(scene, s[k], start[k]);
         if (point.gap >= 0) continue;
         Closing here = closing;
         here.depth = -point.gap;
         if (c->par.inv_dt > 0 && c->m.damping > 0) {
-            const real gap_t0 = gap_at_start(scene, s, point.g.at);
+            const real gap_t0 = lanes.known_t0 ? lanes.gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, s[k], point.g.at);
             here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
             here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
         }
         push_at(point, half_length * gauss_weight(k), here, c, out, points);
-        moment += (out->normal_sum - before) * s;
+        moment += (out->normal_sum - before) * s[k];
     }
     return moment;
 }

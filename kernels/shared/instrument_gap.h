@@ -88,9 +88,9 @@ SEL_FN InstrumentGap mouth_gap(SplineView rod, vec3 x, InstrumentGap g, GapPart 
     return g;
 }
 
-SEL_FN InstrumentGap instrument_gap(SplineView rod, vec3 x, real start, GapPart part)
+// Of the place on b that is known to be nearest.
+SEL_FN InstrumentGap instrument_gap_at(SplineView rod, vec3 x, Closest near, GapPart part)
 {
-    const Closest near = closest_on(rod, x, start, part.low, part.high);
     InstrumentGap g = no_gap(near.at);
     const int inside = part.touch == SEL_TOUCH_INSIDE;
     if (inside ? near.bound > 0 : (near.bound < 0 && !part.low_ends) || (near.bound > 0 && !part.high_ends)) return g;
@@ -114,6 +114,11 @@ SEL_FN InstrumentGap instrument_gap(SplineView rod, vec3 x, real start, GapPart 
     g.p = (1 / distance) * along;
     g.q = n;
     return g;
+}
+
+SEL_FN InstrumentGap instrument_gap(SplineView rod, vec3 x, real start, GapPart part)
+{
+    return instrument_gap_at(rod, x, closest_on(rod, x, start, part.low, part.high), part);
 }
 
 SEL_END

@@ -34,15 +34,34 @@ SEL_FN GapPart part_for(const InstrumentScene* scene, SplineView b, real s)
     return part;
 }
 
+SEL_FN void measure_slope(const InstrumentScene* scene, CellPoint* point)
+{
+    point->gap = point->g.gap;
+    const vec3 along = spline_sum(scene->a, point->a.node, point->a.d);
+    point->slope = dot3(point->g.n, along) / sqrt(dot3(along, along));
+}
+
 SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
 {
     CellPoint point;
     point.s = s;
     point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
     point.g = instrument_gap(scene->b, spline_sum(scene->a, point.a.node, point.a.w), start, part_for(scene, scene->b, s));
-    point.gap = point.g.gap;
-    const vec3 along = spline_sum(scene->a, point.a.node, point.a.d);
-    point.slope = dot3(point.g.n, along) / sqrt(dot3(along, along));
+    measure_slope(scene, &point);
+    return point;
+}
+
+// A point whose place on a, and the nearest on b, short of its ends and its mouth, are known.
+SEL_FN CellPoint cell_point_at(const InstrumentScene* scene, real s, real of_a, real at)
+{
+    CellPoint point;
+    Closest near;
+    near.at = at;
+    near.bound = 0;
+    point.s = s;
+    point.a = spline_place(of_a, scene->a.count);
+    point.g = instrument_gap_at(scene->b, spline_sum(scene->a, point.a.node, point.a.w), near, scene->part);
+    measure_slope(scene, &point);
     return point;
 }
 

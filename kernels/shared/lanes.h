@@ -36,6 +36,22 @@ SEL_LANES_FN real8 widen8(float8 v) { return __builtin_convertvector(v, real8); 
 SEL_LANES_FN int8 narrow_mask8(mask8 v) { return __builtin_convertvector(v, int8); }
 SEL_LANES_FN mask8 wide_mask8(int8 v) { return __builtin_convertvector(v, mask8); }
 SEL_LANES_FN real8 real8_of(real x) { return real8{} + x; }
+SEL_LANES_FN real8 halves8(real a, real b) { return real8{a, a, a, a, b, b, b, b}; }
+SEL_LANES_FN real8 numbers8(const real* a, const real* b)
+{
+    return real8{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
+}
+SEL_LANES_FN void put8(real8 v, real* to) { std::memcpy(to, &v, sizeof v); }
+SEL_LANES_FN real8 sqrt8(real8 v)
+{
+    for (int k = 0; k < 8; ++k) v[k] = std::sqrt(v[k]);
+    return v;
+}
+SEL_LANES_FN real8 size8(real8 v)
+{
+    const real8 minus = -v;
+    return v < minus ? minus : v;
+}
 SEL_LANES_FN float8 float8_of(float x) { return float8{} + x; }
 SEL_LANES_FN uint8 uint8_of(uint x) { return uint8{} + x; }
 SEL_LANES_FN uint8 bits8(float8 v) { return (uint8)v; }
@@ -78,6 +94,11 @@ typedef long8 mask8;
         #define wide_mask8(v) convert_long8(v)
         #define real8_of(x) ((double8)(x))
     #endif
+    #define halves8(a, b) ((real8)((a), (a), (a), (a), (b), (b), (b), (b)))
+    #define numbers8(a, b) ((real8)((a)[0], (a)[1], (a)[2], (a)[3], (b)[0], (b)[1], (b)[2], (b)[3]))
+    #define put8(v, to) vstore8(v, 0, to)
+    #define sqrt8(v) sqrt(v)
+    #define size8(v) fabs(v)
     #define load8(from) vload8(0, from)
     // as two words: PoCL loads bytes in four pieces
     #define float8_of_bytes(from) convert_float8(as_uchar8(vload2(0, (__global const uint*)(from))))

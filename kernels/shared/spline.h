@@ -169,6 +169,28 @@ SEL_FN SeenPiece seen_piece(SplineView rod, vec3 x, real at)
     return piece;
 }
 
+#define SEL_CLOSEST_PLAIN 4  // steps
+
+// Newton's method alone, while it stays on one piece: most searches begin near the place, and take two steps.
+// @return 0: it does not lead there, and nothing is found
+SEL_FN int closest_on_piece(SeenPiece piece, real low, real high, real* place)
+{
+    const real from = max_r(low, piece.low), until = min_r(high, piece.high);
+    real at = *place;
+    for (int k = 0; k < SEL_CLOSEST_PLAIN; ++k) {
+        const real t = at - piece.origin, bulge = piece.c1_c2 + piece.c2_c2 * t;
+        const real slope = piece.first + (piece.linear + (bulge + 2 * piece.c1_c2 + piece.c2_c2 * t) * t) * t;
+        const real curved = piece.linear + 6 * bulge * t, moved = slope / curved;
+        at -= moved;
+        if (!(curved > (real)0.05 * (piece.c1_c1 + 4 * bulge * t) && at > from && at < until)) return 0;
+        if (fabs(moved) < SEL_CLOSEST_NEAR) {
+            *place = at;
+            return 1;
+        }
+    }
+    return 0;
+}
+
 // Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign
 // holds it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
@@ -178,6 +200,7 @@ SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real hig
     found.at = clamp_r(start, low, high);
     found.bound = 0;
     SeenPiece piece = seen_piece(rod, x, found.at);
+    if (closest_on_piece(piece, low, high, &found.at)) return found;
     for (int k = 0; k < SEL_CLOSEST_STEPS; ++k) {
         if (found.at < piece.low || found.at >= piece.high) piece = seen_piece(rod, x, found.at);
         const real t = found.at - piece.origin, bulge = piece.c1_c2 + piece.c2_c2 * t;

@@ -115,6 +115,7 @@ struct Scene {
         m.line_mass = static_cast<real>(5e-3);
         m.restitution = static_cast<real>(0.5);
         m.multiplier_most = static_cast<real>(k % 3 == 0 ? 20 : 2000);
+        m.ridges = static_cast<real>(k % 2);
         return m;
     }
 
@@ -666,7 +667,7 @@ void layer_evaluate_case()
     X(QuadratureModel, reach)                                                                                                 \
     X(QuadratureModel, roll_force)                                                                                            \
     X(QuadratureModel, restitution)                                                                                           \
-    X(QuadratureModel, multiplier_most)                                                                                       \
+    X(QuadratureModel, ridges)                                                                                                \
     X(QuadraturePlace, edge_t0)                                                                                               \
     X(QuadraturePlace, bary)                                                                                                  \
     X(QuadraturePlace, epoch)                                                                                                 \

@@ -1,0 +1,76 @@
+// Tangent of contact over a ridge and a corner of the wall, where the normal turns as the wire moves past (contact_point.h, add_ridge).
+
+#include "contact/one_quadrature_point.h"
+
+#include <doctest/doctest.h>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double r = 4e-4;
+
+/// A point law without friction, of which the tangent has ridges or not.
+OneQuadraturePoint over(const Soup& soup, double ridges)
+{
+    QuadratureModel m{};
+    m.weight = m.length = 1e-3;
+    m.radius = r;
+    m.stiffness = 1e8;
+    m.exponent = 1.5;
+    m.friction_stiffness = 1e5;
+    m.speed_floor = 1e-3;
+    m.ridges = ridges;
+    OneQuadraturePoint point(m);
+    point.par.friction = SEL_FRICTION_NONE;
+    point.soup = soup;
+    return point;
+}
+
+/// A roof along x whose top is at z = 0, sides falling by half.
+Soup roof()
+{
+    Soup soup;
+    for (const double side : {-1.0, 1.0}) {
+        const vec3 a = v3(-0.01, 0, 0), b = v3(0.01, 0, 0), c = v3(0.01, side * 0.01, -0.005), d = v3(-0.01, side * 0.01, -0.005);
+        if (side > 0) soup.add(a, b, c), soup.add(a, c, d);
+        else soup.add(a, c, b), soup.add(a, d, c);
+    }
+    return soup;
+}
+
+/// A pyramid of four sides, top at the origin.
+Soup pyramid()
+{
+    Soup soup;
+    const vec3 top = v3(0, 0, 0), corner[4] = {v3(0.01, 0, -0.008), v3(0, 0.01, -0.008), v3(-0.01, 0, -0.008), v3(0, -0.01, -0.008)};
+    for (int k = 0; k < 4; ++k) soup.add(top, corner[k], corner[(k + 1) % 4]);
+    return soup;
+}
+
+}  // namespace
+
+// Central differences are exact to 1e-6 of the largest entry (one_quadrature_point.h). What is left out without ridges is f/d across the
+// ridge, beside a slope of 1.5 f/depth: 2/3 of depth/d = 1/40, of which 1/100 and more must show.
+TEST_CASE("ridge: the tangent has how the normal turns over a ridge and a corner")
+{
+    for (const Soup& soup : {roof(), pyramid()})
+        for (const double y : {0.0, 5e-5, -8e-5}) {
+            const double z = std::sqrt(0.975 * r * 0.975 * r - y * y);
+            const std::array<double, 4> q = {2e-5, y, z, 0.4};
+            REQUIRE(over(soup, 1).at(q).contacts == 1);
+            CHECK(tangent_error(over(soup, 1), q) < 1e-5);
+            CHECK(tangent_error(over(soup, 0), q) > 1e-2);
+        }
+}
+
+TEST_CASE("ridge: a flat floor has none")
+{
+    Soup soup;
+    add_floor(soup);
+    const std::array<double, 4> q = {1e-5, 2e-5, 0.98 * r, 0.4};
+    const ContactForce with = over(soup, 1).at(q), without = over(soup, 0).at(q);
+    REQUIRE(with.contacts == 1);
+    for (int k = 0; k < 10; ++k) CHECK(with.sym[k] == without.sym[k]);
+}
