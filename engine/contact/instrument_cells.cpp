@@ -113,6 +113,8 @@ void InstrumentCells::add_pair(const InstrumentSetup& setup, int a, int b, uint 
     }
     pair.damping = damping_of(contact);
     pair.mu_static = pair.mu_sliding = -1;
+    const double exponent = pair.stiffness > 0 ? pair.exponent : 1.5;
+    pair.spread = 1 / std::beta(0.5, exponent + 0.5);
     pairs.push_back(pair);
 }
 

@@ -79,6 +79,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       first_wire_(firsts(setup.system_of)),
       find_(context, programs::instruments, "instruments_find", device::Items::Branching),
       evaluate_(context, programs::instruments, "instruments_evaluate", device::Items::Branching),
+      evaluate_self_(context, programs::instruments, "instruments_evaluate_self", device::Items::Branching),
       nodes_(context, rods.total_capacity()),
       nodes_t0_(context, rods.total_capacity()),
       rods_buffer_(context, cells_.rods.size() * sizeof(InstrumentRod)),
@@ -356,8 +357,15 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     nodes_.upload(context_, queue);
     context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
     params_.item_count = static_cast<uint>(picked_.size());
-    evaluate_.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
-                     nodes_t0_, states_t0_, states_, forces, points_buffer_);
+    const auto of_itself = static_cast<std::size_t>(std::count_if(picked_.begin(), picked_.end(), [&](std::uint32_t slot) {
+        return slots_host_[slot].touch == SEL_TOUCH_SELF;
+    }));
+    const auto evaluate = [&](device::Kernel& kernel) {
+        kernel.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
+                      nodes_t0_, states_t0_, states_, forces, points_buffer_);
+    };
+    if (of_itself < picked_.size()) evaluate(evaluate_);
+    if (of_itself > 0) evaluate(evaluate_self_);
 }
 
 /// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.

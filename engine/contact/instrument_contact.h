@@ -97,7 +97,7 @@ private:
     InstrumentCells cells_;
     std::vector<int> system_of_, first_wire_;  // [wires], [systems + 1]
     std::vector<InstrumentSums> sums_;         // [systems]
-    device::Kernel find_, evaluate_;
+    device::Kernel find_, evaluate_, evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
     device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;

@@ -3,6 +3,7 @@
 #include "contact/instrument_sums.h"
 
 #include "math/node_lanes.h"
+#include "shared/spline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,13 @@ void put_side(Vector& to, int from, const double* w, const double* v, double sig
         for (int c = 0; c < 3; ++c) to[from + per_node * k + c] = sign * w[k] * v[c] + (d ? turn_sign * d[k] * turn[c] : 0.0);
 }
 
+/// The spin at a place of derivative d.
+void put_spin(Vector& to, int from, const double* d, double spin)
+{
+    to[from + RodDofs::spin_place] = first_spin(d) * spin;
+    to[from + per_node + RodDofs::spin_place] = second_spin(d) * spin;
+}
+
 /// How the gap at a point changes with the nodes.
 template <class Place>
 Vector gap_gradient(const Place& p)
@@ -38,8 +46,8 @@ Vector row_of(const InstrumentForce& f, const InstrumentRow& row)
     Vector r{};
     put_side(r, 0, f.wa, row.v, 1, f.da, row.turn_a, 1);
     put_side(r, InstrumentSums::side, f.wb, row.v, -1, f.db, row.turn_b, -1);
-    r[per_node * (f.edge_a - f.node_a) + RodDofs::spin_place] = row.spin_a;
-    r[InstrumentSums::side + per_node * (f.edge_b - f.node_b) + RodDofs::spin_place] = -row.spin_b;
+    put_spin(r, 0, f.da, row.spin_a);
+    put_spin(r, InstrumentSums::side, f.db, -row.spin_b);
     return r;
 }
 
@@ -73,9 +81,8 @@ Vector along_beside(const InstrumentForce& f, const InstrumentPoint& p)
     Vector r{};
     put_side(r, 0, wa.data(), row.v, 1, derivative_of(p.wa).data(), row.turn_a, 1);
     put_side(r, InstrumentSums::side, wb.data(), row.v, -1, p.db, row.turn_b, -1);
-    // an edge before the point's nodes, or beyond them, is left out
-    if (f.edge_a - p.node_a < 3) r[per_node * (f.edge_a - p.node_a) + RodDofs::spin_place] = row.spin_a;
-    if (f.edge_b - p.node_b < 3) r[InstrumentSums::side + per_node * (f.edge_b - p.node_b) + RodDofs::spin_place] = -row.spin_b;
+    put_spin(r, 0, derivative_of(p.wa).data(), row.spin_a);
+    put_spin(r, InstrumentSums::side, p.db, -row.spin_b);
     return r;
 }
 

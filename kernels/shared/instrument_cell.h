@@ -45,13 +45,10 @@ SEL_FN void store_vec(real* to, vec3 v)
     to[2] = v.z;
 }
 
-// Force and its growth at one Gauss point of `weight` metres.
-SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
-                    SEL_GLOBAL InstrumentPoint* points)
+// Adds a point whose gap's gradient is that of `point.g`.
+// @param force, slope  [N], and its growth with depth [N/m]
+SEL_FN void put_point(CellPoint point, real force, real slope, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
-    real slope;
-    const real per_metre = damped_force(closing, c, &slope);
-    if (per_metre <= 0) return;
     InstrumentPoint p;
     for (int k = 0; k < 3; ++k) {
         p.wa[k] = point.a.w[k];
@@ -64,14 +61,23 @@ SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawCont
     store_vec(p.q, point.g.q);
     for (int k = 0; k < 6; ++k) p.m[k] = point.g.m[k];
     p.bend = point.g.bend;
-    p.force = weight * per_metre;
-    p.slope = weight * slope;
+    p.force = force;
+    p.slope = slope;
     p.node_a = point.a.node;
     p.node_b = point.g.b.node;
     points[out->count++] = p;
-    real ignored;
-    out->normal_sum += p.force;
-    out->slope_sum += p.slope;
+    out->normal_sum += force;
+    out->slope_sum += slope;
+}
+
+// Force and its growth at one Gauss point of `weight` metres.
+SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
+                    SEL_GLOBAL InstrumentPoint* points)
+{
+    real slope, ignored;
+    const real per_metre = damped_force(closing, c, &slope);
+    if (per_metre <= 0) return;
+    put_point(point, weight * per_metre, weight * slope, out, points);
     out->stored += weight * elastic_normal(closing.depth, c->m, &ignored) * closing.depth / (c->m.exponent + 1);
 }
 
@@ -111,7 +117,6 @@ typedef struct SurfaceMotion {
     vec3 lever;    // from the axis to the contact [m]
     vec3 tangent;  // unit
     real length;   // |c'| [m]
-    uint edge;     // that spins
     vec3 move;     // of the contact over the step [m]
 } SurfaceMotion;
 
@@ -121,15 +126,13 @@ SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, re
     SurfaceMotion m;
     m.place = spline_place(at, now.count);
     m.lever = lever;
-    m.edge = edge_near(now, material, edge);
-    const uint edge_t0 = edge_near(then, material, edge);
     const vec3 along = spline_sum(now, m.place.node, m.place.d);
     m.length = sqrt(dot3(along, along));
     m.tangent = (1 / m.length) * along;
-    const SplinePlace old = spline_place(spline_at_edge(then, material, edge_t0), then.count);
+    const SplinePlace old = spline_place(spline_at_near(then, material, edge), then.count);
     const vec3 along_t0 = spline_sum(then, old.node, old.d);
     const vec3 turn = m.tangent - (1 / sqrt(dot3(along_t0, along_t0))) * along_t0;
-    const real spin = now.theta[m.edge] - then.theta[edge_t0];
+    const real spin = spline_spin(now, m.place) - spline_spin(then, old);
     m.move = spline_sum(now, m.place.node, m.place.w) - spline_sum(then, old.node, old.w) + spin * cross3(m.tangent, lever) +
              dot3(m.tangent, lever) * turn - dot3(lever, turn) * m.tangent;
     return m;
@@ -158,8 +161,6 @@ SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, In
     store_vec(out->turn, point.g.turn);
     out->node_a = a.place.node;
     out->node_b = b.place.node;
-    out->edge_a = a.edge;
-    out->edge_b = b.edge;
 }
 
 // Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
@@ -210,7 +211,7 @@ SEL_FN InstrumentForce no_instrument_force(void)
     none.normal_sum = none.friction_sum = none.sliding_sum = none.length = none.friction_work = none.stored = 0;
     none.slope_sum = none.clear = 0;
     none.stiff_along = none.stiff_across = none.skew = 0;
-    none.node_a = none.node_b = none.edge_a = none.edge_b = none.count = none.flags = none.pair = none.pad = 0;
+    none.node_a = none.node_b = none.count = none.flags = none.pair = none.pad = 0;
     none.depth = -SEL_FAR;
     return none;
 }

@@ -5,7 +5,7 @@
 // that their distance allows.
 #ifndef SEL_SHARED_INSTRUMENT_NEAR_H
 #define SEL_SHARED_INSTRUMENT_NEAR_H
-#include "shared/instrument_cell.h"
+#include "shared/instrument_self.h"
 
 SEL_BEGIN
 
@@ -55,8 +55,6 @@ SEL_FN SplineView spline_of(InstrumentNodes nodes, uint node, uint count)
     return rod;
 }
 
-#define SEL_SELF_APART ((real)3.141592653589793)  // radii along a wire nearer than which it does not touch itself
-
 // The slots of a cell while they are looked for; the nearest are kept.
 typedef struct SlotList {
     InstrumentSlot slots[SEL_INSTRUMENT_SLOTS];
@@ -64,7 +62,7 @@ typedef struct SlotList {
     uint count;
 } SlotList;
 
-SEL_FN void add_slot(SlotList* list, uint pair, uint touch, real at, real distance)
+SEL_FN void add_slot(SlotList* list, uint pair, uint touch, real at, uint cells, real distance)
 {
     uint place = list->count;
     if (place == SEL_INSTRUMENT_SLOTS) {
@@ -78,35 +76,34 @@ SEL_FN void add_slot(SlotList* list, uint pair, uint touch, real at, real distan
     list->slots[place].pair = pair;
     list->slots[place].touch = touch;
     list->slots[place].at = at;
+    list->slots[place].cells = cells;
     list->distance[place] = distance;
 }
 
 // A nearest point between two places on b, if it is within `limit`.
-SEL_FN void try_stretch(SplineView b, vec3 x, real low, real high, real limit, real least_s, uint pair, uint touch,
-                        SlotList* list)
+SEL_FN void try_stretch(SplineView b, vec3 x, real low, real high, real limit, uint pair, uint touch, SlotList* list)
 {
     const Closest near = closest_on(b, x, (real)0.5 * (low + high), low, high);
-    if (spline_material(b, near.at) < least_s) return;
     const SplinePlace p = spline_place(near.at, b.count);
     const vec3 away = x - spline_sum(b, p.node, p.w);
     const real distance = sqrt(dot3(away, away));
-    if (distance < limit) add_slot(list, pair, touch, near.at, distance);
+    if (distance < limit) add_slot(list, pair, touch, near.at, 0, distance);
 }
 
-// All stretches of b near x. @param least_s  only hubwards of this material coordinate count
-SEL_FN void search_rod(SplineView b, vec3 x, real limit, real longest, real least_s, uint pair, uint touch, SlotList* list)
+// All stretches of b near x.
+SEL_FN void search_rod(SplineView b, vec3 x, real limit, real longest, uint pair, uint touch, SlotList* list)
 {
     const real end = (real)(b.count - 1);
     real last =
-        -1;  // slope at the middle of the edge before, < 0 at the tip: whatever is nearest on the first half edge is tried
+        -1;  // slope at the middle of the edge before, < 0 at the tip: whatever is nearest on the first half_length edge is tried
     int known = 1;
     uint j = 0;
     while (j + 1 < b.count) {
         const vec3 from = node_at(b, j), edge = node_at(b, j + 1) - from, away = x - (from + (real)0.5 * edge);
         const real slope = -dot3(away, edge), spare = sqrt(dot3(away, away)) - limit;
         if (known && last <= 0 && slope > 0)
-            try_stretch(b, x, j == 0 ? (real)0 : (real)j - (real)0.5, (real)j + (real)0.5, limit, least_s, pair, touch, list);
-        if (j + 2 == b.count && slope <= 0) try_stretch(b, x, end - (real)0.5, end, limit, least_s, pair, touch, list);
+            try_stretch(b, x, j == 0 ? (real)0 : (real)j - (real)0.5, (real)j + (real)0.5, limit, pair, touch, list);
+        if (j + 2 == b.count && slope <= 0) try_stretch(b, x, end - (real)0.5, end, limit, pair, touch, list);
         uint leap = 1;
         if (spare > 2 * longest) leap = (uint)min_r(spare / longest, (real)(b.count - 2 - j));
         leap = leap < 1 ? 1 : leap;
@@ -127,13 +124,65 @@ SEL_FN vec3 point_of_material(SplineView rod, real s)
     return spline_sum(rod, p.node, p.w);
 }
 
+// Ends and middle of a cell.
+typedef struct CellSkeleton {
+    vec3 at[3];
+} CellSkeleton;
+
+SEL_FN CellSkeleton cell_skeleton(SplineView rod, real s0, real spacing)
+{
+    CellSkeleton cell;
+    for (int k = 0; k < 3; ++k) cell.at[k] = point_of_material(rod, s0 + (real)0.5 * (real)k * spacing);
+    return cell;
+}
+
+SEL_FN real skeletons_apart(CellSkeleton a, CellSkeleton b)
+{
+    real least = SEL_FAR;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const vec3 d = a.at[i] - b.at[j];
+            least = min_r(least, dot3(d, d));
+        }
+    return sqrt(least);
+}
+
+#define SEL_LONGER ((real)1.5)  // of an edge that is stretched: longer ones are torn (engine/rod/no_state.h)
+
+// Stretches of cells of the same rod, hubwards of s by more than `apart`, whose axes come nearer than `limit` to the cell in whose middle s is. Known by
+// three points of each: the nearest pair of these is farther than the axes are by a fourth of a cell's length along both, which is
+// (l/4)^2 / (2 D) each where they run across their distance D, and l/16 is taken for both.
+SEL_FN void search_cells(InstrumentRod a, SplineView view, real s, real apart, real limit, uint pair, SlotList* list)
+{
+    const real half_length = (real)0.5 * a.spacing, near = limit + a.spacing / 16;
+    const CellSkeleton own = cell_skeleton(view, s - half_length, a.spacing);
+    uint first = 0, cells = 0;
+    real nearest = SEL_FAR;
+    for (uint k = (uint)((s - half_length + apart) / a.spacing); k < a.live;) {
+        const vec3 middle = point_of_material(view, a.spacing * ((real)k + (real)0.5)), away = middle - own.at[1];
+        const real spare = sqrt(dot3(away, away)) - near - SEL_LONGER * a.spacing;  // of half a cell each
+        const real distance = spare > 0 ? SEL_FAR : skeletons_apart(own, cell_skeleton(view, a.spacing * (real)k, a.spacing));
+        if (distance < near) {
+            if (cells == 0) first = k;
+            ++cells;
+            nearest = min_r(nearest, distance);
+        } else if (cells > 0) {
+            add_slot(list, pair, SEL_TOUCH_SELF, (real)first, cells, nearest);
+            cells = 0;
+            nearest = SEL_FAR;
+        }
+        k += spare > 0 ? 1 + (uint)(spare / (SEL_LONGER * a.spacing)) : 1;
+    }
+    if (cells > 0) add_slot(list, pair, SEL_TOUCH_SELF, (real)first, cells, nearest);
+}
+
 // Slots of one cell, unused ones with touch 0.
 SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes nodes, InstrumentParams par)
 {
     SlotList list;
     list.count = 0;
     for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) {
-        list.slots[k].pair = list.slots[k].touch = 0;
+        list.slots[k].pair = list.slots[k].touch = list.slots[k].cells = list.slots[k].pad = 0;
         list.slots[k].at = list.distance[k] = 0;
     }
     const InstrumentRod a = bodies.rods[bodies.rod_of[cell]];
@@ -147,14 +196,17 @@ SEL_FN SlotList near_slots(uint cell, InstrumentBodies bodies, InstrumentNodes n
             way >= way_limit(pair.until, pair.until_rod, bodies))
             continue;
         const SplineView b = spline_of(nodes, rod.node, rod.count);
+        if (pair.touch == SEL_TOUCH_SELF) {
+            search_cells(a, b, s, SEL_SELF_APART * bodies.surfaces[cell].radius, bodies.surfaces[cell].radius + rod.widest + par.skin, p, &list);
+            continue;
+        }
         if (pair.touch == SEL_TOUCH_INSIDE) {
-            add_slot(&list, p, pair.touch, spline_at(b, rod.inside - way), 0);
+            add_slot(&list, p, pair.touch, spline_at(b, rod.inside - way), 0, 0);
             continue;
         }
         const real radius = bodies.surfaces[cell].radius;
         const real limit = radius + rod.widest + (real)0.5 * a.spacing + par.skin;
-        const real least = pair.touch == SEL_TOUCH_SELF ? s + SEL_SELF_APART * radius : (real)-1;
-        search_rod(b, x, limit, rod.longest_edge, least, p, pair.touch, &list);
+        search_rod(b, x, limit, rod.longest_edge, p, pair.touch, &list);
     }
     return list;
 }
@@ -202,7 +254,41 @@ SEL_FN uint old_slot(SEL_GLOBAL const InstrumentState* states, uint pair, real a
     return found;
 }
 
-// Contact of one slot of one cell.
+// The rods of one slot of one cell.
+SEL_FN InstrumentScene slot_scene(uint cell, InstrumentPair pair, real along_b, InstrumentBodies bodies, InstrumentNodes nodes,
+                                  InstrumentNodes nodes_t0)
+{
+    const InstrumentRod a = bodies.rods[pair.a], b = bodies.rods[pair.b];
+    InstrumentScene scene;
+    scene.a = spline_of(nodes, a.node, a.count);
+    scene.b = spline_of(nodes, b.node, b.count);
+    scene.a_t0 = spline_of(nodes_t0, a.node, a.count_t0);
+    scene.b_t0 = spline_of(nodes_t0, b.node, b.count_t0);
+    scene.part = gap_part(pair, bodies.surfaces[cell], surface_at(b, along_b, bodies.surfaces), scene.b);
+    scene.apart = SEL_SELF_APART * bodies.surfaces[cell].radius;
+    scene.edge = edge_of_material(scene.a, a.spacing * (real)(cell - a.cell));
+    return scene;
+}
+
+SEL_FN LawContext slot_law(InstrumentSurface a, InstrumentSurface b, InstrumentPair pair, int fresh, uint epoch, InstrumentParams par)
+{
+    LawContext c;
+    c.m = instrument_model(a, b, pair);
+    c.mv.tangent = c.mv.move = c.mv.turn = make_vec3(0, 0, 0);
+    c.mv.length = c.mv.spin = c.mv.radius_reduction = 0;
+    c.mv.fresh = fresh;
+    c.mv.epoch = epoch;
+    c.par.item_count = c.par.slots = c.par.known = 0;
+    c.par.normal_law = SEL_NORMAL_DAMPED;
+    c.par.smoothing = 0;
+    c.par.friction = par.friction;
+    c.par.settling = par.settling;
+    c.par.inv_dt = par.inv_dt;
+    c.par.smooth_speed = par.smooth_speed;
+    return c;
+}
+
+// Contact of one slot of one cell, with another instrument.
 // @param states_t0  [SEL_INSTRUMENT_SLOTS] of the cell     points  [SEL_INSTRUMENT_POINTS] of the slot: those that push are written
 SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
                                         InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0,
@@ -210,16 +296,9 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
 {
     const InstrumentPair pair = bodies.pairs[slot.pair];
     const InstrumentRod a = bodies.rods[pair.a], b = bodies.rods[pair.b];
-    InstrumentScene scene;
-    scene.a = spline_of(nodes, a.node, a.count);
-    scene.b = spline_of(nodes, b.node, b.count);
-    scene.a_t0 = spline_of(nodes_t0, a.node, a.count_t0);
-    scene.b_t0 = spline_of(nodes_t0, b.node, b.count_t0);
-    const real along_b = spline_material(scene.b, slot.at);
+    const real along_b = spline_material(spline_of(nodes, b.node, b.count), slot.at);
+    const InstrumentScene scene = slot_scene(cell, pair, along_b, bodies, nodes, nodes_t0);
     const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(b, along_b, bodies.surfaces);
-    scene.part = gap_part(pair, surface_a, surface_b, scene.b);
-    scene.apart = SEL_SELF_APART * surface_a.radius;
-    scene.edge = edge_of_material(scene.a, a.spacing * (real)(cell - a.cell));
     now->pair = slot.pair;
     now->touch = slot.touch;
     InstrumentForce force = no_instrument_force();
@@ -233,20 +312,42 @@ SEL_FN InstrumentForce instrument_force(uint cell, InstrumentSlot slot, Instrume
     }
     const uint old = old_slot(states_t0, slot.pair, along_b, 4 * (a.spacing + b.spacing), a.epoch);
     const int fresh = old == SEL_INSTRUMENT_SLOTS;
-    LawContext c;
-    c.m = instrument_model(surface_a, surface_b, pair);
-    c.mv.tangent = c.mv.move = c.mv.turn = make_vec3(0, 0, 0);
-    c.mv.length = c.mv.spin = c.mv.radius_reduction = 0;
-    c.mv.fresh = fresh;
-    c.mv.epoch = a.epoch;
-    c.par.item_count = c.par.slots = c.par.known = 0;
-    c.par.normal_law = SEL_NORMAL_DAMPED;
-    c.par.smoothing = 0;
-    c.par.friction = par.friction;
-    c.par.settling = par.settling;
-    c.par.inv_dt = par.inv_dt;
-    c.par.smooth_speed = par.smooth_speed;
+    LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
     cell_force(&scene, &pieces, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
+    return force;
+}
+
+// The same with a stretch of the same rod.
+SEL_FN InstrumentForce instrument_self_force(uint cell, InstrumentSlot slot, InstrumentBodies bodies, InstrumentNodes nodes,
+                                             InstrumentNodes nodes_t0, SEL_GLOBAL const InstrumentState* states_t0,
+                                             InstrumentParams par, InstrumentState* now, SEL_GLOBAL InstrumentPoint* points)
+{
+    const InstrumentPair pair = bodies.pairs[slot.pair];
+    const InstrumentRod a = bodies.rods[pair.a];
+    const real from_b = a.spacing * slot.at, until_b = from_b + a.spacing * (real)slot.cells, along_b = (real)0.5 * (from_b + until_b);
+    SelfScene self;
+    self.scene = slot_scene(cell, pair, along_b, bodies, nodes, nodes_t0);
+    self.s0 = a.spacing * (real)(cell - a.cell);
+    self.s1 = self.s0 + a.spacing;
+    self.from = spline_at(self.scene.b, from_b);
+    self.until = spline_at(self.scene.b, until_b);
+    const InstrumentSurface surface_a = bodies.surfaces[cell], surface_b = surface_at(a, along_b, bodies.surfaces);
+    const real follows = (real)0.5 * surface_a.radius;
+    now->pair = slot.pair;
+    now->touch = slot.touch;
+    InstrumentForce force = no_instrument_force();
+    force.pair = slot.pair;
+    const SelfTouch touch = self_touch(&self, follows);
+    force.depth = -touch.deepest.gap;
+    if (touch.count == 0) {
+        if (par.follow && touch.deepest.gap <= follows) follow_self(&self, &touch, par.inv_dt, a.epoch, now);
+        return force;
+    }
+    const uint old = old_slot(states_t0, slot.pair, along_b, 8 * a.spacing, a.epoch);
+    const int fresh = old == SEL_INSTRUMENT_SLOTS;
+    LawContext c = slot_law(surface_a, surface_b, pair, fresh, a.epoch, par);
+    const real line_mass = min_r(surface_a.load, surface_b.load) / SEL_WEIGHT_GRAVITY;
+    self_force(&self, &touch, pair.spread, line_mass, states_t0[fresh ? 0 : old].contact, fresh, &c, now, &force, points);
     return force;
 }
 

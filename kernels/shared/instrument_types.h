@@ -11,7 +11,7 @@ SEL_BEGIN
 
 #define SEL_INSTRUMENT_SLOTS 4    // stretches that one cell is near to, at most
 #define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
-#define SEL_INSTRUMENT_POINTS 32  // of one slot: Gauss points of the parts of these that touch
+#define SEL_INSTRUMENT_POINTS 96  // of one slot: Gauss points of what touches; four of each piece, or 24 of each lobe
 
 #define SEL_TOUCH_NONE 0u
 #define SEL_TOUCH_INSIDE 1u   // a is in the lumen of b
@@ -50,13 +50,15 @@ typedef struct InstrumentPair {
     real stiffness, exponent;    // of the law, per metre and depth^exponent; 0: from the moduli
     real damping;                // beta of (D7)
     real mu_static, mu_sliding;  // < 0: those of the surfaces
+    real spread;                 // of one with itself: 1/B(1/2, exponent + 1/2) (instrument_self.h)
 } InstrumentPair;
 #define SEL_NO_ROD 0xffffffffu
 
 // What a cell is near to, as it was found.
 typedef struct InstrumentSlot {
     uint pair, touch;  // touch 0: none
-    real at;           // where along b
+    real at;           // where along b; of one with itself: the first of its cells that are near
+    uint cells, pad;   // of one with itself: how many
 } InstrumentSlot;
 
 // What one slot of a cell carries from step to step, and what it last exerted. In `contact`: slip and friction are those on a,
@@ -79,7 +81,7 @@ typedef struct InstrumentPoint {
     uint node_a, node_b;  // first of three, in the rods
 } InstrumentPoint;
 
-// A direction on the surfaces, as the nodes feel it: x_i w_i v + d_i turn, and the spins.
+// A direction on the surfaces, as the nodes feel it: x_i w_i v + d_i turn, and the spins of two edges (spline.h).
 typedef struct InstrumentRow {
     real v[3], turn_a[3], turn_b[3], spin_a, spin_b;
 } InstrumentRow;
@@ -98,7 +100,7 @@ typedef struct InstrumentForce {
     real slope_sum;      // of the points: growth of the normal force with depth [N/m]
     real friction_work;  // on both rods together, over the step [J]
     real stored;         // the most that it can give back [J]
-    uint node_a, node_b, edge_a, edge_b;
+    uint node_a, node_b;
     uint count;  // points that push
     uint flags;  // SEL_FORCE_*
     uint pair, pad;

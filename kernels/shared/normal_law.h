@@ -22,6 +22,7 @@ SEL_FN real depth_power(real depth, real exponent)
 {
     if (exponent == (real)1.5) return depth * sqrt(depth);
     if (exponent == 1) return depth;
+    if (exponent == (real)0.5) return sqrt(depth);
     if (exponent == 2) return depth * depth;
     return pow(depth, exponent);
 }

@@ -83,7 +83,18 @@ SEL_FN real spline_material(SplineView rod, real at)
     return s;
 }
 
-// The edge that holds a material point: of what turns about its tangent there.
+// Spins of the first two of a place's nodes, those of the two edges whose middles it lies between: their shares by the way between these,
+// which are in the derivative's weights. (The spin of the edge that a point lies on would jump as the point slides from one to the next.)
+SEL_FN real first_spin(const real* d) { return -d[0]; }
+SEL_FN real second_spin(const real* d) { return d[2]; }
+
+SEL_FN real spline_spin(SplineView rod, SplinePlace p)
+{
+    const real first = first_spin(p.d), second = second_spin(p.d);
+    return (first != 0 ? first * rod.theta[p.node] : (real)0) + (second != 0 ? second * rod.theta[p.node + 1] : (real)0);
+}
+
+// The edge that holds a material point.
 SEL_FN uint edge_of_material(SplineView rod, real s)
 {
     uint low = 0, high = rod.count - 1;
@@ -136,6 +147,7 @@ typedef struct Closest {
 typedef struct SeenPiece {
     real low, high, origin;                    // holds for low <= at < high
     real first, linear, c1_c1, c1_c2, c2_c2;  // first, linear: of the slope
+    real r_r;                                 // r . r: with the slope's coefficients |x - c|^2
 } SeenPiece;
 
 SEL_FN SeenPiece seen_piece(SplineView rod, vec3 x, real at)
@@ -164,6 +176,7 @@ SEL_FN SeenPiece seen_piece(SplineView rod, vec3 x, real at)
     piece.c1_c1 = dot3(c1, c1);
     piece.c1_c2 = dot3(c1, c2);
     piece.c2_c2 = dot3(c2, c2);
+    piece.r_r = dot3(r, r);
     piece.first = -dot3(r, c1);
     piece.linear = piece.c1_c1 - 2 * dot3(r, c2);
     return piece;

@@ -109,7 +109,7 @@ bool same_force(const InstrumentForce& a, const InstrumentForce& b, const Instru
         if (!same(points_a[k], points_b[k])) return false;
     if (!(a.flags & SEL_FORCE_COUPLE)) return true;
     return same(a.force, b.force) && same(a.along, b.along) && same(a.across, b.across) && a.stiff_along == b.stiff_along &&
-           a.skew == b.skew && a.friction_work == b.friction_work && a.edge_a == b.edge_a && a.edge_b == b.edge_b &&
+           a.skew == b.skew && a.friction_work == b.friction_work &&
            same(a.wa, b.wa) && same(a.db, b.db);
 }
 
@@ -168,9 +168,9 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
     for (const uint k : list) {
         InstrumentState now = no_instrument_state();
         const uint cell = k / SEL_INSTRUMENT_SLOTS;
-        forces.push_back(instrument_force(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(),
-                                          s.states.data() + SEL_INSTRUMENT_SLOTS * cell, s.par, &now,
-                                          points.data() + SEL_INSTRUMENT_POINTS * forces.size()));
+        const auto force_of = slots[k].touch == SEL_TOUCH_SELF ? instrument_self_force : instrument_force;
+        forces.push_back(force_of(cell, slots[k], s.bodies(), s.nodes(), s.nodes_t0(), s.states.data() + SEL_INSTRUMENT_SLOTS * cell,
+                                  s.par, &now, points.data() + SEL_INSTRUMENT_POINTS * forces.size()));
         states[k] = now;
         const InstrumentForce& f = forces.back();
         (slots[k].touch == SEL_TOUCH_INSIDE ? counts.inside : slots[k].touch == SEL_TOUCH_SELF ? counts.self : counts.outside)++;
@@ -179,14 +179,16 @@ Counts evaluate_by_both(device::Context& context, device::Queue queue, Bundle& s
         counts.partly += f.count > 0 && f.length < 0.99 * s.cells->rods[s.cells->rod_of[cell]].spacing;
     }
     device::Kernel kernel(context, "contact/instruments.cl", "instruments_evaluate", device::Items::Branching);
+    device::Kernel self_kernel(context, "contact/instruments.cl", "instruments_evaluate_self", device::Items::Branching);
     Guarded<uint> device_list(context, queue, list);
     Guarded<InstrumentSlot> device_slots(context, queue, slots);
     Guarded<InstrumentForce> device_forces(context, queue, std::vector<InstrumentForce>(list.size()));
     Guarded<InstrumentPoint> device_points(context, queue, std::vector<InstrumentPoint>(points.size()));
-    kernel.launch(queue, list.size(), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
-                  on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
-                  on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
-                  device_forces.buffer(), device_points.buffer());
+    for (device::Kernel* one : {&kernel, &self_kernel})
+        one->launch(queue, list.size(), s.par, device_list.buffer(), on.rods.buffer(), on.pairs.buffer(), on.surfaces.buffer(),
+                    on.rod_of.buffer(), device_slots.buffer(), on.position.buffer(), on.material.buffer(), on.theta.buffer(),
+                    on.position_t0.buffer(), on.material.buffer(), on.theta.buffer(), states_t0.buffer(), device_states.buffer(),
+                    device_forces.buffer(), device_points.buffer());
     const std::vector<InstrumentForce> by_device = device_forces.read();
     const std::vector<InstrumentPoint> points_by_device = device_points.read();
     for (std::size_t k = 0; k < list.size(); ++k) {

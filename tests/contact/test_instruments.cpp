@@ -54,21 +54,6 @@ WorldSetup ply(const nlohmann::json& in, double shortening)
     return touching(strands);
 }
 
-/// A long overhand knot, tails included, to be drawn tight: a polynomial of the knot, as wide as the loop that it is to have.
-std::vector<Vec3> knot_path(double loop, double tail)
-{
-    constexpr double end = 2.15;
-    constexpr int points = 4000;
-    std::vector<Vec3> path;
-    for (int i = 0; i <= points; ++i) {
-        const double t = end * (2.0 * i / points - 1), t2 = t * t;
-        path.push_back(0.45 * loop * Vec3(t * (t2 - 3), t2 * (t2 - 4), 0.3 * t * (t2 * t2 - 10)));
-    }
-    path.insert(path.begin(), path[0] + tail * (path[0] - path[1]).normalized());
-    path.push_back(path.back() + tail * (path.back() - path[path.size() - 2]).normalized());
-    return path;
-}
-
 struct PlyReading {
     double pull = 0, per_length = 0, moment = 0;
 };

@@ -1,0 +1,454 @@
+// Contact of a rod with itself: one cell of its material and a stretch of others (D13).
+//
+// In a knot that is drawn tight a strand is bent about as sharply as it is thick, and then the other strand has no one nearest
+// place on it: where kappa D = 1 (D: distance of the axes) the nearest place splits into two, and a force that acts there doubles.
+// So here every point of the cell pushes every point of the stretch that is nearer than both radii,
+//
+//     E = int int psi(delta) ds dt,     delta = r_a + r_b - |x(s) - x(t)|,     q = psi' = C delta^(n - 1/2) h(delta),
+//
+// which is smooth however the strands are bent. Between straight strands side by side delta is d - t^2/(2 D) across from a point, and
+//
+//     int q dt = C sqrt(2 D) B(1/2, n + 1/2) d^n = k d^n,     C = k / (sqrt(2 (r_a + r_b)) B(1/2, n + 1/2)),
+//
+// the line law of instrument_law.h; strands that cross at an angle a have what it gives there, which grows as 1/sin a. The hardening h
+// acts on delta as it does on the depth: the pole lies at the same depth, and the force short of it is less by up to what a lens loses
+// at its rims.
+//
+// s and t are material coordinates; t > s + pi r. Over s the force is integrated between the zeros of the least gap, over t between
+// those of the distance, whose square is a quartic on each piece of the curve. Damping goes by how fast the least gap at s closes, not by
+// how fast two points of the material come nearer, which they do too when they slide past each other.
+#ifndef SEL_SHARED_INSTRUMENT_SELF_H
+#define SEL_SHARED_INSTRUMENT_SELF_H
+#include "shared/instrument_cell.h"
+
+SEL_BEGIN
+
+#define SEL_SELF_APART ((real)3.141592653589793)  // radii along a wire nearer than which it does not touch itself
+#define SEL_SELF_PARTS 8                          // of a cell, looked at for whether they touch
+#define SEL_SELF_STRETCHES 4                      // of a piece of the curve, looked at for lobes
+#define SEL_SELF_LOBES 4                          // stretches of a cell that a point touches, at most
+
+typedef struct SelfScene {
+    InstrumentScene scene;
+    real s0, s1;  // cell of a [m]
+    real from, until;  // stretch of b, as coordinates of its curve
+} SelfScene;
+
+// ---- what a point of a sees of the stretch -----------------------------------------------------------------------------------
+
+// Stretch of b's curve that the point s may touch. @return whether there is any
+SEL_FN int self_range(const SelfScene* self, real s, real* from, real* until)
+{
+    *from = max_r(self->from, spline_at(self->scene.b, s + self->scene.apart));
+    *until = self->until;
+    return *from < *until;
+}
+
+// |x - c|^2 and half of its derivative at `at` of a piece.
+SEL_FN real square_at(SeenPiece piece, real at)
+{
+    const real t = at - piece.origin;
+    return piece.r_r + (2 * piece.first + (piece.linear + (2 * piece.c1_c2 + piece.c2_c2 * t) * t) * t) * t;
+}
+SEL_FN real half_slope_at(SeenPiece piece, real at)
+{
+    const real t = at - piece.origin;
+    return piece.first + (piece.linear + (3 * piece.c1_c2 + 2 * piece.c2_c2 * t) * t) * t;
+}
+
+// Near where the distance from x is least, of all places between two: where it is looked for from.
+SEL_FN real nearest_place(SplineView b, vec3 x, real low, real high)
+{
+    real best = low, least = SEL_FAR;
+    for (real from = low; from < high;) {
+        const SeenPiece piece = seen_piece(b, x, from);
+        const real until = min_r(piece.high, high);
+        for (int k = 0; k <= SEL_SELF_STRETCHES; ++k) {
+            const real at = from + (real)k / SEL_SELF_STRETCHES * (until - from), square = square_at(piece, at);
+            if (square >= least) continue;
+            least = square;
+            best = at;
+        }
+        from = until > from ? until : high;
+    }
+    return best;
+}
+
+SEL_FN CellPoint self_point(const SelfScene* self, real s)
+{
+    const InstrumentScene* scene = &self->scene;
+    CellPoint point;
+    point.s = s;
+    point.slope = 0;
+    point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
+    GapPart part = scene->part;
+    part.low_ends = part.high_ends = 1;  // what is beyond is too far
+    if (self_range(self, s, &part.low, &part.high)) {
+        const vec3 x = spline_sum(scene->a, point.a.node, point.a.w), along = spline_sum(scene->a, point.a.node, point.a.d);
+        point.g = instrument_gap(scene->b, x, nearest_place(scene->b, x, part.low, part.high), part);
+        point.slope = dot3(point.g.n, along) / sqrt(dot3(along, along));
+    } else {
+        point.g = no_gap(self->until);
+    }
+    point.gap = point.g.gap;
+    return point;
+}
+
+SEL_FN CellMark self_mark(const SelfScene* self, real s)
+{
+    const CellPoint point = self_point(self, s);
+    CellMark mark;
+    mark.s = s;
+    mark.gap = point.gap;
+    mark.slope = point.slope;
+    mark.at = point.g.at;
+    return mark;
+}
+
+// Stretches of b that are nearer to a point than the radii.
+typedef struct SelfLobes {
+    real from[SEL_SELF_LOBES], until[SEL_SELF_LOBES];
+    uint count;
+} SelfLobes;
+
+// Where the distance is `reach`, between a place that is nearer and one that is not.
+SEL_FN real lobe_end(SeenPiece piece, real in, real out, real reach)
+{
+    const real enough = (real)1e-12 * reach * reach;
+    real at = (real)0.5 * (in + out);
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real value = square_at(piece, at) - reach * reach, slope = 2 * half_slope_at(piece, at);
+        if (fabs(value) <= enough) break;
+        if (value < 0) in = at;
+        else out = at;
+        real next = at - value / slope;
+        if (!(next > min_r(in, out) && next < max_r(in, out))) next = (real)0.5 * (in + out);
+        at = next;
+    }
+    return at;
+}
+
+// Where the distance is least, between a place from which it falls and one to which it rises.
+SEL_FN real lobe_bottom(SeenPiece piece, real falls, real rises)
+{
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real f = half_slope_at(piece, falls), r = half_slope_at(piece, rises);
+        const real share = k % 2 == 0 && r > f ? clamp_r(f / (f - r), (real)0.01, (real)0.99) : (real)0.5;
+        const real at = falls + share * (rises - falls);
+        if (half_slope_at(piece, at) < 0) falls = at;
+        else rises = at;
+    }
+    return (real)0.5 * (falls + rises);
+}
+
+// Adds what is nearer between two places of a piece; `open`: the last lobe goes on at the first of them.
+SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SelfLobes* lobes)
+{
+    const real reach2 = reach * reach;
+    const int in_left = square_at(piece, left) < reach2, in_right = square_at(piece, right) < reach2;
+    real bottom = in_left ? left : right;
+    if (!in_left && !in_right) {
+        *open = 0;
+        if (!(half_slope_at(piece, left) < 0 && half_slope_at(piece, right) > 0)) return;
+        bottom = lobe_bottom(piece, left, right);
+        if (!(square_at(piece, bottom) < reach2)) return;
+    }
+    const real from = in_left ? left : lobe_end(piece, bottom, left, reach);
+    const real until = in_right ? right : lobe_end(piece, bottom, right, reach);
+    if (*open && in_left) {
+        lobes->until[lobes->count - 1] = until;
+    } else if (lobes->count < SEL_SELF_LOBES) {
+        lobes->from[lobes->count] = from;
+        lobes->until[lobes->count++] = until;
+    }
+    *open = in_right;
+}
+
+SEL_FN SelfLobes lobes_of(SplineView b, vec3 x, real low, real high, real reach)
+{
+    SelfLobes lobes;
+    lobes.count = 0;
+    int open = 0;
+    for (real from = low; from < high;) {
+        const SeenPiece piece = seen_piece(b, x, from);
+        const real until = min_r(piece.high, high), step = (until - from) / SEL_SELF_STRETCHES;
+        for (int k = 0; k < SEL_SELF_STRETCHES; ++k) {
+            const real right = k + 1 == SEL_SELF_STRETCHES ? until : from + (real)(k + 1) * step;
+            add_lobes(piece, from + (real)k * step, right, reach, &open, &lobes);
+        }
+        from = until > from ? until : high;
+    }
+    return lobes;
+}
+
+// ---- which part of the cell touches ------------------------------------------------------------------------------------------
+
+// The least gap of a part, where both ends are higher.
+SEL_FN CellMark self_least(const SelfScene* self, CellMark left, CellMark right)
+{
+    CellMark best = left.gap < right.gap ? left : right;
+    // gaps change by as much as the point moves, at most
+    if (!(left.slope < 0 && right.slope > 0) || best.gap > right.s - left.s || max_r(left.gap, right.gap) >= SEL_FAR) return best;
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real share = k % 3 < 2 ? clamp_r(left.slope / (left.slope - right.slope), (real)0.01, (real)0.99) : (real)0.5;
+        const CellMark middle = self_mark(self, left.s + share * (right.s - left.s));
+        if (middle.gap < best.gap) best = middle;
+        if (fabs(middle.slope) < SEL_LEVEL || middle.gap >= SEL_FAR) break;
+        if (middle.slope < 0) left = middle;
+        else right = middle;
+    }
+    return best;
+}
+
+SEL_FN real self_zero(const SelfScene* self, CellMark in, CellMark out)
+{
+    const real enough = SEL_ZERO * fabs(in.gap);
+    for (int k = 0; k < SEL_CELL_STEPS; ++k) {
+        const real share = k % 3 < 2 && out.gap < SEL_FAR ? zero_between(in, out) : (real)0.5;
+        const CellMark middle = self_mark(self, in.s + share * (out.s - in.s));
+        if (fabs(middle.gap) <= enough) return middle.s;
+        if (middle.gap < 0) in = middle;
+        else out = middle;
+    }
+    return in.s;
+}
+
+// Ends of the stretches of a cell that touch, and the deepest place.
+typedef struct SelfTouch {
+    real from[SEL_SELF_PARTS], until[SEL_SELF_PARTS];
+    uint count;
+    CellMark deepest;
+} SelfTouch;
+
+SEL_FN void add_touch(const SelfScene* self, CellMark left, CellMark right, SelfTouch* touch)
+{
+    const CellMark least = self_least(self, left, right);
+    if (least.gap < touch->deepest.gap) touch->deepest = least;
+    if (least.gap >= 0) return;
+    const real from = left.gap < 0 ? left.s : self_zero(self, least, left);
+    const real until = right.gap < 0 ? right.s : self_zero(self, least, right);
+    if (left.gap < 0 && touch->count > 0) {
+        touch->until[touch->count - 1] = until;  // goes on from the part before
+        return;
+    }
+    touch->from[touch->count] = from;
+    touch->until[touch->count++] = until;
+}
+
+// @param follows  gap up to which it counts how a cell that touches nothing closes [m]
+SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
+{
+    SelfTouch touch;
+    touch.count = 0;
+    const real length = self->s1 - self->s0;
+    touch.deepest = self_mark(self, self->s0 + (real)0.5 * length);
+    if (touch.deepest.gap > follows + length && touch.deepest.gap < SEL_FAR) return touch;
+    CellMark left = self_mark(self, self->s0);
+    touch.deepest = left;
+    for (int k = 1; k <= SEL_SELF_PARTS; ++k) {
+        const CellMark right = self_mark(self, self->s0 + (real)k / SEL_SELF_PARTS * length);
+        add_touch(self, left, right, &touch);
+        left = right;
+    }
+    return touch;
+}
+
+// ---- what it exerts -------------------------------------------------------------------------------------------------------------
+
+// The line law's force between two points, per metre of both: q above.
+SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
+{
+    LawContext pair = *c;
+    pair.m.stiffness = c->m.stiffness * spread / sqrt(2 * reach);
+    pair.m.exponent = c->m.exponent - (real)0.5;
+    return pair;
+}
+
+// Of all pairs of points, weighted with their forces.
+typedef struct SelfSums {
+    real along_a, along_b;  // material coordinates [N m]
+    vec3 n;                 // [N]
+    real metres;            // that touch, as a strand beside a straight one would
+} SelfSums;
+
+// How fast the least gap at s closes.
+SEL_FN real closing_rate(const InstrumentScene* scene, real s, real start, real inv_dt)
+{
+    const real gap = instrument_gap(scene->b, point_near(scene->a, s, scene->edge), start, part_for(scene, scene->b, s)).gap;
+    const real gap_t0 = gap_at_start(scene, s, start);
+    return gap < SEL_FAR && gap_t0 < SEL_FAR ? (gap_t0 - gap) * inv_dt : (real)0;
+}
+
+// The factor that damping puts on the elastic force at one point of a, and how it grows with the depth: damped_force() of contact_law.h.
+typedef struct SelfDamping {
+    real factor, growth;  // [-], [1/m]
+} SelfDamping;
+
+SEL_FN SelfDamping damping_at(real rate, Closing closing, const LawContext* c)
+{
+    SelfDamping damping;
+    damping.factor = 1;
+    damping.growth = 0;
+    if (c->par.inv_dt == 0 || c->m.damping == 0) return damping;
+    const real per_speed = c->m.damping / closing.approach;
+    const int own_speed = closing.fresh && closing.rate > c->m.speed_floor;  // v- is this step's rate: the factor is 1 + beta
+    damping.factor = max_r(1 + per_speed * rate, 0);
+    if (!own_speed && damping.factor > 0) damping.growth = per_speed * c->par.inv_dt;
+    return damping;
+}
+
+// The speed v- at which the damping of a strand of mass m per metre is critical at a depth: f beta/v- = 2 sqrt(m df/d(depth)), and
+// f = k depth^n, so that v- = (beta/2) sqrt(k depth^(n + 1)/(n m)). An impact never comes to it: at its deepest it is 0.46 beta of the
+// speed of the impact (n = 3/2). At the depth under the own weight it is the floor of instrument_law.h; a knot's contacts carry a
+// hundred thousand times that, and with that floor they would be damped over many steps.
+SEL_FN real critical_speed(real depth, real line_mass, QuadratureModel m)
+{
+    if (depth <= 0) return 0;
+    return m.damping / 2 * sqrt(m.stiffness * depth_power(depth, m.exponent) * depth / (m.exponent * line_mass));
+}
+
+// One pair of points: `weight` metres of a times metres of b.
+SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, real weight, SelfDamping damping, const LawContext* law,
+                      SelfSums* sums, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    const InstrumentScene* scene = &self->scene;
+    point.g = no_gap(at);
+    point.g.b = spline_place(at, scene->b.count);
+    const vec3 away = x - spline_sum(scene->b, point.g.b.node, point.g.b.w);
+    const real distance = sqrt(dot3(away, away)), depth = scene->part.reach_a + scene->part.reach_b - distance;
+    if (depth <= 0 || distance <= 0 || out->count == SEL_INSTRUMENT_POINTS) return;
+    point.g.n = (1 / distance) * away;
+    point.g.m[0] = point.g.m[3] = point.g.m[5] = 1 / distance;
+    add_square(point.g.m, -1 / distance, point.g.n);
+    real slope;
+    const real elastic = weight * elastic_normal(depth, law->m, &slope), force = damping.factor * elastic;
+    put_point(point, force, damping.factor * weight * slope + damping.growth * elastic, out, points);
+    out->stored += elastic * depth / (law->m.exponent + 1);
+    sums->along_a += force * point.s;
+    sums->along_b += force * spline_material(scene->b, at);
+    sums->n = sums->n + force * point.g.n;
+}
+
+// ---- quadrature ------------------------------------------------------------------------------------------------------------------
+//
+// The slope of the force grows from where the gap is none as the power n - 1 of the way over s, n - 3/2 over t. Where that is whole, four
+// points of Gauss-Legendre take it exactly; a half power is smoothed by u = (3 v - v^3)/2: over v six points take its second moment
+// to 6e-5, four over u to 3 %. A percent of the slope is as much as all that keeps two strands from sliding along each other, and what the
+// rule misses there is missed by the tangent, so that Newton's method would go on for tens of iterations.
+
+typedef struct RulePoint {
+    real u, weight;  // in [-1, 1]
+} RulePoint;
+
+SEL_FN int is_half(real power) { return fabs(power - floor(power) - (real)0.5) < (real)0.25; }
+SEL_FN uint rule_points(real power) { return is_half(power) ? 6 : 4; }
+
+// @param power  of the slope
+SEL_FN RulePoint rule_point(uint k, real power)
+{
+    RulePoint point;
+    if (!is_half(power)) {
+        point.u = gauss_place(k);
+        point.weight = gauss_weight(k);
+        return point;
+    }
+    const uint from_middle = k < 3 ? 2 - k : k - 3;
+    const real u = from_middle == 0 ? (real)0.35113539637062335 : from_middle == 1 ? (real)0.8472744177084373 : (real)0.9933134321150445;
+    point.u = k < 3 ? -u : u;
+    point.weight = from_middle == 0 ? (real)0.6619069931842173 : from_middle == 1 ? (real)0.30455608193457856 : (real)0.033536924881204806;
+    return point;
+}
+
+// ---- all of a cell ----------------------------------------------------------------------------------------------------------------
+
+// All that one point of a pushes; `weight` metres of it.
+SEL_FN void push_lobes(const SelfScene* self, real s, real weight, Closing closing, const LawContext* law, SelfSums* sums,
+                       InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    const InstrumentScene* scene = &self->scene;
+    const CellPoint point = self_point(self, s);
+    real from, until, touching = 0;
+    if (point.gap >= 0 || !self_range(self, s, &from, &until)) return;
+    const SelfDamping damping = damping_at(closing_rate(scene, s, point.g.at, law->par.inv_dt), closing, law);
+    if (damping.factor <= 0) return;
+    const vec3 x = spline_sum(scene->a, point.a.node, point.a.w);
+    const real reach = scene->part.reach_a + scene->part.reach_b;
+    const SelfLobes lobes = lobes_of(scene->b, x, from, until, reach);
+    for (uint k = 0; k < lobes.count; ++k) {
+        const real middle = (real)0.5 * (lobes.from[k] + lobes.until[k]), half_length = (real)0.5 * (lobes.until[k] - lobes.from[k]);
+        for (uint q = 0; q < rule_points(law->m.exponent - 1); ++q) {
+            const RulePoint rule = rule_point(q, law->m.exponent - 1);
+            const real at = middle + half_length * rule.u;
+            const SplinePlace place = spline_place(at, scene->b.count);
+            real metres = 0;  // of material for a step along the curve
+            for (uint i = 0; i < 3; ++i)
+                if (place.d[i] != 0) metres += place.d[i] * scene->b.material[place.node + i];
+            metres *= half_length * rule.weight;
+            touching += metres;
+            push_pair(self, point, x, at, weight * metres, damping, law, sums, out, points);
+        }
+    }
+    sums->metres += weight * min_r(touching / (2 * sqrt(-2 * reach * point.gap)), 1);
+}
+
+// Where the force of all pairs acts: what friction goes by.
+SEL_FN CellPoint self_middle(const SelfScene* self, SelfSums sums, real force, real gap)
+{
+    const InstrumentScene* scene = &self->scene;
+    CellPoint middle;
+    middle.s = sums.along_a / force;
+    middle.gap = gap;
+    middle.slope = 0;
+    middle.a = spline_place(spline_at_near(scene->a, middle.s, scene->edge), scene->a.count);
+    middle.g = no_gap(spline_at(scene->b, sums.along_b / force));
+    middle.g.gap = gap;
+    middle.g.b = spline_place(middle.g.at, scene->b.count);
+    middle.g.centre = spline_sum(scene->b, middle.g.b.node, middle.g.b.w);
+    middle.g.n = (1 / sqrt(dot3(sums.n, sums.n))) * sums.n;
+    return middle;
+}
+
+// The state of a cell that touches nothing: how it closes.
+SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_dt, uint epoch, InstrumentState* now)
+{
+    const CellPoint bottom = self_point(self, touch->deepest.s);
+    Closing closing;
+    closing.rate = closing.approach = closing_rate(&self->scene, bottom.s, bottom.g.at, inv_dt);
+    write_deepest(bottom, &self->scene, closing, epoch, now);
+}
+
+// As cell_force() of instrument_cell.h.
+SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real spread, real line_mass, ContactState old, int fresh, LawContext* c,
+                       InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    const InstrumentScene* scene = &self->scene;
+    const CellPoint bottom = self_point(self, touch->deepest.s);
+    Closing closing = cell_closing(scene, cell_point(scene, bottom.s, bottom.g.at), old, fresh, c);
+    write_deepest(bottom, scene, closing, c->mv.epoch, now);
+    if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
+    closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
+    const LawContext law = pair_law(c, scene->part.reach_a + scene->part.reach_b, spread);
+    SelfSums sums;
+    sums.along_a = sums.along_b = sums.metres = 0;
+    sums.n = make_vec3(0, 0, 0);
+    for (uint k = 0; k < touch->count; ++k) {
+        const real middle = (real)0.5 * (touch->from[k] + touch->until[k]), half_length = (real)0.5 * (touch->until[k] - touch->from[k]);
+        for (uint q = 0; q < rule_points(c->m.exponent - 1); ++q) {
+            const RulePoint rule = rule_point(q, c->m.exponent - 1);
+            push_lobes(self, middle + half_length * rule.u, half_length * rule.weight, closing, &law, &sums, out, points);
+        }
+    }
+    if (out->count == 0) return;
+    now->length = out->length = sums.metres;
+    now->contact.flags |= SEL_CONTACT_ACTIVE;
+    now->contact.normal_force = out->normal_sum;
+    if (c->par.friction == SEL_FRICTION_NONE || dot3(sums.n, sums.n) <= 0) return;
+    CarriedState carried;
+    carried.old = old;
+    carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
+    c->m.weight = sums.metres;
+    rub_at(scene, self_middle(self, sums, out->normal_sum, bottom.gap), carried, c, now, out);
+}
+
+SEL_END
+#endif

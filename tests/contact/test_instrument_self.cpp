@@ -1,0 +1,109 @@
+// The law of a wire that touches itself against its closed forms.
+
+#include "shared/instrument_near.h"
+#include "support/approx.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+namespace {
+
+constexpr double radius = 5e-4, spacing = 1e-3, depth = 1e-5, stiffness = 1e7;
+constexpr int half = 12;  // nodes of each strand
+
+/// Two straight strands of one wire, under an angle, whose middles overlap. (The way from one to the other is of no account.)
+struct Strands {
+    std::vector<double> position, material, theta = std::vector<double>(2 * half + 2, 0.0);
+
+    explicit Strands(double angle)
+    {
+        for (int i = 0; i < 2 * half; ++i) {
+            const bool second = i >= half;
+            const double s = spacing * i, u = s - (second ? 1.5 * half - 0.5 : 0.5 * half - 0.5) * spacing;
+            const double z = (second ? 1 : -1) * (radius - depth / 2);
+            if (second) position.insert(position.end(), {u, 0, z});
+            else position.insert(position.end(), {u * std::cos(angle), u * std::sin(angle), z});
+            material.push_back(s);
+        }
+        position.resize(position.size() + 6);
+        material.resize(material.size() + 2);
+    }
+    [[nodiscard]] SelfScene cell(int k) const
+    {
+        const SplineView rod{position.data(), material.data(), theta.data(), 2 * half};
+        SelfScene self;
+        self.scene.a = self.scene.b = self.scene.a_t0 = self.scene.b_t0 = rod;
+        self.scene.part = {SEL_TOUCH_SELF, 0, 2 * half - 1.0, radius, radius, 0, 0, 1};
+        self.scene.apart = SEL_SELF_APART * radius;
+        self.s0 = k * spacing;
+        self.s1 = self.s0 + spacing;
+        self.scene.edge = edge_of_material(rod, self.s0);
+        self.from = spline_at(rod, half * spacing);
+        self.until = spline_at(rod, (2 * half - 1) * spacing);
+        return self;
+    }
+};
+
+/// Over all cells of the first strand, in equilibrium.
+InstrumentForce force_of(const Strands& strands, double exponent, int from, int until, double* metres)
+{
+    LawContext law{};
+    law.m.stiffness = stiffness;
+    law.m.exponent = exponent;
+    law.m.radius = radius;
+    InstrumentForce all = no_instrument_force();
+    *metres = 0;
+    for (int k = from; k < until; ++k) {
+        const SelfScene self = strands.cell(k);
+        const SelfTouch touch = self_touch(&self, radius / 2);
+        if (touch.count == 0) continue;
+        InstrumentForce force = no_instrument_force();
+        InstrumentState now = no_instrument_state();
+        std::array<InstrumentPoint, SEL_INSTRUMENT_POINTS> points;
+        LawContext c = law;
+        self_force(&self, &touch, 1 / std::beta(0.5, exponent + 0.5), 1, no_contact_state(), 1, &c, &now, &force, points.data());
+        all.normal_sum += force.normal_sum;
+        all.slope_sum += force.slope_sum;
+        *metres += force.length;
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_SUITE("contact/instrument_self")
+{
+    TEST_CASE("analytic: strands that cross carry k sqrt(2 D) B(1/2, n + 1) depth^(n + 1/2) / sin(angle)")
+    {
+        // the law per metre between straight strands, integrated along one of them; terms of the order of depth/D, 1 %, are left out
+        for (const double exponent : {1.0, 1.5, 2.0})
+            for (const double angle : {std::numbers::pi / 2, 1.0, 0.4}) {
+                CAPTURE(exponent);
+                CAPTURE(angle);
+                double metres = 0;
+                const InstrumentForce force = force_of(Strands(angle), exponent, 0, half - 1, &metres);
+                const double lens = std::sqrt(2 * 2 * radius) * std::beta(0.5, exponent + 1) / std::sin(angle);
+                CHECK(force.normal_sum == about(stiffness * lens * std::pow(depth, exponent + 0.5)).epsilon(0.01));
+                CHECK(force.slope_sum == about((exponent + 0.5) * force.normal_sum / depth).epsilon(0.01));
+                CHECK(metres == about(2 * std::sqrt(2 * 2 * radius * depth) / std::sin(angle)).epsilon(0.02));
+            }
+    }
+
+    TEST_CASE("analytic: strands side by side carry k depth^n per metre")
+    {
+        for (const double exponent : {1.0, 1.5, 2.0}) {
+            CAPTURE(exponent);
+            double metres = 0;
+            const InstrumentForce force = force_of(Strands(0), exponent, 4, 7, &metres);
+            CHECK(metres == about(3 * spacing).epsilon(0.01));
+            CHECK(force.normal_sum == about(stiffness * std::pow(depth, exponent) * 3 * spacing).epsilon(0.01));
+        }
+    }
+}
