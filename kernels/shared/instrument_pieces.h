@@ -70,16 +70,17 @@ typedef struct CellMark {
     real s, gap, slope, at;  // at: of b
 } CellMark;
 
-SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+SEL_FN CellMark mark_of(CellPoint point)
 {
-    const CellPoint point = cell_point(scene, s, start);
     CellMark mark;
-    mark.s = s;
+    mark.s = point.s;
     mark.gap = point.gap;
     mark.slope = point.slope;
     mark.at = point.g.at;
     return mark;
 }
+
+SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start) { return mark_of(cell_point(scene, s, start)); }
 
 // A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)

@@ -94,16 +94,7 @@ SEL_FN CellPoint self_point(const SelfScene* self, real s)
     return point;
 }
 
-SEL_FN CellMark self_mark(const SelfScene* self, real s)
-{
-    const CellPoint point = self_point(self, s);
-    CellMark mark;
-    mark.s = s;
-    mark.gap = point.gap;
-    mark.slope = point.slope;
-    mark.at = point.g.at;
-    return mark;
-}
+SEL_FN CellMark self_mark(const SelfScene* self, real s) { return mark_of(self_point(self, s)); }
 
 // Stretches of b that are nearer to a point than the radii.
 typedef struct SelfLobes {
