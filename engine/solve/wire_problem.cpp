@@ -51,8 +51,7 @@ void WireProblem::begin(const RodView& view, const WireConstraints& constraints,
     q.prescribed_value[unused] = q.start[unused];
     time.begin(rod, spec, motion, h, constraints.hub_flow);
     tension.begin(rod, [&, linearised = spec.scheme == Scheme::Linearised && motion == Motion::Implicit](int j) {
-        return linearised ? tension_before(j)
-                          : rod.stretch_stiffness[j] * ((rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1);
+        return linearised ? tension_before(j) : tension_before_feed(j, (rod.pos(j + 1) - rod.pos(j)).norm());
     });
     dead_loads_.begin(rod, constraints, gravity);
     links_.begin(constraints, time.end_share());
@@ -84,20 +83,24 @@ void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
     set_stiffness_damping(spec);
 }
 
+/// Tension of an edge that is so long, without what was fed since: EA h v/l pushes with tens of newtons until this step has moved
+/// the wire on, and as stiffness against turning it buckles the base edge.
+double WireProblem::tension_before_feed(int j, double length) const
+{
+    const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;
+    return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
+}
+
 /// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the
-/// geometric stiffness of stretching). The state at the start of the step has it changed twice: by what was fed since, EA h v/l,
-/// which pushes with tens of newtons until this step has moved the wire on; and by EA phi^2/2 where the edge turned by phi, which
-/// no linear equation has seen and which is gone one step later. As stiffness, the first buckles the base edge and the second
-/// holds the wire.
+/// geometric stiffness of stretching). The state at the start of the step has it changed by EA phi^2/2 where the edge turned by
+/// phi, which no linear equation has seen, which is gone one step later and which, as stiffness, holds the wire.
 double WireProblem::tension_before(int j) const
 {
     const Vec3 now = rod.pos(j + 1) - rod.pos(j);
     Vec3 move;
     for (int c = 0; c < RodDofs::coordinates; ++c)
         move[c] = time.known_move(RodDofs::position(j + 1, c)) - time.known_move(RodDofs::position(j, c));
-    const double length = now.dot((now - move).normalized());
-    const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;
-    return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
+    return tension_before_feed(j, now.dot((now - move).normalized()));
 }
 
 void WireProblem::set_stiffness_damping(const IntegratorSpec& spec)

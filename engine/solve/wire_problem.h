@@ -123,6 +123,7 @@ public:
     double base_tension_excess = 0;         // of the trial beyond the equations solved: 0 but for one linearised step [N]
 
 private:
+    [[nodiscard]] double tension_before_feed(int j, double length) const;
     [[nodiscard]] double tension_before(int j) const;
     void set_scales(const IntegratorSpec& spec, const Vec3& gravity);
     void set_stiffness_damping(const IntegratorSpec& spec);
