@@ -71,6 +71,13 @@ void InstrumentContact::Nodes::upload(device::Context& context, device::Queue qu
     context.write(queue, theta_buffer, theta.data(), theta.size() * sizeof(double));
 }
 
+void InstrumentContact::Nodes::upload_moved(device::Context& context, device::Queue queue, int begin, int end)
+{
+    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+    context.write(queue, position_buffer, position.data() + 3 * first, 3 * count * sizeof(double), 3 * first * sizeof(double));
+    context.write(queue, theta_buffer, theta.data() + first, count * sizeof(double), first * sizeof(double));
+}
+
 InstrumentContact::InstrumentContact(device::Context& context, const InstrumentSetup& setup, RodArrays& rods)
     : context_(context),
       rods_(rods),
@@ -100,8 +107,9 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     cleared_.assign(systems, 0);
     searching_.assign(systems, 1);
     searched_position_ = nodes_.position;
-    moved_.assign(setup.system_of.size(), 0);
+    moved_.assign(nodes_.material.size(), 0);
     cleared_position_ = nodes_.position;
+    written_.assign(systems, 0);
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
@@ -230,7 +238,8 @@ void InstrumentContact::search(device::Queue queue)
     }
     // what earlier trials of this step have left is in slots that now stand for something else
     for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
-        if (searching_[static_cast<std::size_t>(system_of_[wire])])
+        const auto system = static_cast<std::size_t>(system_of_[wire]);
+        if (searching_[system] && written_[system])
             context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
     });
     context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
@@ -242,9 +251,11 @@ void InstrumentContact::list_found()
     std::swap(found_, found_before_);
     std::swap(touches_, touches_before_);
     std::swap(clear_, clear_before_);
+    std::swap(near_nodes_, near_nodes_before_);
     found_.clear();
     touches_.clear();
     clear_.clear();
+    near_nodes_.clear();
     for (std::size_t s = 0, before = 0, end; s < searching_.size(); ++s, before = end) {
         end = found_of_[s + 1];
         found_of_[s] = found_.size();
@@ -253,13 +264,19 @@ void InstrumentContact::list_found()
                 to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(before), from.begin() + static_cast<std::ptrdiff_t>(end));
             };
             keep(found_, found_before_), keep(touches_, touches_before_), keep(clear_, clear_before_);
+            keep(near_nodes_, near_nodes_before_);
             continue;
         }
         const auto first = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s]]);
         const auto last = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s + 1]]);
-        for (std::uint32_t k = first; k < last; ++k)
-            if (slots_host_[k].touch != SEL_TOUCH_NONE) found_.push_back(k);
-        cleared_[s] = 0;
+        int near = 0;  // cells come in order, and so do the nodes that they lie on
+        for (std::uint32_t k = first; k < last; ++k) {
+            if (slots_host_[k].touch == SEL_TOUCH_NONE) continue;
+            found_.push_back(k);
+            near_nodes_.push_back(near_nodes(k, near));
+            near = near_nodes_.back().a.first;
+        }
+        cleared_[s] = written_[s] = 0;
         touches_.resize(found_.size());
         clear_.resize(found_.size());
     }
@@ -268,8 +285,43 @@ void InstrumentContact::list_found()
 
 // ---- at a trial -------------------------------------------------------------------------------------------------------------
 
+/// Those on which the curve lies between two material coordinates, and one more on both sides. @param near  where to begin
+InstrumentContact::NodeRange InstrumentContact::nodes_between(const InstrumentRod& rod, double from, double until, int near) const
+{
+    const double* material = nodes_.material.data() + rod.node;
+    const int last = static_cast<int>(rod.count) - 1;
+    int first = std::clamp(near, 0, last);
+    while (first > 0 && material[first] > from) --first;
+    while (first < last && material[first + 1] <= from) ++first;
+    int end = first;
+    while (end < last && material[end] < until) ++end;
+    const int begin = static_cast<int>(rod.node);
+    return {begin + std::max(first - 1, 0), begin + std::min(end + 1, last) + 1};
+}
+
+/// Of b what is within two cells and a skin of where the slot was found: a cell is no longer, and no trial takes it farther along b without
+/// another search. @param near  a node of all that is before a's
+InstrumentContact::NearNodes InstrumentContact::near_nodes(std::uint32_t slot, int near) const
+{
+    const InstrumentSlot& found = slots_host_[slot];
+    if (found.touch == SEL_TOUCH_SELF) return {};
+    const InstrumentPair& pair = cells_.pairs[found.pair];
+    const InstrumentRod &a = cells_.rods[pair.a], &b = cells_.rods[pair.b];
+    const double from = a.spacing * (slot / SEL_INSTRUMENT_SLOTS - a.cell);
+    const int edge = std::clamp(static_cast<int>(found.at), 0, static_cast<int>(b.count) - 2);
+    const double *ends = nodes_.material.data() + b.node + edge, margin = 2 * a.spacing + params_.skin;
+    return {nodes_between(a, from, from + a.spacing, near - static_cast<int>(a.node)),
+            nodes_between(b, ends[0] - margin, ends[1] + margin, edge)};
+}
+
+double InstrumentContact::most_moved(NodeRange nodes) const
+{
+    return nodes.first < nodes.end ? *std::max_element(moved_.begin() + nodes.first, moved_.begin() + nodes.end) : 0.0;
+}
+
 /// What is near in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial: what the
-/// first one of a step has found to be farther apart than both rods have moved since is not evaluated.
+/// first one of a step has found to be farther apart than the nodes on both sides of it have moved since is not evaluated. (In a lumen,
+/// where alone that is known, the distance to b's curve grows by no more than the place that was nearest moves, and what looks for it.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();
@@ -280,10 +332,9 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         for (int w = first_wire_[s]; w < first_wire_[s + 1]; ++w) any = any || active[w];
         if (!any) continue;
         sums_[s].clear();
-        for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) moved_[w] = moved_since_cleared(w);
+        for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
-            const InstrumentPair& pair = cells_.pairs[slots_host_[found_[k]].pair];
-            if (cleared_[s] && moved_[pair.a] + moved_[pair.b] < clear_[k]) continue;
+            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) continue;
             picked_.push_back(found_[k]);
             place_.push_back(static_cast<std::uint32_t>(k));
         }
@@ -291,20 +342,18 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
     picked_of_.back() = picked_.size();
 }
 
-/// The largest move of a node since the first trial that was evaluated on what is near [m].
-double InstrumentContact::moved_since_cleared(int wire) const
+/// How far nodes have moved since the first trial that was evaluated on what is near.
+void InstrumentContact::measure_moves(int wire)
 {
-    double square = 0;
-    const auto begin = 3 * static_cast<std::size_t>(rods_.node_begin(wire));
-    for (std::size_t i = begin; i < begin + 3 * static_cast<std::size_t>(rods_.node_count(wire)); i += 3) {
+    const auto begin = static_cast<std::size_t>(rods_.node_begin(wire)), count = static_cast<std::size_t>(rods_.node_count(wire));
+    for (std::size_t i = begin; i < begin + count; ++i) {
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double d = nodes_.position[i + c] - cleared_position_[i + c];
+            const double d = nodes_.position[3 * i + c] - cleared_position_[3 * i + c];
             sum += d * d;
         }
-        square = std::max(square, sum);
+        moved_[i] = std::sqrt(sum);
     }
-    return std::sqrt(square);
 }
 
 /// What the trial has told of touching; its first one also how far apart the others are.
@@ -312,6 +361,7 @@ void InstrumentContact::note_clear()
 {
     for (std::size_t s = 0; s < cleared_.size(); ++s) {
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) touches_[place_[k]] = forces_[k].count > 0;
+        written_[s] = written_[s] || picked_of_[s] < picked_of_[s + 1];
         if (cleared_[s] || picked_of_[s] == picked_of_[s + 1]) continue;
         cleared_[s] = 1;
         for (std::size_t k = picked_of_[s]; k < picked_of_[s + 1]; ++k) clear_[place_[k]] = forces_[k].clear;
@@ -354,7 +404,9 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
 {
     context_.enter(queue);
-    nodes_.upload(context_, queue);
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s)
+        for (int w = first_wire_[s]; w < first_wire_[s + 1] && picked_of_[s] < picked_of_[s + 1]; ++w)
+            nodes_.upload_moved(context_, queue, rods_.node_begin(w), rods_.node_begin(w) + rods_.node_count(w));
     context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
     params_.item_count = static_cast<uint>(picked_.size());
     const auto of_itself = static_cast<std::size_t>(std::count_if(picked_.begin(), picked_.end(), [&](std::uint32_t slot) {
@@ -415,6 +467,8 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
         any = true;
     });
     if (any) context_.finish(device::Queue::Inline);
+    for (std::size_t s = 0; s < written_.size(); ++s)
+        if (active[first_wire_[s]]) written_[s] = 0;
     times_.detect += since(start);
 }
 
@@ -422,9 +476,12 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
 void InstrumentContact::follow(std::span<const std::uint8_t> active)
 {
     picked_.clear();
-    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s)
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
+        picked_of_[s] = picked_.size();
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1] && active[first_wire_[s]] && cleared_[s]; ++k)
             if (!touches_[k]) picked_.push_back(found_[k]);
+    }
+    picked_of_.back() = picked_.size();
     if (picked_.empty()) return;
     const device::Queue queue = queue_for_slots(picked_.size());
     if (followed_buffer_.bytes() < picked_.size() * sizeof(InstrumentForce))

@@ -68,6 +68,8 @@ private:
         std::vector<double> position, material, theta;
         device::Buffer position_buffer, material_buffer, theta_buffer;
         void upload(device::Context& context, device::Queue queue);
+        /// What a trial changes, of the nodes [begin, end).
+        void upload_moved(device::Context& context, device::Queue queue, int begin, int end);
         template <class F>
         void for_each_argument(const F& f) const
         {
@@ -84,7 +86,17 @@ private:
     void search(device::Queue queue);
     void list_found();
     void pick(std::span<const std::uint8_t> active);
-    [[nodiscard]] double moved_since_cleared(int wire) const;
+    struct NodeRange {
+        int first, end;
+    };
+    /// The nodes on which a cell and what is near it lie: of a, of b.
+    struct NearNodes {
+        NodeRange a, b;
+    };
+    [[nodiscard]] NodeRange nodes_between(const InstrumentRod& rod, double from, double until, int near) const;
+    [[nodiscard]] NearNodes near_nodes(std::uint32_t slot, int near) const;
+    [[nodiscard]] double most_moved(NodeRange nodes) const;
+    void measure_moves(int wire);
     void note_clear();
     void launch(device::Queue queue, const device::Buffer& forces);
     void follow(std::span<const std::uint8_t> active);
@@ -111,13 +123,17 @@ private:
     std::vector<std::size_t> found_of_, picked_of_;  // [systems + 1] their first
     std::vector<std::uint32_t> place_;               // [picked] in found_
     std::vector<std::uint8_t> touches_;              // [found] at its last evaluation
-    std::vector<double> clear_, moved_;              // [found] InstrumentForce's, at the first evaluation; [wires] since [m]
+    std::vector<double> clear_;                      // [found] InstrumentForce's, at the first evaluation [m]
+    std::vector<NearNodes> near_nodes_;              // [found]
     // before the last search
     std::vector<std::uint32_t> found_before_;
     std::vector<std::uint8_t> touches_before_;
     std::vector<double> clear_before_;
+    std::vector<NearNodes> near_nodes_before_;
     std::vector<std::uint8_t> cleared_;              // [systems] whether that is known
     std::vector<double> cleared_position_;           // where nodes were then
+    std::vector<double> moved_;                      // [nodes] since [m]
+    std::vector<std::uint8_t> written_;              // [systems] whether trials have written states that no step has taken
     std::vector<InstrumentForce> forces_;            // [picked], at least
     std::vector<InstrumentPoint> points_;            // [picked][SEL_INSTRUMENT_POINTS], at least
     StageTimes times_;
