@@ -3,6 +3,7 @@
 #include "energy_audit.h"
 
 #include "merged.h"
+#include "solve/line_holds.h"
 #include "world.h"
 
 #include <algorithm>
@@ -142,9 +143,12 @@ double load_work(World::Impl& state, int wire)
         if (!end_forces(state.setup.integrator)) at -= 0.5 * move;
         work += spring.stiffness * (spring.anchor - at).dot(move);
     }
-    if (const MergedGroup* group = state.group_of(wire))  // what slides along the line goes on by that beside
+    if (const MergedGroup* group = state.group_of(wire)) {
+        for (const int w : group->wires()) work += state.line_holds ? state.line_holds->work(w) : 0.0;
         for (int k = 0; k < group->shared.count(); ++k)
-            if (group->slid[k] != 0) work += axial_load(state, *group, k) * group->slid[k];
+            if (group->slid[k] != 0)
+                work += axial_load(state, *group, k) * group->slid[k];  // what slides along the line goes on by that beside
+    }
     return work;
 }
 

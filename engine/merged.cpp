@@ -267,48 +267,6 @@ void lead_group(World::Impl& state, MergedGroup& group)
         change_leader(state, group, leader);
 }
 
-namespace {
-
-void hold_at_hub(const MergedGroup& group, const RodView& line, WireConstraints& out)
-{
-    const int hub = line.n - 1;
-    for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
-    out.hub_flow = group.feed.speed * group.feed.direction;
-    out.base_grown = group.feed.grown;
-    RodClamp clamp;
-    clamp.node = hub;
-    clamp.direction = clamp.spin = true;
-    clamp.tangent = group.shared.base.tangent;
-    clamp.director = group.shared.base.director;  // each instrument is turned by itself
-    out.clamps.push_back(clamp);
-}
-
-}  // namespace
-
-void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t)
-{
-    WireConstraints& out = state.constraints[wire];
-    out.clear();
-    if (wire != group.line()) return;
-    const RodView line = state.rods.view(wire);
-    hold_at_hub(group, line, out);
-    for (int k = 0; k < group.shared.count(); ++k)
-        state.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
-}
-
-double axial_load(World::Impl& state, const MergedGroup& group, int k)
-{
-    const WireConstraints& constraints = state.constraints[group.line()];
-    const RodView line = state.rods.view(group.line());
-    const auto forwards = [&](int edge) { return (line.pos(edge) - line.pos(edge + 1)).normalized(); };
-    double force = 0;
-    for (const auto& load : constraints.loads)
-        if (load.member == k) force += load.force.dot(forwards(load.edge));
-    for (const auto& spring : constraints.springs)
-        if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
-    return force;
-}
-
 void set_exposures(World::Impl& state)
 {
     if (!state.contact) return;

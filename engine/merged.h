@@ -71,9 +71,11 @@ void place_group(World::Impl& state, MergedGroup& group);
 void lead_group(World::Impl& state, MergedGroup& group);
 /// Advances and turns all hubs of the group to the end of the sub-step.
 void feed_group(World::Impl& state, MergedGroup& group, double h);
-/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of a passenger nothing.
+/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.
 void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
-/// Force of loads and links on an instrument along the line, + towards the tip [N].
+/// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
+void take_holds(World::Impl& state, MergedGroup& group);
+/// Force of loads, links and holds on an instrument along the line, + towards the tip [N].
 [[nodiscard]] double axial_load(World::Impl& state, const MergedGroup& group, int k);
 /// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
 bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge);

@@ -27,10 +27,6 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
         refuse(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
     if (!(wire.feed.behind >= 0 && std::isfinite(wire.feed.behind)))
         refuse(where + ".feed.behind", fmt::format("is {} m, expected a number, 0 or more", wire.feed.behind));
-    if (!wire.holds.empty())
-        refuse(where + ".holds",
-               "is not empty, expected no holds on instruments of one centreline (merged): they slide along it and have no node of "
-               "their own; take a stiff link, or a rod each (separate)");
     if (wire.wire.curvature != first.wire.curvature)
         refuse(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
 }
