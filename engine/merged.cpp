@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace seldinger {
 
@@ -250,8 +251,12 @@ void feed_group(World::Impl& state, MergedGroup& group, double h)
     count_material(state, group);
     audit.fed.carried += group.carried;
     const RodView line = state.rods.view(group.line());
-    const double hub_mass = 0.5 * line.mass[line.n - 1], speed = group.feed.speed;
-    audit.fed.unseen = speed == audit.speed ? 0 : hub_mass * std::abs(speed * speed - audit.speed * audit.speed);
+    // as FeedingAudit::after() has it for a wire
+    const bool at_ends = state.setup.integrator.newmark;
+    const double moved =
+        at_ends ? std::accumulate(line.mass.begin(), line.mass.begin() + line.n, 0.0) : 0.5 * line.mass[line.n - 1];
+    const double speed = group.feed.speed;
+    audit.fed.unseen = speed == audit.speed ? 0 : moved * std::abs(speed * speed - audit.speed * audit.speed);
 }
 
 void lead_group(World::Impl& state, MergedGroup& group)

@@ -88,11 +88,14 @@ void set_exposures(World::Impl& state);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
 void read_hands(World::Impl& state, MergedGroup& group);
-/// Elastic work of the feed in the last sub-step, and that of hands in all; of turning [J].
+/// What a group's hands do work by: dE/dL, then of each instrument dE/do, the forces on it from around it and of friction along the
+/// line, of what is twisted behind the inlet, and its torque [N], [N m].
+[[nodiscard]] std::vector<double> merged_forces(World::Impl& state, const MergedGroup& group);
+/// Elastic work of the feed in the last sub-step, and that of hands in all; of turning, by such forces [J].
 struct MergedWork {
     double feed = 0, hand = 0, turning = 0;
 };
-[[nodiscard]] MergedWork merged_work(World::Impl& state, const MergedGroup& group);
+[[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, std::span<const double> forces);
 
 /// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
 /// back.

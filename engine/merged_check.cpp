@@ -49,10 +49,17 @@ void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
 void check_scheme(const WorldSetup& setup)
 {
     const IntegratorSpec& integrator = setup.integrator;
-    const bool euler = integrator.scheme == Scheme::Newton && !integrator.newmark && !integrator.conserve;
-    if (!euler && integrator.scheme != Scheme::Static)
+    const bool newton = integrator.scheme == Scheme::Newton && !integrator.conserve;
+    if (!newton && integrator.scheme != Scheme::Static)
         refuse("integrator",
-               "instruments of one centreline (merged) take backward Euler (newton) or static steps, expected one of them");
+               "instruments of one centreline (merged) take backward Euler, Newmark's (newton) or static steps, expected one of "
+               "them");
+    for (std::size_t w = 0; w < setup.wires.size() && newton && integrator.newmark; ++w)
+        if (!setup.wires[w].holds.empty() && merged_spec_of(setup, static_cast<int>(w)))
+            refuse(fmt::format("wires[{}].holds", w),
+                   "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps, which leave "
+                   "a velocity "
+                   "that a hold takes away changing its sign for ever; take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
         refuse("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)
