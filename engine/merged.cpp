@@ -210,14 +210,14 @@ void refresh_group(World::Impl& state, MergedGroup& group)
     prepare_group(state.rods, group.wires(), group.shared.rod);
 }
 
-void feed_group(World::Impl& state, MergedGroup& group, double h)
+void feed_group(World::Impl& state, MergedGroup& group, double step, double h)
 {
     std::array<double, most_coaxial> angle{}, rate{}, offset{};
     const int count = group.shared.count();
     for (int k = 0; k < count; ++k) {
         const int w = group.wires()[k];
         FeedState& feed = state.feeds[w];
-        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + h);
+        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + step);
         angle[k] = -feed.turn;
         group.turned[k] = feed.turn - end.turn;
         rate[k] = group.turned[k] / h;

@@ -69,8 +69,8 @@ void check_merged(const WorldSetup& setup);
 void place_group(World::Impl& state, MergedGroup& group);
 /// Before a sub-step: whoever is in farthest leads.
 void lead_group(World::Impl& state, MergedGroup& group);
-/// Advances and turns all hubs of the group to the end of the sub-step.
-void feed_group(World::Impl& state, MergedGroup& group, double h);
+/// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
+void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
 /// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.
 void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
 /// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
