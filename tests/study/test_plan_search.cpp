@@ -366,6 +366,11 @@ TEST_SUITE("study/plan_search")
             CHECK(rubs(names[1].second) == !hands);
             for (const Model& model : trials.models()) CHECK(why_not(model, scene).empty());
         }
+        Model one_step;  // what a world of several instruments refuses is none of the trials
+        one_step.scheme = Scheme::Linearised;
+        CHECK(why_not(one_step, coaxial_scene()).find("newton or static") != std::string::npos);
+        one_step.coaxial = CoaxialSpec::Model::Merged;
+        CHECK(!why_not(one_step, coaxial_scene()).empty());
         const Scene smooth = coaxial_scene("mu_static = 0.0\nmu_sliding = 0.0\n");
         for (const Choice& choice : choices_in(smooth)) {
             CHECK(choice.simpler.find("lumen_friction") == std::string::npos);
