@@ -3,6 +3,7 @@
 #include "energy_audit.h"
 
 #include "merged.h"
+#include "solve/line_holds.h"
 #include "world.h"
 
 #include <algorithm>
@@ -78,9 +79,19 @@ void note_turns(World::Impl& state, int wire)
     for (std::size_t c = 0; c < clamps.size(); ++c) turns[c] = clamps[c].turns;
 }
 
+/// Of a group's hands, by the forces that its steps are taken with.
+MergedWork work_of(World::Impl& state, const MergedGroup& group)
+{
+    std::vector<double> forces = merged_forces(state, group);
+    const std::vector<double>& last = state.audits[group.line()].torque;
+    for (std::size_t k = 0; k < forces.size() && !end_forces(state.setup.integrator); ++k)
+        forces[k] = mean(last, k, forces.size(), forces[k]);
+    return merged_work(state, group, forces);
+}
+
 double turning_work(World::Impl& state, int wire)
 {
-    if (const MergedGroup* group = state.group_of(wire)) return merged_work(state, *group).turning;
+    if (const MergedGroup* group = state.group_of(wire)) return work_of(state, *group).turning;
     const EnergyAudit& audit = state.audits[wire];
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
     if (audit.turns.size() != clamps.size()) return 0;
@@ -102,7 +113,7 @@ double force_of_feed(World::Impl& state, int wire, const Vec3& gravity)
 
 double hand_work(World::Impl& state, int wire)
 {
-    if (const MergedGroup* group = state.group_of(wire)) return merged_work(state, *group).hand;
+    if (const MergedGroup* group = state.group_of(wire)) return work_of(state, *group).hand;
     if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
     const EnergyAudit& audit = state.audits[wire];
     const double now = force_of_feed(state, wire, state.setup.gravity);
@@ -142,9 +153,12 @@ double load_work(World::Impl& state, int wire)
         if (!end_forces(state.setup.integrator)) at -= 0.5 * move;
         work += spring.stiffness * (spring.anchor - at).dot(move);
     }
-    if (const MergedGroup* group = state.group_of(wire))  // what slides along the line goes on by that beside
+    if (const MergedGroup* group = state.group_of(wire)) {
+        for (const int w : group->wires()) work += state.line_holds ? state.line_holds->work(w) : 0.0;
         for (int k = 0; k < group->shared.count(); ++k)
-            if (group->slid[k] != 0) work += axial_load(state, *group, k) * group->slid[k];
+            if (group->slid[k] != 0)
+                work += axial_load(state, *group, k) * group->slid[k];  // what slides along the line goes on by that beside
+    }
     return work;
 }
 
@@ -225,8 +239,9 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
     }
     const StepLosses losses = state.solver->losses(wire);
     const MergedGroup* group = state.group_of(wire);
-    const double fed = group ? merged_work(state, *group).feed
-                       : state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown : 0;
+    const double fed = group                  ? work_of(state, *group).feed
+                       : state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown
+                                              : 0;
     const double elastic_then = audit.elastic_then + (state.remesh_energy[wire] - audit.remeshed);
     ledger.damping += losses.damping;
     ledger.scheme += losses.inertia + losses.strain_work + fed + work.turning - (audit.elastic - elastic_then);
@@ -352,6 +367,10 @@ void accept_energy(World::Impl& state, int wire, double h)
         audit.held_speed[k] = h > 0 ? state.solver->displacement(wire, prescribed[k].first) / h : 0;
     }
     const RodView rod = state.rods.view(wire);
+    if (const MergedGroup* group = state.group_of(wire)) {
+        audit.torque = merged_forces(state, *group);
+        return;
+    }
     audit.torque.resize(clamps.size());
     for (std::size_t c = 0; c < clamps.size(); ++c)
         audit.torque[c] = clamps[c].spin ? clamp_torque(rod, clamps, state.solver->frames(wire), static_cast<int>(c)) : 0;

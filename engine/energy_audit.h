@@ -38,7 +38,7 @@ struct EnergyAudit {
     double moving = 0, remeshed = 0;       // kinetic + gravitational, logged by remeshing [J]
     double hand_force = 0, speed = 0;      // [N], of the feed [m/s]
     std::vector<double> held, held_speed;  // per prescribed unknown: reaction and velocity
-    std::vector<double> torque, turns;     // per clamp [N m], [rad]
+    std::vector<double> torque, turns;  // per clamp [N m], [rad]; the former of a common centreline: merged_forces() of merged.h
 
     EnergyLedger ledger;
     double wire_then = 0, elastic_then = 0;  // energy in all, and elastic, at the end of the last accepted sub-step [J]

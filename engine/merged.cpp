@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace seldinger {
 
@@ -209,14 +210,14 @@ void refresh_group(World::Impl& state, MergedGroup& group)
     prepare_group(state.rods, group.wires(), group.shared.rod);
 }
 
-void feed_group(World::Impl& state, MergedGroup& group, double h)
+void feed_group(World::Impl& state, MergedGroup& group, double step, double h)
 {
     std::array<double, most_coaxial> angle{}, rate{}, offset{};
     const int count = group.shared.count();
     for (int k = 0; k < count; ++k) {
         const int w = group.wires()[k];
         FeedState& feed = state.feeds[w];
-        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + h);
+        const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + step);
         angle[k] = -feed.turn;
         group.turned[k] = feed.turn - end.turn;
         rate[k] = group.turned[k] / h;
@@ -250,8 +251,12 @@ void feed_group(World::Impl& state, MergedGroup& group, double h)
     count_material(state, group);
     audit.fed.carried += group.carried;
     const RodView line = state.rods.view(group.line());
-    const double hub_mass = 0.5 * line.mass[line.n - 1], speed = group.feed.speed;
-    audit.fed.unseen = speed == audit.speed ? 0 : hub_mass * std::abs(speed * speed - audit.speed * audit.speed);
+    // as FeedingAudit::after() has it for a wire
+    const bool at_ends = state.setup.integrator.newmark;
+    const double moved =
+        at_ends ? std::accumulate(line.mass.begin(), line.mass.begin() + line.n, 0.0) : 0.5 * line.mass[line.n - 1];
+    const double speed = group.feed.speed;
+    audit.fed.unseen = speed == audit.speed ? 0 : moved * std::abs(speed * speed - audit.speed * audit.speed);
 }
 
 void lead_group(World::Impl& state, MergedGroup& group)
@@ -265,48 +270,6 @@ void lead_group(World::Impl& state, MergedGroup& group)
     const RodView line = state.rods.view(group.line());
     if (leader != group.leader && state.feeds[group.wires()[leader]].advance > line.material_s[line.n - 1])
         change_leader(state, group, leader);
-}
-
-namespace {
-
-void hold_at_hub(const MergedGroup& group, const RodView& line, WireConstraints& out)
-{
-    const int hub = line.n - 1;
-    for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
-    out.hub_flow = group.feed.speed * group.feed.direction;
-    out.base_grown = group.feed.grown;
-    RodClamp clamp;
-    clamp.node = hub;
-    clamp.direction = clamp.spin = true;
-    clamp.tangent = group.shared.base.tangent;
-    clamp.director = group.shared.base.director;  // each instrument is turned by itself
-    out.clamps.push_back(clamp);
-}
-
-}  // namespace
-
-void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t)
-{
-    WireConstraints& out = state.constraints[wire];
-    out.clear();
-    if (wire != group.line()) return;
-    const RodView line = state.rods.view(wire);
-    hold_at_hub(group, line, out);
-    for (int k = 0; k < group.shared.count(); ++k)
-        state.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
-}
-
-double axial_load(World::Impl& state, const MergedGroup& group, int k)
-{
-    const WireConstraints& constraints = state.constraints[group.line()];
-    const RodView line = state.rods.view(group.line());
-    const auto forwards = [&](int edge) { return (line.pos(edge) - line.pos(edge + 1)).normalized(); };
-    double force = 0;
-    for (const auto& load : constraints.loads)
-        if (load.member == k) force += load.force.dot(forwards(load.edge));
-    for (const auto& spring : constraints.springs)
-        if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
-    return force;
 }
 
 void set_exposures(World::Impl& state)

@@ -69,11 +69,13 @@ void check_merged(const WorldSetup& setup);
 void place_group(World::Impl& state, MergedGroup& group);
 /// Before a sub-step: whoever is in farthest leads.
 void lead_group(World::Impl& state, MergedGroup& group);
-/// Advances and turns all hubs of the group to the end of the sub-step.
-void feed_group(World::Impl& state, MergedGroup& group, double h);
-/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of a passenger nothing.
+/// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
+void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
+/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.
 void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
-/// Force of loads and links on an instrument along the line, + towards the tip [N].
+/// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
+void take_holds(World::Impl& state, MergedGroup& group);
+/// Force of loads, links and holds on an instrument along the line, + towards the tip [N].
 [[nodiscard]] double axial_load(World::Impl& state, const MergedGroup& group, int k);
 /// Births and merges at the hub; adaptive nodes anywhere (merged_nodes.cpp). @return whether any came or went
 bool adapt_group(World::Impl& state, MergedGroup& group, double dt, bool may_merge);
@@ -86,11 +88,14 @@ void set_exposures(World::Impl& state);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
 void read_hands(World::Impl& state, MergedGroup& group);
-/// Elastic work of the feed in the last sub-step, and that of hands in all; of turning [J].
+/// What a group's hands do work by: dE/dL, then of each instrument dE/do, the forces on it from around it and of friction along the
+/// line, of what is twisted behind the inlet, and its torque [N], [N m].
+[[nodiscard]] std::vector<double> merged_forces(World::Impl& state, const MergedGroup& group);
+/// Elastic work of the feed in the last sub-step, and that of hands in all; of turning, by such forces [J].
 struct MergedWork {
     double feed = 0, hand = 0, turning = 0;
 };
-[[nodiscard]] MergedWork merged_work(World::Impl& state, const MergedGroup& group);
+[[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, std::span<const double> forces);
 
 /// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
 /// back.

@@ -27,10 +27,6 @@ void check_member(const WorldSetup& setup, const CoaxialSpec& spec, int w)
         refuse(where + ".feed", "has another inlet than the outermost instrument, expected the same (merged)");
     if (!(wire.feed.behind >= 0 && std::isfinite(wire.feed.behind)))
         refuse(where + ".feed.behind", fmt::format("is {} m, expected a number, 0 or more", wire.feed.behind));
-    if (!wire.holds.empty())
-        refuse(where + ".holds",
-               "is not empty, expected no holds on instruments of one centreline (merged): they slide along it and have no node of "
-               "their own; take a stiff link, or a rod each (separate)");
     if (wire.wire.curvature != first.wire.curvature)
         refuse(where + ".wire.curvature", "differs from that of the outermost instrument, expected the same (merged)");
 }
@@ -53,10 +49,17 @@ void check_room(const WorldSetup& setup, const CoaxialSpec& spec)
 void check_scheme(const WorldSetup& setup)
 {
     const IntegratorSpec& integrator = setup.integrator;
-    const bool euler = integrator.scheme == Scheme::Newton && !integrator.newmark && !integrator.conserve;
-    if (!euler && integrator.scheme != Scheme::Static)
+    const bool newton = integrator.scheme == Scheme::Newton && !integrator.conserve;
+    if (!newton && integrator.scheme != Scheme::Static)
         refuse("integrator",
-               "instruments of one centreline (merged) take backward Euler (newton) or static steps, expected one of them");
+               "instruments of one centreline (merged) take backward Euler, Newmark's (newton) or static steps, expected one of "
+               "them");
+    for (std::size_t w = 0; w < setup.wires.size() && newton && integrator.newmark; ++w)
+        if (!setup.wires[w].holds.empty() && merged_spec_of(setup, static_cast<int>(w)))
+            refuse(fmt::format("wires[{}].holds", w),
+                   "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps, which leave "
+                   "a velocity "
+                   "that a hold takes away changing its sign for ever; take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
         refuse("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)

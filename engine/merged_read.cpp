@@ -78,18 +78,30 @@ void read_hands(World::Impl& state, MergedGroup& group)
     state.results[group.wires()[group.leader]].hand_force = of_leader;
 }
 
-MergedWork merged_work(World::Impl& state, const MergedGroup& group)
+std::vector<double> merged_forces(World::Impl& state, const MergedGroup& group)
 {
     const CoaxialHands hands = state.solver->coaxial_hands(group.line());
+    std::vector<double> forces = {hands.line_force};
+    for (int k = 0; k < group.shared.count(); ++k)
+        for (const double force : {hands.offset_force[k], axial_contact(state, group, k), axial_friction(state, group.wires()[k]),
+                                   twist_behind(state, group, hands, k), hands.torque[k]})
+            forces.push_back(force);
+    return forces;
+}
+
+MergedWork merged_work(const World::Impl& state, const MergedGroup& group, std::span<const double> forces)
+{
     MergedWork work;
-    work.feed = hands.line_force * group.feed.grown;
+    work.feed = forces[0] * group.feed.grown;
     work.hand = group.weight_work;
     for (int k = 0; k < group.shared.count(); ++k) {
-        work.feed += hands.offset_force[k] * group.slid[k];
-        if (group.slid[k] != 0) work.hand -= axial_contact(state, group, k) * group.slid[k];
-        if (group.shared.fed[k] != 0) work.hand -= axial_friction(state, group.wires()[k]) * group.shared.fed[k];
-        work.feed += twist_behind(state, group, hands, k) * state.feeds[group.wires()[k]].grown;
-        work.turning += hands.torque[k] * group.turned[k];
+        const auto [pushed, around, friction, behind, torque] = std::to_array<double, 5>(
+            {forces[5 * k + 1], forces[5 * k + 2], forces[5 * k + 3], forces[5 * k + 4], forces[5 * k + 5]});
+        work.feed += pushed * group.slid[k];
+        if (group.slid[k] != 0) work.hand -= around * group.slid[k];
+        if (group.shared.fed[k] != 0) work.hand -= friction * group.shared.fed[k];
+        work.feed += behind * state.feeds[group.wires()[k]].grown;
+        work.turning += torque * group.turned[k];
     }
     work.hand += work.feed;
     return work;

@@ -54,12 +54,12 @@ void constrain(World::Impl& state, int w, double t)
 }
 
 /// All that is done to instruments that share a centreline is done when their line's turn comes.
-void feed_merged(World::Impl& state, int line, double h)
+void feed_merged(World::Impl& state, int line, double step, double h)
 {
     MergedGroup& group = *state.group_of(line);
     lead_group(state, group);
     audit_remeshing(state, line);
-    feed_group(state, group, h);
+    feed_group(state, group, step, h);
 }
 
 }  // namespace
@@ -101,15 +101,17 @@ std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& repor
 
 void feed_hubs(World::Impl& state, const SubStep& sub)
 {
+    // of an equilibrium a step's length is no time: no speed, and the rest length that births have left over is taken back at once
+    const double h = state.setup.integrator.scheme == Scheme::Static ? INFINITY : sub.h;
     for_each_item(state.wire_count(), wire_grain, [&](int w) {
         if (!sub.wires[w] || state.is_passenger(w)) return;
         state.momentum_start[w] = {momentum(state.rods.view(w)), Vec3::Zero()};
-        if (state.merged_of[w] >= 0) return feed_merged(state, w, sub.h);
+        if (state.merged_of[w] >= 0) return feed_merged(state, w, sub.h, h);
         audit_remeshing(state, w);
         if (!state.feeds[w].on) return;
         FeedingAudit feeding(state, w);
         const FeedKey end = state.hub_requests[w].path().at(state.wire_time[w] + sub.h);
-        feed_to(state.feeds[w], end, state.setup.wires[w].wire, state.rods, w, sub.h);
+        feed_to(state.feeds[w], end, state.setup.wires[w].wire, state.rods, w, h);
         feeding.after(state);
     });
 }

@@ -8,6 +8,7 @@
 #include "merged.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
+#include "solve/line_holds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -149,7 +150,9 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
         } else {
             place_wire(rods, w, wire.wire, setup.centreline.main_points());
         }
-        holds.emplace_back(wire.holds, wire.loads, wire.links, rods.view(w), wire.wire.length);
+        const bool own = !merged_spec_of(setup, w);  // else its holds are taken once its line has been placed
+        holds.emplace_back(own ? std::span<const HoldSpec>(wire.holds) : std::span<const HoldSpec>(), wire.loads, wire.links,
+                           rods.view(w), wire.wire.length);
         if (merged_spec_of(setup, w)) adapters.emplace_back();
         else adapters.push_back(make_adapter(wire, holds[w].held_distances(), rods.capacity(w)));
     }
@@ -173,6 +176,7 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     }
     make_coaxial_friction();
     constraints.resize(count);
+    make_line_holds();
     reports.resize(count);
     active.assign(count, 1);
     live.assign(count, 1);
@@ -232,6 +236,19 @@ void World::Impl::make_coaxial_friction()
         coaxial_friction->add(group.shared, friction, group.adapts() ? group.nodes.min_edge : group.feed.edge);
     }
     if (coaxial_friction) terms.add(*coaxial_friction);
+}
+
+void World::Impl::make_line_holds()
+{
+    for (const auto& group : merged) {
+        std::vector<int> held;
+        for (const int w : group->wires()) held.push_back(static_cast<int>(setup.wires[w].holds.size()));
+        if (std::ranges::all_of(held, [](int count) { return count == 0; })) continue;
+        take_holds(*this, *group);
+        if (!line_holds) line_holds = std::make_unique<LineHolds>(rods, constraints);
+        line_holds->add(group->shared, held);
+    }
+    if (line_holds) terms.add(*line_holds);
 }
 
 bool World::Impl::is_passenger(int wire) const { return merged_of[wire] >= 0 && merged[merged_of[wire]]->line() != wire; }

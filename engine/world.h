@@ -26,6 +26,7 @@
 namespace seldinger {
 
 class CoaxialFriction;  // contact/coaxial_friction.h
+class LineHolds;        // solve/line_holds.h
 struct MergedGroup;     // merged.h
 
 /// What was read off a wire when its step was accepted.
@@ -89,6 +90,7 @@ struct World::Impl {
     std::unique_ptr<YieldingWall> yielding;     // contact as it acts on the wires and the moving wall
     std::unique_ptr<InstrumentContact> instruments;  // of those that can touch each other
     std::unique_ptr<CoaxialFriction> coaxial_friction;  // between those that share a centreline
+    std::unique_ptr<LineHolds> line_holds;              // of instruments that share a centreline; none without
     ForceTerms terms;                           // what acts on the wires: contact, friction
     std::unique_ptr<Solver> solver;
     // scratch of a step
@@ -131,6 +133,7 @@ struct World::Impl {
     [[nodiscard]] bool is_passenger(int wire) const;
     void make_groups();
     void make_coaxial_friction();
+    void make_line_holds();
     /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);

@@ -3,6 +3,7 @@
 #include "merged.h"
 #include "rod/curvature.h"
 #include "rod/place.h"
+#include "solve/line_holds.h"
 #include "world.h"
 
 #include <fmt/format.h>
@@ -144,6 +145,7 @@ void World::Impl::read_merged(int wire, double h)
     result.gravitational = audits[wire].gravitational;
     result.momentum = momentum_balance(line, constraints[wire], *solver, wire, setup.integrator, setup.gravity, contact_force,
                                        momentum_start[wire], h);
+    for (const int w : group.wires()) result.momentum.held += line_holds ? line_holds->force(w) : Vec3::Zero();
 }
 
 int World::wire_count() const { return impl_->wire_count(); }

@@ -60,22 +60,10 @@ std::vector<std::array<double, N>> timed_rows(const TableReader& t, std::string_
     return result;
 }
 
-/// Whether it shares its centreline with others.
-bool is_merged(const Scene& scene, const SceneInstrument& instrument)
-{
-    if (!scene.coaxial || scene.coaxial->model != CoaxialSpec::Model::Merged) return false;
-    return std::ranges::any_of(scene.coaxial->order, [&](int k) { return &scene.instrument(k) == &instrument; });
-}
-
 void read_hold(const toml::table& table, const std::string& path, Scene& scene)
 {
     const TableReader t(table, path, {"instrument", "at", "position", "direction", "spin", "move", "turn", "velocity_m_s"});
     SceneInstrument& instrument = instrument_of(t, scene);
-    if (is_merged(scene, instrument))
-        t.fail("instrument",
-               fmt::format("\"{}\" shares its centreline with others (coaxial.model = \"merged\") and has no node of its own to hold; "
-                           "tie it with a stiff [[link]] or take model = \"separate\"",
-                           instrument.label));
     HoldSpec hold;
     read_point(t, instrument.wire, hold.at);
     if (instrument.feed.on && hold.at.kind == WirePoint::Kind::Base)

@@ -58,6 +58,12 @@ void check_on_wire(const char* what, std::size_t index, const WirePoint& at, dou
                                                 what, index, at.from_tip, length, length));
 }
 
+void check_holds_something(std::size_t index, const HoldSpec& spec)
+{
+    if (spec.position || spec.direction || spec.spin) return;
+    throw Error(ExitCode::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", index));
+}
+
 /// By how much the director turns about the tangent from the middle of an end edge to its end [rad]: half an edge of the twist
 /// that its inner node has per length.
 double twist_to_end(const RodView& rod, int node)
@@ -114,8 +120,7 @@ WireHolds::WireHolds(std::span<const HoldSpec> holds, std::span<const LoadSpec> 
         const HoldSpec& spec = holds[k];
         // a hold must find its node now; what is fed in later cannot be held
         check_on_wire("hold", k, spec.at, rod.material_s[rod.n - 1]);
-        if (!spec.position && !spec.direction && !spec.spin)
-            throw Error(ExitCode::BadScene, fmt::format("hold[{}] holds nothing: set position, direction or spin to true", k));
+        check_holds_something(k, spec);
         Hold hold;
         hold.spec = spec;
         const int at_node = nearest_node(spec.at, spec.at.from_tip, rod);
@@ -205,6 +210,45 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
         }
     }
     add_loads(t, rod, 0, 0, out);
+}
+
+void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& own, double offset)
+{
+    const double inside = own.material_s[own.n - 1] + offset;
+    for (std::size_t k = 0; k < holds.size(); ++k) {
+        const HoldSpec& spec = holds[k];
+        if (spec.at.kind == WirePoint::Kind::Base)
+            throw Error(ExitCode::BadScene,
+                        fmt::format("hold[{}].at: the base is held by the feed already; hold another point", k));
+        const double from_tip = spec.at.kind == WirePoint::Kind::Tip ? 0.0 : spec.at.from_tip;
+        if (!(from_tip < inside))  // a hold must find its place now; what is fed in later cannot be held
+            throw Error(ExitCode::BadScene,
+                        fmt::format("hold[{}].at: {:g} m from the tip is not inside, where {:g} m of the instrument are; "
+                                    "give \"tip\" or a distance below that, or feed more of it in at the start",
+                                    k, from_tip, std::max(inside, 0.0)));
+        check_holds_something(k, spec);
+        const Place place = locate(spec.at, own, offset);
+        Hold hold;
+        hold.spec = spec;
+        hold.material_s = from_tip;
+        hold.position = (1 - place.bary) * own.pos(place.edge) + place.bary * own.pos(place.edge + 1);
+        hold.tangent = own.tangent(place.edge);
+        hold.director = material_director(own, place.edge);
+        holds_.push_back(hold);
+    }
+}
+
+void WireHolds::add_line_holds(double t, const RodView& line, double offset, WireConstraints& out) const
+{
+    for (std::size_t k = 0; k < holds_.size(); ++k) {
+        const Hold& hold = holds_[k];
+        const double s = hold.material_s - offset;
+        // of one that gets ahead of the line within a step the tip is beyond the first node, by less than its edge
+        if (!(s > -line.rest_length[0] && s < line.material_s[line.n - 1])) continue;
+        const double turned = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
+        out.line_holds.push_back({static_cast<int>(k), s, hold.spec.position, hold.spec.direction, hold.spec.spin,
+                                  hold.position + displacement(hold.spec, t), hold.tangent, hold.director, turned});
+    }
 }
 
 void WireHolds::add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const

@@ -28,6 +28,13 @@ public:
     /// @param offset  of its material along the line (rod/coaxial.h) [m]     @param member  its place among them
     void add_loads(double t, const RodView& line, double offset, int member, WireConstraints& out) const;
 
+    /// Holds of an instrument that shares its centreline with others: places of its material, wherever nodes are.
+    /// @param own  the line as placed, with this instrument's angles     @param offset  of its material along the line [m]
+    /// @throws Error (BadScene) as the constructor does
+    void take_line_holds(std::span<const HoldSpec> holds, const RodView& own, double offset);
+    /// These at time t; of a place that is not inside nothing.
+    void add_line_holds(double t, const RodView& line, double offset, WireConstraints& out) const;
+
     /// Material distances [m] from the tip at which a node must stay (holds between the ends): not to be merged away.
     [[nodiscard]] std::span<const double> held_distances() const { return held_distances_; }
     /// Time at which the last move, turn or ramp comes to its end [s]; 0 without any.
@@ -43,7 +50,8 @@ public:
 private:
     struct Hold {
         HoldSpec spec;
-        double material_s = 0, offset = 0;  // of the node [m]; base and tip follow the wire's ends instead
+        double material_s = 0,
+               offset = 0;  // of the node [m]; base and tip follow the wire's ends instead; in a line: asked for, 0
         Vec3 position = Vec3::Zero();       // as placed [m]
         Vec3 tangent = Vec3::UnitX(), director = Vec3::UnitZ();
     };

@@ -16,7 +16,8 @@
 // Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The
 // base edge therefore goes on at the rate that keeps the wire's speed, and both the excess of that rate over the feed and the
 // length that it has brought in, the surplus s of rest length, fade: s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So
-// neither force nor speed nor the length fed jumps.
+// neither force nor speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
+// the surplus back at once.
 
 #include "rod/elastic.h"
 #include "rod/split.h"
@@ -55,7 +56,8 @@ private:
     std::span<const FeedKey> keys_;
 };
 
-/// Advances and turns the hub to `end` over a step of h [s]: grows the base edge, or moves the rigid piece. Masses follow.
+/// Advances and turns the hub to `end` over a step of h [s], infinite where that is from rest to rest: grows the base edge, or moves the
+/// rigid piece. Masses follow.
 void feed_to(FeedState& state, const FeedKey& end, const WireSpec& wire, RodArrays& rods, int index, double h);
 
 /// Adds the inlet's clamp to the constraints of a fed wire.

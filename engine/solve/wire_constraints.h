@@ -30,6 +30,16 @@ struct WireConstraints {
         }
     };
     std::vector<Spring> springs;
+    /// Of an instrument that shares its centreline with others, at a place of its material (solve/line_holds.h).
+    struct LineHold {
+        int hold;  // which of the instrument's holds
+        double s;  // coordinate of the centreline [m]
+        bool position, direction, spin;
+        Vec3 at;                 // where the place is held [m]
+        Vec3 tangent, director;  // tip -> hub; the latter before it is turned
+        double turned;           // about the tangent [rad]
+    };
+    std::vector<LineHold> line_holds;
     Vec3 hub_flow = Vec3::Zero();  // of material through the last node of a fed wire, which itself stands still [m/s]
     double base_grown = 0;         // rest length that the base edge of a fed wire has gained over the step [m]
 
@@ -40,6 +50,7 @@ struct WireConstraints {
         clamps.clear();
         loads.clear();
         springs.clear();
+        line_holds.clear();
         hub_flow.setZero();
     }
 };

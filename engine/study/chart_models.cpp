@@ -162,6 +162,10 @@ void add_coaxial(Collection& models, const Scene& scene, bool quick)
             Model model = basis(usual_nodes, dt);
             model.coaxial = word.value;
             models.add("coaxial", fmt::format("{} · {}", word.word, step_name(dt)), model);
+            if (word.value != CoaxialSpec::Model::Merged || scene.coaxial->lumen_friction || !(scene.coaxial->mu_static > 0))
+                continue;
+            model.lumen_friction = true;
+            models.add("coaxial", fmt::format("{}, lumen friction · {}", word.word, step_name(dt)), model);
         }
 }
 

@@ -57,6 +57,7 @@ Scene apply(const Model& model, Scene scene)
 {
     for (int k = 0; k < scene.instrument_count(); ++k) apply_to_wire(model, scene.instrument(k).wire, scene.wire.length);
     if (model.coaxial && scene.coaxial) scene.coaxial->model = *model.coaxial;
+    if (model.lumen_friction && scene.coaxial) scene.coaxial->lumen_friction = *model.lumen_friction;
     if (model.dt) scene.dt = *model.dt;
     if (model.scheme) scene.integrator.scheme = *model.scheme;
     if (model.trapezoid) {
@@ -93,7 +94,7 @@ Model model_of(const Scene& scene)
     model.tolerance = scene.integrator.tolerance;
     model.spin = scene.integrator.spins == Spins::Kept;
     if (scene.integrator.scheme != Scheme::Static) model.dt = scene.dt, model.trapezoid = scene.integrator.newmark;
-    if (scene.coaxial) model.coaxial = scene.coaxial->model;
+    if (scene.coaxial) model.coaxial = scene.coaxial->model, model.lumen_friction = scene.coaxial->lumen_friction;
     if (scene.vessel.shape == VesselShape::None) return model;
     model.detection = scene.contact.detection;
     model.normal = scene.contact.normal;
@@ -121,6 +122,7 @@ std::vector<std::string> set_texts(const Model& model, const Scene& scene)
         if (model.radius) set(path + "radius_m", *model.radius);
     }
     if (model.coaxial && scene.coaxial) set("coaxial.model", word_of(coaxial_words, *model.coaxial));
+    if (model.lumen_friction && scene.coaxial) set("coaxial.lumen_friction", *model.lumen_friction);
     if (model.dt) set("scene.dt_s", *model.dt);
     if (model.scheme) set("integrator.scheme", word_of(scheme_words, *model.scheme));
     if (model.trapezoid && *model.trapezoid) set("integrator.beta", 0.25), set("integrator.gamma", 0.5);
@@ -161,6 +163,7 @@ std::string label(const Model& model)
     if (model.wall_edge)
         add(*model.wall_edge > 0 ? fmt::format("wall edge {:.3g} mm", 1e3 * *model.wall_edge) : "wall edge chosen");
     if (model.coaxial) add(std::string(word_of(coaxial_words, *model.coaxial)) + " instruments");
+    if (model.coaxial == CoaxialSpec::Model::Merged && model.lumen_friction.value_or(false)) add("lumen friction");
     if (model.precision) add(*model.precision == Precision::Float32 ? "float32" : "float64");
     if (model.restitution) add(fmt::format("restitution {:g}", *model.restitution));
     if (model.linear_stiffness) add(fmt::format("wall {:.3g} N/m^2", *model.linear_stiffness));
@@ -171,12 +174,32 @@ std::string label(const Model& model)
     return text.empty() ? "as the scene" : text;
 }
 
+namespace {
+
+/// What a world of several instruments refuses, which the scene reader does not know (world_check.cpp, merged_check.cpp).
+std::string why_not_together(const Scene& scene)
+{
+    const bool newton = scene.integrator.scheme == Scheme::Newton || scene.integrator.scheme == Scheme::Static;
+    const bool merged = scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Merged;
+    const bool touch = scene.instruments_touch || (scene.coaxial && !merged);
+    if ((merged || touch) && !newton) return "instruments inside or beside each other take newton or static steps";
+    if (touch && scene.contact.precision == Precision::Float32) return "instruments that touch each other take float64";
+    if (!merged || scene.vessel.shape == VesselShape::None) return {};
+    const Detection detection = scene.contact.detection;
+    if (detection != Detection::Swept && detection != Detection::Capsule)
+        return "instruments of one centreline take swept or capsule detection";
+    return {};
+}
+
+}  // namespace
+
 std::string why_not(const Model& model, const Scene& scene)
 {
     const bool touches = model.detection || model.normal || model.friction || model.rolling || model.elastic_wall ||
                          model.wall_edge || model.precision;
     if (touches && scene.vessel.shape == VesselShape::None) return "the scene has no vessel to touch";
     if (model.coaxial && !scene.coaxial) return "the scene has no instruments inside each other";
+    if (std::string reason = why_not_together(apply(model, scene)); !reason.empty()) return reason;
     try {
         // the scene reader is the one place that knows what goes together and what is built
         (void)read_scene_text(write_scene(apply(model, scene), scene.source.parent_path()), scene.source);

@@ -27,6 +27,7 @@ struct Model {
     std::optional<double> wall_edge;  // of its control mesh [m]
     std::optional<Precision> precision;
     std::optional<CoaxialSpec::Model> coaxial;  // of instruments inside each other
+    std::optional<bool> lumen_friction;         // of those in one centreline: by what presses one on the other's lumen
     // what the published method leaves open, and is searched for its best (study/published.h)
     std::optional<double> restitution;        // [-]
     std::optional<double> linear_stiffness;   // of a linear wall in place of the scene's law [N/m^2]

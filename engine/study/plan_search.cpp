@@ -276,6 +276,30 @@ void add_walls(std::vector<Choice>& all, const std::vector<double>& walls)
     }
 }
 
+/// One centreline in place of a rod each, with friction by what presses one instrument on the other's lumen, and without any: that is
+/// cheaper, and its hands feel less. Whichever is chosen, the other one is named as its price.
+void add_coaxial(std::vector<Choice>& all, const CoaxialSpec& own)
+{
+    const bool merged = own.model == CoaxialSpec::Model::Merged, rubs = own.mu_static > 0;
+    const auto is_merged = [=](const Model& m) { return m.coaxial.value_or(own.model) == CoaxialSpec::Model::Merged; };
+    const auto apart = [](Model& m) { m.coaxial = CoaxialSpec::Model::Separate, m.lumen_friction.reset(); };
+    const auto set_friction = [=](bool on) {
+        return [=](Model& m) {
+            if (is_merged(m)) m.lumen_friction = on;
+        };
+    };
+    const std::string with = "friction between the instruments by what presses (coaxial.lumen_friction)";
+    if (!merged && rubs)
+        all.push_back({"one centreline for all instruments, " + with, "a rod for each instrument",
+                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Merged, m.lumen_friction = true; }, apart, false});
+    if (!merged)
+        all.push_back({"one centreline for all instruments", "a rod for each instrument",
+                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Merged, m.lumen_friction = false; }, apart, false});
+    if (!rubs || (merged && !own.lumen_friction)) return;
+    all.push_back({"no friction between the instruments", with, set_friction(false), set_friction(true), false});
+    all.push_back({with, "no friction between the instruments", set_friction(true), set_friction(false), false});
+}
+
 }  // namespace
 
 std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& walls)
@@ -305,10 +329,7 @@ std::vector<Choice> choices_in(const Scene& scene, const std::vector<double>& wa
         if (own.normal != law)
             all.push_back(exchange(law == NormalLaw::Impulse ? "contact by impulses" : "published damping of contact",
                                    "the scene's normal law", &Model::normal, law, own.normal));
-    if (scene.coaxial && scene.coaxial->model == CoaxialSpec::Model::Separate)
-        all.push_back({"one centreline for all instruments", "a rod for each instrument",
-                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Merged; },
-                       [](Model& m) { m.coaxial = CoaxialSpec::Model::Separate; }, false});
+    if (scene.coaxial) add_coaxial(all, *scene.coaxial);
     if (!scene.integrator.newmark)
         all.push_back({"the trapezoid rule", "backward Euler", [](Model& m) { m.trapezoid = true; },
                        [](Model& m) { m.trapezoid.reset(); }, false});

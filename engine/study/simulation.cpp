@@ -70,6 +70,7 @@ WorldSetup StudyScene::setup_under(const Model& model) const
     made.vessel.elastic = changed.vessel.elastic;
     made.vessel.wall_edge = changed.vessel.wall_edge;
     if (changed.coaxial) made.coaxial.front().model = changed.coaxial->model;
+    if (changed.coaxial) made.coaxial.front().lumen_friction = changed.coaxial->lumen_friction;
     for (int k = 0; k < changed.instrument_count(); ++k) {
         WireSetup& wire = made.wires[static_cast<std::size_t>(k)];
         wire.wire = changed.instrument(k).wire;

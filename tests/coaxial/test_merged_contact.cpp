@@ -203,6 +203,9 @@ TEST_SUITE("coaxial/merged contact")
         CHECK(message(setup).find("names instruments of different systems") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.integrator.newmark = true;
+        CHECK(message(setup).empty());
+        setup.integrator.newmark = false;
+        setup.integrator.conserve = true;
         CHECK(message(setup).find("integrator: ") != std::string::npos);
         setup = in_a_bend(0.02, 0.05);
         setup.wires[1].feed.point.x() += 1e-3;

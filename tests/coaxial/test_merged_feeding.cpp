@@ -75,6 +75,28 @@ TEST_SUITE("coaxial/merged feeding")
         }
     }
 
+    // The elastic force that drives a knee out of what straightens it: per length that both are bent against each other they store
+    // B_r kappa^2/2, B_r = B B'/(B + B'), whatever else bends them, and the knee alone nothing. Virtual work: that is what the hands feel,
+    // opposite to each other, as long as the mouth is within the knee. A change of section within a cell is exact.
+    TEST_CASE("analytic: a knee is driven out of a sheath by half of what both store per length")
+    {
+        const double sheath = 8e-4, bend = 3.1e-4, kappa = 65.4, force = 0.5 * sheath * bend / (sheath + bend) * kappa * kappa;
+        const WireSpec outer = instrument_of({{0.3, sheath, 0}}, 1),
+                       knee = instrument_of({{0.005, bend, 0}, {0.012, bend, kappa}, {0.3, bend, 0}}, 1);
+        for (int k = 0; k <= 10; ++k) {
+            const double inner = 0.036 + 1e-3 * k;
+            World world(merged_setup({outer, knee}, {0.03, inner}, 2e-3));
+            for (int round = 0; round < 2; ++round) {
+                Control control;
+                control.move_to(0, 0.03, 0);
+                control.move_to(1, inner, 0);
+                REQUIRE_FALSE(step(world, control, 1e-3).failed());
+            }
+            CHECK(world.readings(0).hand_force == about(force).epsilon(2e-3));
+            CHECK(world.readings(1).hand_force == about(-force).epsilon(2e-3));
+        }
+    }
+
     TEST_CASE("property: a run that is taken up again ends with the same bits")
     {
         World whole(catheter_and_wire(0.05, 0.06)), first(catheter_and_wire(0.05, 0.06)), second(catheter_and_wire(0.05, 0.06));

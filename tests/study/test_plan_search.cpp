@@ -53,6 +53,22 @@ struct Law {
     std::function<double(const Model&)> share = [](const Model&) { return 1.0; };
 };
 
+/// Two instruments, a rod each.
+Scene coaxial_scene(std::string_view more = {})
+{
+    const auto instrument = [](std::string_view name, double radius, std::string_view lumen) {
+        return "[[instrument]]\nname = \"" + std::string(name) + "\"\nlength_m = 0.1\nradius_m = " + std::to_string(radius) +
+               "\ndensity = 7900.0\nbend_nm2 = 1e-5\ntwist_nm2 = 1e-5\nstretch_n = 1e4\nnodes = 101\n" + std::string(lumen) +
+               "[instrument.feed]\nkeys = [ {t_s = 0.0, advance_m = 0.0} "
+               "]\n" +
+               (lumen.empty() ? "" : "point = [0.01, 0.0, 0.0]\ndirection = [1.0, 0.0, 0.0]\n");
+    };
+    return read_scene_text("[scene]\nduration_s = 1.0\ndt_s = 0.001\n" + instrument("out", 0.0008, "lumen_radius_m = 0.0006\n") +
+                               instrument("in", 0.0004, "") + "[coaxial]\norder = [\"out\", \"in\"]\nmodel = \"separate\"\n" +
+                               std::string(more),
+                           "pair.toml");
+}
+
 class MadeUpTrialRuns final : public TrialRunSource {
 public:
     MadeUpTrialRuns(Law law, double limit) : law_(std::move(law)), limit_(limit) {}
@@ -309,6 +325,57 @@ TEST_SUITE("study/plan_search")
         model.elastic_wall.reset();
         model.wall_edge = 8e-3;
         CHECK(left_out(model) == std::vector<std::string>{"control edges of 4 mm"});
+    }
+
+    // A rod each costs as much as five centrelines. What hands feel is within the goals with friction only where they ask for that.
+    TEST_CASE("property: one centreline is tried with friction in the lumen and without; whichever is chosen, the other is named")
+    {
+        const SearchGrid grid = search_grid(reference_with(201, 1e-3), 1.0 / 30, 1.0 / 30);
+        const auto named = [](const Scene& scene, const Model& chosen) {  // as the planner does it
+            std::vector<std::pair<std::string, Model>> names;
+            for (const Choice& choice : choices_in(scene)) {
+                Model made = chosen, fuller = chosen;
+                choice.make(made);
+                if (label(made) != label(chosen)) continue;
+                choice.undo(fuller);
+                if (label(fuller) != label(chosen)) names.emplace_back(choice.fuller, fuller);
+            }
+            return names;
+        };
+        for (const bool hands : {false, true}) {
+            const Scene scene = coaxial_scene();
+            const auto rubs = [](const Model& m) { return m.lumen_friction.value_or(false); };
+            const auto merged = [](const Model& m) { return m.coaxial == CoaxialSpec::Model::Merged; };
+            Law law;
+            law.share = [=](const Model& m) { return !merged(m) ? 5.0 : rubs(m) ? 1.15 : 1.0; };
+            law.extra_error = [=](const Model& m) { return merged(m) && !rubs(m) && hands ? 1.0 : 0.0; };
+            MadeUpTrialRuns trials(law, 1e-3);
+            Model start = start_model(201, 1e-3);
+            start.detection.reset();  // there is no vessel
+            const SearchResult result = search_models(scene, start, grid, false, trials, always);
+            REQUIRE(result.best);
+            CHECK(merged(*result.best));
+            CHECK(rubs(*result.best) == hands);
+            CHECK(apply(*result.best, scene).coaxial->lumen_friction == hands);
+            const auto names = named(scene, *result.best);
+            REQUIRE(names.size() == 2);
+            CHECK(names[0].first == "a rod for each instrument");
+            CHECK(!merged(names[0].second));
+            CHECK(names[1].first == (hands ? "no friction between the instruments"
+                                           : "friction between the instruments by what presses (coaxial.lumen_friction)"));
+            CHECK(rubs(names[1].second) == !hands);
+            for (const Model& model : trials.models()) CHECK(why_not(model, scene).empty());
+        }
+        Model one_step;  // what a world of several instruments refuses is none of the trials
+        one_step.scheme = Scheme::Linearised;
+        CHECK(why_not(one_step, coaxial_scene()).find("newton or static") != std::string::npos);
+        one_step.coaxial = CoaxialSpec::Model::Merged;
+        CHECK(!why_not(one_step, coaxial_scene()).empty());
+        const Scene smooth = coaxial_scene("mu_static = 0.0\nmu_sliding = 0.0\n");
+        for (const Choice& choice : choices_in(smooth)) {
+            CHECK(choice.simpler.find("lumen_friction") == std::string::npos);
+            CHECK(choice.fuller.find("lumen_friction") == std::string::npos);
+        }
     }
 
     TEST_CASE("property: choices that do not go together are never tried together, whichever was made first")

@@ -1,0 +1,105 @@
+// What holds and pulls at instruments that share one centreline: the hub, and what the scene asks for at places of their material.
+
+#include "core/error.h"
+#include "merged.h"
+#include "solve/line_holds.h"
+
+#include <fmt/format.h>
+
+namespace seldinger {
+
+namespace {
+
+void hold_at_hub(const MergedGroup& group, const RodView& line, WireConstraints& out)
+{
+    const int hub = line.n - 1;
+    for (int c = 0; c < RodDofs::coordinates; ++c) out.prescribed.emplace_back(RodDofs::position(hub, c), group.feed.point[c]);
+    out.hub_flow = group.feed.speed * group.feed.direction;
+    out.base_grown = group.feed.grown;
+    RodClamp clamp;
+    clamp.node = hub;
+    clamp.direction = clamp.spin = true;
+    clamp.tangent = group.shared.base.tangent;
+    clamp.director = group.shared.base.director;  // each instrument is turned by itself
+    out.clamps.push_back(clamp);
+}
+
+int nearest_line_node(const RodView& line, double s)
+{
+    int node = 0;
+    while (node + 1 < line.n && 0.5 * (line.material_s[node] + line.material_s[node + 1]) < s) ++node;
+    return node;
+}
+
+/// A hold, as it is placed.
+struct Taken {
+    int wire, index, node;  // node: of the line, the nearest
+    const HoldSpec* spec;
+};
+
+void refuse_both(const Taken& a, const Taken& b)
+{
+    if (a.node != b.node) return;
+    const char* what = a.spec->position && b.spec->position                  ? "position"
+                       : a.spec->direction && b.spec->direction              ? "direction"
+                       : a.spec->spin && b.spec->spin && a.wire == b.wire ? "spin"
+                                                                             : nullptr;
+    if (!what) return;
+    throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds[{}] and wires[{}].holds[{}] both hold the {} of one centreline (merged) at the "
+                                                "same place: keep one of them, or place them farther apart than its node spacing",
+                                                a.wire, a.index, b.wire, b.index, what));
+}
+
+}  // namespace
+
+void take_holds(World::Impl& state, MergedGroup& group)
+{
+    const RodView line = state.rods.view(group.line());
+    std::vector<Taken> taken;
+    for (int k = 0; k < group.shared.count(); ++k) {
+        const int w = group.wires()[k];
+        const std::vector<HoldSpec>& specs = state.setup.wires[w].holds;
+        if (!specs.empty() && !group.feed.inside)
+            throw Error(ExitCode::BadScene, fmt::format("wires[{}].holds: nothing of the wire is inside at the start, expected the place that is "
+                                                        "held to be; feed some of it in (feed.advance)",
+                                                        w));
+        const double offset = group.shared.rod.instrument[k].offset;
+        state.holds[w].take_line_holds(specs, state.rods.view(w), offset);
+        for (std::size_t h = 0; h < specs.size(); ++h) {
+            const double from_tip = specs[h].at.kind == WirePoint::Kind::Tip ? 0.0 : specs[h].at.from_tip;
+            const Taken now{w, static_cast<int>(h), nearest_line_node(line, from_tip - offset), &specs[h]};
+            for (const Taken& other : taken) refuse_both(other, now);
+            taken.push_back(now);
+        }
+    }
+}
+
+void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t)
+{
+    WireConstraints& out = state.constraints[wire];
+    out.clear();
+    const RodView line = state.rods.view(group.line());
+    for (int k = 0; k < group.shared.count(); ++k)
+        if (group.wires()[k] == wire && group.feed.inside)
+            state.holds[wire].add_line_holds(t, line, group.shared.rod.instrument[k].offset, out);
+    if (wire != group.line()) return;
+    hold_at_hub(group, line, out);
+    for (int k = 0; k < group.shared.count(); ++k)
+        state.holds[group.wires()[k]].add_loads(t, line, group.shared.rod.instrument[k].offset, k, out);
+}
+
+double axial_load(World::Impl& state, const MergedGroup& group, int k)
+{
+    const WireConstraints& constraints = state.constraints[group.line()];
+    const RodView line = state.rods.view(group.line());
+    const auto forwards = [&](int edge) { return (line.pos(edge) - line.pos(edge + 1)).normalized(); };
+    double force = 0;
+    for (const auto& load : constraints.loads)
+        if (load.member == k) force += load.force.dot(forwards(load.edge));
+    for (const auto& spring : constraints.springs)
+        if (spring.member == k) force += spring.pull(line).dot(forwards(spring.edge));
+    if (state.line_holds) force += state.line_holds->along(group.wires()[k]);
+    return force;
+}
+
+}  // namespace seldinger
