@@ -124,9 +124,11 @@ double elastic_now(World::Impl& state, MergedGroup& group)
 
 namespace {
 
-/// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched.
-void slide_faster(const RodView& line, double speed)
+/// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched. The
+/// hub stands, but its velocity is that of what comes in there.
+void slide_faster(const RodView& line, double speed, const Vec3& inwards)
 {
+    line.set_vel(line.n - 1, line.vel(line.n - 1) + speed * inwards);
     for (int i = 0; i < line.n - 1; ++i) {
         const Vec3 after = -line.tangent(i), before = i > 0 ? Vec3(-line.tangent(i - 1)) : after;
         line.set_vel(i, line.vel(i) + speed / (1 + before.dot(after)) * (before + after));
@@ -147,7 +149,7 @@ void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
 {
     const int next = group.wires()[leader], last = group.wires()[group.leader];
     if (state.setup.integrator.scheme != Scheme::Static)
-        slide_faster(state.rods.view(group.line()), hub_speed(state, next, h) - hub_speed(state, last, h));
+        slide_faster(state.rods.view(group.line()), hub_speed(state, next, h) - hub_speed(state, last, h), group.feed.direction);
     const RodView line = state.rods.view(group.line());
     const double before = elastic_now(state, group);
     const double longer = state.feeds[next].advance - line.material_s[line.n - 1];

@@ -144,7 +144,8 @@ TEST_SUITE("coaxial/merged loads")
         const EnergyLedger& ledger = world.readings(0).energy;
         const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
         CHECK(std::abs(ledger.outside) > 1e-6);
-        CHECK(std::abs(ledger.open()) < 0.005 * turned_over);
+        // most of it in the first step: half an edge in the inlet is set moving by no force that shows
+        CHECK(std::abs(ledger.open()) < 0.004 * turned_over);
     }
 
     TEST_CASE("property: a hold is refused, a load beyond the instrument is")
