@@ -30,7 +30,8 @@ AXES = {"stiffness": "wall stiffness / nominal", "speed": "feed speed [cm/s]", "
         "ratio": "shaft / tip stiffness", "stenosis": "throat / wire radius", "septum": "septum / wire radius",
         "offset": "distance from origin [m]", "strokes": "strokes per second", "fold": "turning per edge [°]",
         "twist": "turning per edge [rad]", "alternating": "side load [N]",
-        "soft-wall": "modulus / nominal", "snug": "bending stiffness / nominal"}
+        "soft-wall": "modulus / nominal", "snug": "bending stiffness / nominal", "coaxial": "wire / catheter stiffness",
+        "coaxial-merged": "wire / catheter stiffness", "channel": "lumen / wire radius"}
 SCALE = {"speed": 100.0}
 NAMES = 0.3  # width of the column with the maps' names, of a panel's
 

@@ -125,18 +125,40 @@ double elastic_now(World::Impl& state, MergedGroup& group)
 
 namespace {
 
-/// Another instrument has got ahead: the line goes on straight to its tip, and counts from there. Its material there moves
-/// with it.
-void change_leader(World::Impl& state, MergedGroup& group, int leader)
+/// Slides the line's nodes along it by so much faster [m/s]: on the bisector of both edges at a node, where none is stretched. The
+/// hub stands, but its velocity is that of what comes in there.
+void slide_faster(const RodView& line, double speed, const Vec3& inwards)
 {
+    line.set_vel(line.n - 1, line.vel(line.n - 1) + speed * inwards);
+    for (int i = 0; i < line.n - 1; ++i) {
+        const Vec3 after = -line.tangent(i), before = i > 0 ? Vec3(-line.tangent(i - 1)) : after;
+        line.set_vel(i, line.vel(i) + speed / (1 + before.dot(after)) * (before + after));
+    }
+}
+
+/// How fast a hub goes in the sub-step of h that is to come [m/s].
+double hub_speed(const World::Impl& state, int wire, double h)
+{
+    const HubPath path = state.hub_requests[wire].path();
+    const double now = state.wire_time[wire];
+    return (path.at(now + h).advance - path.at(now).advance) / h;
+}
+
+/// Another instrument has got ahead: the line goes on straight to its tip, and counts from there. It is that one's material now and
+/// goes as fast: left at the speed of the old one, all of it would be stopped within the sub-step of h by a push of the hands.
+void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
+{
+    const int next = group.wires()[leader], last = group.wires()[group.leader];
+    if (state.setup.integrator.scheme != Scheme::Static)
+        slide_faster(state.rods.view(group.line()), hub_speed(state, next, h) - hub_speed(state, last, h), group.feed.direction);
     const RodView line = state.rods.view(group.line());
     const double before = elastic_now(state, group);
-    const double longer = state.feeds[group.wires()[leader]].advance - line.material_s[line.n - 1];
+    const double longer = state.feeds[next].advance - line.material_s[line.n - 1];
     const Vec3 forwards = (line.pos(0) - line.pos(1)).normalized();
     line.set_pos(0, line.pos(0) + longer * forwards);
     for (int i = 1; i < line.n; ++i) line.material_s[i] += longer;
     group.leader = leader;
-    group.feed.advance = state.feeds[group.wires()[leader]].advance;
+    group.feed.advance = state.feeds[next].advance;
     group.feed.surplus = group.feed.surplus_rate = 0;
     set_offsets(state, group);
     prepare_group(state.rods, group.wires(), group.shared.rod);
@@ -259,7 +281,32 @@ void feed_group(World::Impl& state, MergedGroup& group, double step, double h)
     audit.fed.unseen = speed == audit.speed ? 0 : moved * std::abs(speed * speed - audit.speed * audit.speed);
 }
 
-void lead_group(World::Impl& state, MergedGroup& group)
+double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt)
+{
+    if (!group.feed.inside) return 0;
+    constexpr double least_share = 0.01;          // of the step; what is gained in so much of it may be continued straight
+    constexpr int halvings = 30;                  // to 1e-9 of the step
+    const double least = 1e-6 * group.feed.edge;  // beyond rounding, so that the cut finds another one ahead [m]
+    const auto ahead = [&](double after) {
+        double others = -INFINITY, leader = 0;
+        for (int k = 0; k < group.shared.count(); ++k) {
+            const int w = group.wires()[k];
+            const double advance = state.hub_requests[w].path().at(state.wire_time[w] + after).advance;
+            if (k == group.leader) leader = advance + std::max(group.feed.surplus, 0.0);
+            else others = std::max(others, advance);
+        }
+        return others > leader + least;
+    };
+    if (ahead(0) || !ahead(dt)) return 0;
+    double before = 0, after = dt;
+    for (int k = 0; k < halvings; ++k) {
+        const double middle = 0.5 * (before + after);
+        (ahead(middle) ? after : before) = middle;
+    }
+    return after > (1 - least_share) * dt ? 0 : std::max(after, least_share * dt);
+}
+
+void lead_group(World::Impl& state, MergedGroup& group, double h)
 {
     if (!group.feed.inside) {  // a rigid piece in the introducer: its tip is the leader's
         group.leader = ahead_of_all(state, group);
@@ -269,7 +316,7 @@ void lead_group(World::Impl& state, MergedGroup& group)
     const int leader = ahead_of_all(state, group);
     const RodView line = state.rods.view(group.line());
     if (leader != group.leader && state.feeds[group.wires()[leader]].advance > line.material_s[line.n - 1])
-        change_leader(state, group, leader);
+        change_leader(state, group, leader, h);
 }
 
 void set_exposures(World::Impl& state)

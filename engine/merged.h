@@ -7,9 +7,11 @@
 // leader makes the base edge longer, as a wire's own feed does (solve/feed.h), and draws the others' offsets down, which stay at
 // the hub; a push of another one moves its offset alone.
 //
-// Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. When a sub-step has left
-// another instrument ahead, by what it has gained in that sub-step, the line is continued straight by that length, where nothing
-// bends it, and counts from the new tip.
+// Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so that
+// the new leader goes on from the very place of the old one's tip, and is pushed forwards by what follows. What little it has got
+// ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where nothing bends
+// it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The line's material is
+// the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of material and remeshing.
 //
 // Each instrument touches the wall where no other one is around it, with its own radius, friction and stiffness, its slip being
 // that of its own material: what is fed of it past the line counts (contact/quadrature.h, `offset` and `exposed`).
@@ -67,8 +69,11 @@ void check_merged(const WorldSetup& setup);
 
 /// Into the introducer, with as much inside as the feeds say.
 void place_group(World::Impl& state, MergedGroup& group);
-/// Before a sub-step: whoever is in farthest leads.
-void lead_group(World::Impl& state, MergedGroup& group);
+/// Before a sub-step of h [s]: whoever is in farthest leads.
+void lead_group(World::Impl& state, MergedGroup& group, double h);
+/// How long it takes from now until another instrument gets ahead of the leader; 0: not within dt, or so near one of its ends that
+/// the step need not be cut there [s].
+[[nodiscard]] double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt);
 /// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
 void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
 /// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.

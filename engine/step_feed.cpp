@@ -57,7 +57,7 @@ void constrain(World::Impl& state, int w, double t)
 void feed_merged(World::Impl& state, int line, double step, double h)
 {
     MergedGroup& group = *state.group_of(line);
-    lead_group(state, group);
+    lead_group(state, group, h);
     audit_remeshing(state, line);
     feed_group(state, group, step, h);
 }
@@ -85,15 +85,19 @@ void take_control(World::Impl& state, const Control& control, double dt)
     }
 }
 
-std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& report)
+std::span<const StepParts> feed_parts(World::Impl& state, double dt, StepReport& report)
 {
-    std::vector<int>& parts = state.parts;
+    std::vector<StepParts>& parts = state.parts;
     for (int s = 0; s < state.system_count(); ++s) {
-        int most = 1;
-        for (const int w : state.wires_of(s)) most = std::max(most, parts_of(state, w, dt));
+        StepParts most;
+        for (const int w : state.wires_of(s)) {
+            most.count = std::max(most.count, parts_of(state, w, dt));
+            if (const MergedGroup* group = state.group_of(w); group && w == group->line())
+                most.cut = lead_change_after(state, *group, dt);
+        }
         for (const int w : state.wires_of(s)) {
             parts[w] = most;
-            if (!state.retired[w]) note(state, report, w, StepOk, 0, most);
+            if (!state.retired[w]) note(state, report, w, StepOk, 0, most.count + (most.cut > 0));
         }
     }
     return parts;

@@ -13,8 +13,8 @@ namespace seldinger {
 /// Resolves the control to the way of each hub through the step.
 void take_control(World::Impl& state, const Control& control, double dt);
 /// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
-/// the base edge. All instruments of a system go in as many.
-[[nodiscard]] std::span<const int> feed_parts(World::Impl& state, double dt, StepReport& report);
+/// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as many.
+[[nodiscard]] std::span<const StepParts> feed_parts(World::Impl& state, double dt, StepReport& report);
 /// The hubs' advance and turn at the end of the sub-step: the base edge grows, or the piece in the introducer moves.
 void feed_hubs(World::Impl& state, const SubStep& sub);
 /// Holds, loads and links at the end of the sub-step; `live` wires are the ones that are solved and may touch the wall.

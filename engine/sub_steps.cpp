@@ -3,6 +3,7 @@
 #include "sub_steps.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace seldinger {
@@ -34,7 +35,12 @@ void WireMask::give_back()
 
 bool WireMask::any() const { return std::find(bytes_.begin(), bytes_.end(), 1) != bytes_.end(); }
 
-void SubSteps::begin(double dt, const WireMask& wires, std::span<const int> parts)
+void SubSteps::add(double length, const WireMask& wires, int parts, SubStep::After after)
+{
+    pending_.push_back({length / parts, wires, 0, parts, after});
+}
+
+void SubSteps::begin(double dt, const WireMask& wires, std::span<const StepParts> parts)
 {
     lost_ = WireMask(wires.size());
     pending_.clear();
@@ -44,7 +50,14 @@ void SubSteps::begin(double dt, const WireMask& wires, std::span<const int> part
         WireMask together(wires.size());
         for (std::size_t other = w; other < wires.size(); ++other)
             if (left[other] && parts[other] == parts[w]) together[other] = 1, left[other] = 0;
-        pending_.push_back({dt / parts[w], std::move(together), 0, parts[w], SubStep::After::Nothing});
+        const auto [count, cut] = parts[w];
+        if (!(cut > 0 && cut < dt)) {
+            add(dt, together, count, SubStep::After::Nothing);
+            continue;
+        }
+        const int before = std::clamp(static_cast<int>(std::ceil(count * cut / dt)), 1, count);
+        add(cut, together, before, SubStep::After::Nothing);
+        add(dt - cut, together, std::clamp(static_cast<int>(std::ceil(count * (dt - cut) / dt)), 1, count), SubStep::After::Part);
     }
     std::reverse(pending_.begin(), pending_.end());
 }

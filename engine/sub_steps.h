@@ -1,6 +1,7 @@
 #pragma once
 // How a step is divided. It is one sub-step where all goes well. A system that does not converge is put back and takes two halves
-// instead, down to h/512; a wire of which more than an edge is fed goes in parts, split and merged in between. What one system
+// instead, down to h/512; a wire of which more than an edge is fed goes in parts, split and merged in between, and a step in which
+// one instrument of a common centreline gets ahead of another is cut there. What one system
 // does has no say in what the others do: every sub-step names the instruments that take part.
 
 #include <cstdint>
@@ -43,14 +44,21 @@ struct SubStep {
     After after = After::Nothing;
 };
 
+/// Into what a step is divided for one instrument before anything has failed.
+struct StepParts {
+    int count = 1;   // as long as each other
+    double cut = 0;  // where the step is cut in two besides, each side in parts as short as these at least; 0: nowhere [s]
+    bool operator==(const StepParts&) const = default;
+};
+
 /// An update moves no node by more than half a radius, so that 20 m/s at 1/60 s takes h/512.
 inline constexpr int most_halvings = 9;
 
 /// What is still to be done of a step: the last in the list is the next.
 class SubSteps {
 public:
-    /// A new step for the wires of the mask. @param parts  per wire, at least 1: in how many it goes
-    void begin(double dt, const WireMask& wires, std::span<const int> parts);
+    /// A new step for the wires of the mask. @param parts  per wire: in how many it goes, at least 1, and where it is cut
+    void begin(double dt, const WireMask& wires, std::span<const StepParts> parts);
     /// The next sub-step without the wires that are lost; nullptr: the step is over. Valid until the next call.
     [[nodiscard]] const SubStep* next();
     /// These wires of the present sub-step have been put back: they go on in two halves.
@@ -59,6 +67,8 @@ public:
     void lose(const WireMask& wires);
 
 private:
+    void add(double length, const WireMask& wires, int parts, SubStep::After after);
+
     std::vector<SubStep> pending_;
     SubStep now_{0, WireMask(0)};
     WireMask lost_{0};

@@ -134,7 +134,7 @@ World::Impl::Impl(WorldSetup from) : setup(checked(std::move(from))), rods(capac
     divide_into_systems();
     feeds.resize(count);
     hub_requests.resize(count);
-    parts.assign(count, 1);
+    parts.assign(count, StepParts{});
     if (!setup.mesh.triangles.empty()) {
         wall.emplace(setup.vessel, setup.mesh, setup.centreline);
         if (setup.vessel.elastic) elastic_wall = std::make_unique<ElasticWall>(*wall);

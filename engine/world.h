@@ -101,7 +101,7 @@ struct World::Impl {
     std::vector<WireReport> wire_reports;     // per wire, of the last step
     std::vector<std::vector<double>> backup;  // per wire: its arrays before the step
     std::vector<FeedState> feed_backup;
-    std::vector<int> parts;  // per wire: sub-steps that feeding asks for
+    std::vector<StepParts> parts;  // per wire: sub-steps that feeding asks for
     SubSteps pending;
     HubScratch hub_scratch;
     std::vector<int> count_backup;

@@ -109,6 +109,26 @@ struct OldSpin {
     }
 };
 
+/// Curvature of the line's tip where nothing bends it, sum B_k R_k kappa_k / sum B_k, along the binormal (rod/coaxial.h) [1/m].
+Vec3 natural_at_tip(RodArrays& rods, std::span<const int> wires, const CoaxialRod& rod)
+{
+    const RodView line = rods.view(wires[0]);
+    const double s = line.material_s[0] + 0.25 * line.rest_length[0];  // the middle of the tip's half cell
+    const Vec3 t = line.tangent(0);
+    Vec3 moment = Vec3::Zero();
+    double stiffness = 0;
+    for (std::size_t k = 0; k < wires.size(); ++k) {
+        const CoaxialInstrument& one = rod.instrument[k];
+        const double material = s + one.offset;
+        if (material < 0) continue;
+        const WireSection& section = one.spec->at(std::min(material, one.spec->length));
+        const Vec3 n1 = turned(line.ref_d1(0), t, rods.view(wires[k]).theta[0]);
+        moment += section.bend_stiffness * (section.rest_curvature[0] * t.cross(n1) - section.rest_curvature[1] * n1);
+        stiffness += section.bend_stiffness;
+    }
+    return stiffness > 0 ? Vec3(moment / stiffness) : Vec3::Zero();
+}
+
 /// Nodes from `first` on move along the material by `added`.
 void move_hubwards(const RodView& line, int first, double added)
 {
@@ -155,7 +175,8 @@ SplitResult split_coaxial_edge(RodArrays& rods, std::span<const int> wires, Coax
     std::vector<OldSpin> spins;
     for (std::size_t k = 0; k < wires.size(); ++k) spins.emplace_back(rods.view(wires[k]), line, rod, static_cast<int>(k), a);
     const RodClamp sleeve = sleeve_of(line, base);
-    const Vec3 position = split_point(line, a, fraction, {&sleeve, 1});
+    const Vec3 natural = a == 0 ? natural_at_tip(rods, wires, rod) : Vec3::Zero();
+    const Vec3 position = split_point(line, a, fraction, {&sleeve, 1}, natural);
 
     for (const int w : wires) rods.insert_node(w, a + 1);
     line = rods.view(wires[0]);

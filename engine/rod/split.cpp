@@ -212,7 +212,7 @@ void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old
 
 }  // namespace
 
-Vec3 split_point(const RodView& rod, int j, double u, std::span<const RodClamp> clamps)
+Vec3 split_point(const RodView& rod, int j, double u, std::span<const RodClamp> clamps, const Vec3& natural)
 {
     const Vec3 xa = rod.pos(j), xb = rod.pos(j + 1);
     const double length = (xb - xa).norm();
@@ -222,9 +222,11 @@ Vec3 split_point(const RodView& rod, int j, double u, std::span<const RodClamp> 
     const bool known_a = at_a || j > 0, known_b = at_b || j + 2 < rod.n;
     Vec3 ta = at_a ? at_a->tangent : known_a ? parabola_tangent(rod, j) : chord;
     Vec3 tb = at_b ? at_b->tangent : known_b ? parabola_tangent(rod, j + 1) : chord;
-    // a free or hinged end carries no moment: zero second derivative of the cubic there
-    if (!known_a) ta = known_b ? Vec3(1.5 * chord - 0.5 * tb) : chord;
-    if (!known_b) tb = known_a ? Vec3(1.5 * chord - 0.5 * ta) : chord;
+    // A free or hinged end carries no moment: the cubic's second derivative is natural curvature there, L^2 k x t = 6 L chord -
+    // 4 L ta - 2 L tb. Without it the new node is k L^2/32 off, and bends by a quarter of k too little, however short the edge.
+    const Vec3 sag = 0.25 * length * natural.cross(chord);
+    if (!known_a) ta = known_b ? Vec3(1.5 * chord - 0.5 * tb - sag) : chord;
+    if (!known_b) tb = known_a ? Vec3(1.5 * chord - 0.5 * ta + sag) : chord;
 
     // speed that puts the middle of a circular arc on the circle: chord / cos^2(angle/4)
     const double speed = length * 2 / (1 + 0.5 * (ta + tb).norm());
@@ -255,7 +257,7 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = split_point(before, a, fraction, clamps);
+    const Vec3 position = split_point(before, a, fraction, clamps, Vec3::Zero());
 
     rods.insert_node(wire, a + 1);
     at_b.node = a + 2;
@@ -321,7 +323,7 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = split_point(before, a, fraction, clamps);
+    const Vec3 position = split_point(before, a, fraction, clamps, Vec3::Zero());
     scratch.provide(rods.capacity(wire));
     scratch.clamps.assign(clamps.begin(), clamps.end());
     for (RodClamp& clamp : scratch.clamps) clamp.node += clamp.node == a + 1;

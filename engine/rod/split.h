@@ -20,8 +20,8 @@ struct SplitResult {
 /// node has index edge + 1. Capacity must allow one node more; views taken before are stale afterwards.
 ///
 /// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and
-///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of zero curvature.
-///   Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
+///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of zero curvature
+///   (of natural curvature it would be nearer: split_point's `natural`, which a common centreline's tip has). Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
 /// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are
@@ -60,7 +60,8 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
 SplitResult merge_base_edges(RodArrays& rods, int wire, const WireSpec& spec, std::span<const RodClamp> clamps);
 
 /// Point at parameter u of the cubic that leaves node `edge` and arrives at the next one along the wire's tangents there.
-[[nodiscard]] Vec3 split_point(const RodView& rod, int edge, double u, std::span<const RodClamp> clamps);
+/// @param natural  curvature of the wire at rest at the edge's free end, if it has one, as a vector along the binormal [1/m]
+[[nodiscard]] Vec3 split_point(const RodView& rod, int edge, double u, std::span<const RodClamp> clamps, const Vec3& natural);
 /// Velocity of the new node a+1: linear along the wire, and what both new edges ask for if they are to be stretched as fast as
 /// the old one was [1/s]. A polygon that bends while it slides along itself does not move linearly between two nodes, and axial
 /// forces answer the difference v (kappa h)^2/8 with the impedance sqrt(EA rho A): tenths of a millinewton at some centimetres a

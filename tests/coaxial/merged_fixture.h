@@ -5,6 +5,10 @@
 #include "engine.h"
 #include "support/approx.h"
 
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -84,6 +88,22 @@ inline void turn_slowly(World& world, int wire, double advance, double from, dou
         const StepReport report = step(world, control, 0.01);
         REQUIRE_FALSE(report.failed());
     }
+}
+
+/// Both of a pair, 50 and 60 mm in, swing along by `outer` and 20 mm to each side and turn through each other, in steps of 1 ms.
+/// @param period  of the swing [steps]     @return the largest error of momentum [N]
+inline double swing_through_each_other(World& world, int steps, int period, double outer)
+{
+    double most = 0;
+    for (int k = 1; k <= steps; ++k) {
+        const double phase = 2 * pi * k / period;
+        Control control;
+        control.move_to(0, 0.05 + outer * (1 - std::cos(phase)), 0.5 * std::sin(phase));
+        control.move_to(1, 0.06 + 0.02 * std::sin(phase), 0.004 * k);
+        REQUIRE_FALSE(step(world, control, 1e-3).failed());
+        most = std::max(most, world.readings(0).momentum.error().norm());
+    }
+    return most;
 }
 
 /// Angle of an instrument about the direction of insertion, relative to a director carried along in parallel from the inlet, at a

@@ -140,20 +140,12 @@ TEST_SUITE("coaxial/merged loads")
         link.anchor = {0.08, 0.01, 0.005};
         setup.wires[1].links.push_back(link);
         World world(setup);
-        double most = 0;
-        for (int k = 1; k <= 1000; ++k) {
-            const double phase = 2 * pi * k / 500;
-            Control control;
-            control.move_to(0, 0.05 + 0.01 * (1 - std::cos(phase)), 0.5 * std::sin(phase));
-            control.move_to(1, 0.06 + 0.02 * std::sin(phase), 0.004 * k);
-            REQUIRE_FALSE(step(world, control, 1e-3).failed());
-            most = std::max(most, world.readings(0).momentum.error().norm());
-        }
-        CHECK(most < 1e-6);
+        CHECK(swing_through_each_other(world, 1000, 500, 0.01) < 1e-6);
         const EnergyLedger& ledger = world.readings(0).energy;
         const double turned_over = std::max({std::abs(ledger.hand), std::abs(ledger.outside), std::abs(ledger.wire), ledger.damping});
         CHECK(std::abs(ledger.outside) > 1e-6);
-        CHECK(std::abs(ledger.open()) < 0.005 * turned_over);
+        // most of it in the first step: half an edge in the inlet is set moving by no force that shows
+        CHECK(std::abs(ledger.open()) < 0.004 * turned_over);
     }
 
     TEST_CASE("property: a load beyond the instrument is refused")

@@ -13,6 +13,28 @@
 using namespace seldinger;
 using namespace seldinger::test;
 
+namespace {
+
+/// Friction by what presses, and what comes to rest soon.
+void rub_on_lumen(WorldSetup& setup, double mu)
+{
+    setup.integrator.damping_mass = 100;
+    setup.coaxial[0].lumen_friction = true;
+    setup.coaxial[0].mu_static = setup.coaxial[0].mu_sliding = mu;
+}
+
+/// At the inner one's. @param ramp  time in which it comes on [s]
+void pull_at_tip(WorldSetup& setup, const Vec3& force, double ramp)
+{
+    LoadSpec load;
+    load.at.kind = WirePoint::Kind::Tip;
+    load.force = force;
+    load.ramp = ramp;
+    setup.wires[1].loads.push_back(load);
+}
+
+}  // namespace
+
 TEST_SUITE("coaxial/merged lumen")
 {
     // A curved catheter over a straight wire at a clearance of 0.1 mm, the wire pushed: what presses is what straightens the one and
@@ -81,16 +103,9 @@ TEST_SUITE("coaxial/merged lumen")
             wire.shaft.radius = 0.4e-3;
             wire.shaft.stretch_stiffness = 2e4;
             for (WireSectionRange& range : wire.sections) range.section = wire.shaft;
-            setup.wires[0].wire.lumen_radius = 0.49e-3;
-            setup.integrator.damping_mass = 100;
             setup.integrator.tolerance = 1e-6;
-            setup.coaxial[0].lumen_friction = true;
-            setup.coaxial[0].mu_static = setup.coaxial[0].mu_sliding = mu;
-            LoadSpec weight;
-            weight.at.kind = WirePoint::Kind::Tip;
-            weight.force = {0, 0, pull};  // the way it leaves, after a quarter turn to +z
-            weight.ramp = 0.05;
-            setup.wires[1].loads.push_back(weight);
+            rub_on_lumen(setup, mu);
+            pull_at_tip(setup, {0, 0, pull}, 0.05);  // the way it leaves, after a quarter turn to +z
             World world(setup);
             (void)move(world, 1, 0, 0, 200, 1e-3);
             const WireReadings drawn = move(world, 1, -0.01, 0, 200, 1e-3);
@@ -111,15 +126,10 @@ TEST_SUITE("coaxial/merged lumen")
             setup.wires[0].wire.lumen_radius = radius + room;
             for (WireSectionRange& range : setup.wires[0].wire.sections) range.section.radius = 2 * radius;
             setup.wires[0].wire.shaft.radius = 2 * radius;
-            setup.integrator.damping_mass = 100;
             setup.integrator.tolerance = 1e-7;
+            rub_on_lumen(setup, mu);
             setup.coaxial[0].lumen_friction = friction;
-            setup.coaxial[0].mu_static = setup.coaxial[0].mu_sliding = mu;
-            LoadSpec load;
-            load.at.kind = WirePoint::Kind::Tip;
-            load.force = {0, 0, across};
-            load.ramp = 0.1;
-            setup.wires[1].loads.push_back(load);
+            pull_at_tip(setup, {0, 0, across}, 0.1);
             World world(setup);
             (void)move(world, 1, 0, 0, 300, 2e-3);
             return move(world, 1, -1e-3, 0, 100, 1e-3).hand_force;

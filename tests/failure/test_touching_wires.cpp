@@ -137,6 +137,28 @@ double most_curved(const ConstRodView& rod)
     return most;
 }
 
+/// What is the same all along a wire that nothing rubs, whatever pushes it aside: its energy does not say where along it one is
+/// [Clauvelin09]. H = n.t + B kappa^2/2, of stretch N/EA counted as N + N^2/(2 EA), less what contact stores per length there.
+struct Balance {
+    double least = INFINITY, most = -INFINITY;  // of H at inner nodes [N]
+    double pull = 0;                            // H of the straight end [N]
+    explicit Balance(const ConstRodView& rod)
+    {
+        const auto axial = [&](int j) {
+            const double stretch = (rod.pos(j + 1) - rod.pos(j)).norm() / rod.rest_length[j] - 1, ea = rod.stretch_stiffness[j];
+            return ea * stretch * (1 + 0.5 * stretch);
+        };
+        for (int i = 1; i + 1 < rod.n; ++i) {
+            const Vec3 before = rod.pos(i) - rod.pos(i - 1), after = rod.pos(i + 1) - rod.pos(i);
+            const double kappa = std::atan2(before.cross(after).norm(), before.dot(after)) / rod.voronoi_length(i);
+            const double h = 0.5 * (axial(i - 1) + axial(i)) + 0.5 * rod.bend_stiffness[i] * kappa * kappa;
+            least = std::min(least, h);
+            most = std::max(most, h);
+        }
+        pull = axial(0);
+    }
+};
+
 std::string tell(const Pressed& seen)
 {
     return fmt::format(
@@ -253,6 +275,17 @@ TEST_SUITE("failure/touching_wires")
             if (mu == 0) CHECK(seen.halved < steps / 10);  // stick and slip of every contact at once: more of them
             CHECK(seen.contacts >= 6);
             if (mu == 0) CHECK(most_curved(world.rod(0)) * 2 * r > 1);
+            if (mu == 0) {
+                const Balance balance(world.rod(0));
+                double per_length = 0;
+                for (const ContactRow& row : seen.end) per_length = std::max(per_length, row.per_length);
+                CHECK(balance.pull > 0.5);
+                // edges of one radius turn by up to 0.56 in the knot, and the bending energy there by (kappa h)^2/12 of itself
+                CHECK(balance.least > (1 - 0.56 * 0.56 / 12) * balance.pull);
+                CHECK(balance.most > balance.pull);
+                CHECK(balance.most <
+                      balance.pull + 0.5 * per_length * world.readings(0).overlap);  // a law of exponent 1 stores most
+            }
             CHECK(world.readings(0).normal > 0);  // it is still one
         }
     }

@@ -138,6 +138,29 @@ TEST_SUITE("rod/split")
             }
     }
 
+    // Of a circle the cubic is off by O(h^4) where its end has the circle's curvature; taken for straight there it is off by h^2/32.
+    TEST_CASE("analytic: the point of a split at a free end lies on an arc at rest")
+    {
+        for (const bool tip : {true, false}) {
+            CAPTURE(tip);
+            double off[3] = {}, straight[3] = {};
+            for (int k = 0; k < 3; ++k) {
+                const int edges = 8 << k;
+                OneWire wire(edges + 1);
+                std::vector<Vec3> nodes;
+                for (int i = 0; i <= edges; ++i) nodes.emplace_back(std::cos(1.0 * i / edges), std::sin(1.0 * i / edges), 0);
+                wire.place(nodes);
+                const int edge = tip ? 0 : edges - 1;
+                off[k] = std::abs(split_point(wire.rod, edge, 0.5, {}, Vec3::UnitZ()).norm() - 1);
+                straight[k] = std::abs(split_point(wire.rod, edge, 0.5, {}, Vec3::Zero()).norm() - 1);
+                CHECK(straight[k] == about(1.0 / 32 / (edges * edges)).epsilon(0.05));
+            }
+            CHECK(off[0] < 0.02 * straight[0]);
+            CHECK(off[1] < 0.1 * off[0]);  // a factor 16 each, with room
+            CHECK(off[2] < 0.1 * off[1]);
+        }
+    }
+
     TEST_CASE("property: split, then merge, returns to where it was")
     {
         for (const bool base : {true, false}) {
