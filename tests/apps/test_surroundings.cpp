@@ -97,6 +97,10 @@ TEST_SUITE("apps/surroundings")
                 linked(name, "/dev/zero");
                 refused("render Q", name);
             }
+        linked("summary.json", "summary.json");
+        fs::remove(folder.path / "Q/summary.json");
+        folder.write("Q/summary.json", "{\"a\":" + std::string(200'000, '[') + std::string(200'000, ']') + "}");
+        refused("report Q", "is nested deeper than 32 levels");
         const std::string list = slurp(folder.path / "R/wire.pvd"), first = "file=\"wire_000000.vtp\"";
         REQUIRE(list.find(first) != std::string::npos);
         std::string away = list, twice = list;
