@@ -263,7 +263,7 @@ void check_setup(const WorldSetup& setup)
         const WireSetup& wire = setup.wires[w];
         const std::string where = fmt::format("wires[{}]", w);
         check_wire(wire.wire, where + ".wire");
-        check_samples(wire, where);
+        if (!setup.mesh.triangles.empty() || setup.instruments_touch) check_samples(wire, where);
         check_feed(wire, where + ".feed");
         check_agreement(wire.contact, setup.wires[0].contact, where + ".contact");
     }

@@ -212,7 +212,7 @@ double TableReader::checked(const toml::node& at, std::string_view key, const Ra
     if (!at.is_number()) wrong(at, key, range.says);
     const double value = at.value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
     if (!std::isfinite(value) || !range.contains(value)) wrong(at, key, range.says);
-    if (range.low == 0 && range.low_open && value < smallest)
+    if (range.low == 0 && range.low_open && value < smallest && !key.ends_with("_s"))
         wrong(at, key, fmt::format("{}, at least {:g}", range.says, smallest));
     if (const double most = largest(key); std::abs(value) > most) wrong(at, key, fmt::format("{}, at most {:g}", range.says, most));
     return value;

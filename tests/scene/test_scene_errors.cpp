@@ -156,19 +156,22 @@ TEST_SUITE("scene/scene_errors")
         "property: sizes whose powers are no numbers, or that make more places than there is memory for, are refused by their "
         "key")
     {
-        for (const char* key : {"wire.density", "wire.radius_m", "wire.bend_nm2", "wire.length_m", "scene.dt_s"})
+        for (const char* key : {"wire.density", "wire.radius_m", "wire.bend_nm2", "wire.length_m"})
             for (const char* value : {"1e-308", "1e-31"})
                 check_mistake({good,
                                {fmt::format("{}={}", key, value)},
                                fmt::format("{}: expected a number above 0, at least 1e-30", key)});
         CHECK_NOTHROW((void)read_scene_text(good, "good.toml", std::vector<std::string>{"wire.density=1e-30"}));
         // contact is looked for once a radius: of 0.3 m half a million times at most
-        check_mistake({good, {"wire.radius_m=5e-7"}, "wire.radius_m: 5e-07 m is thinner than 2e-06 to the wire's length, 0.3 m"});
-        CHECK_NOTHROW((void)read_scene_text(good, "good.toml", std::vector<std::string>{"wire.radius_m=7e-7"}));
-        check_mistake({good + "[[wire.section]]\nfrom_tip_m = [0.0, 0.01]\nradius_m = 1e-12\n",
+        const std::string walled = good + "[vessel]\nshape = \"tube\"\nradius_m = 0.005\nlength_m = 0.3\n";
+        const std::vector<std::string> thin = {"wire.radius_m=5e-7"}, just = {"wire.radius_m=7e-7"};
+        check_mistake({walled, thin, "wire.radius_m: 5e-07 m is thinner than 2e-06 to the wire's length, 0.3 m"});
+        CHECK_NOTHROW((void)read_scene_text(walled, "good.toml", just));
+        CHECK_NOTHROW((void)read_scene_text(good, "good.toml", thin));  // nothing to touch
+        check_mistake({walled + "[[wire.section]]\nfrom_tip_m = [0.0, 0.01]\nradius_m = 1e-12\n",
                        {},
                        "wire.section.0.radius_m: 1e-12 m is thinner"});
-        check_mistake({good, {"wire.length_m=9999.0"}, "wire.radius_m: 0.0004 m is thinner"});
+        check_mistake({walled, {"wire.length_m=9999.0"}, "wire.radius_m: 0.0004 m is thinner"});
     }
 
     TEST_CASE("property: a text that ends before it ends names no file")
