@@ -2,6 +2,7 @@
 #include "assets.h"
 
 #include "core/child_process.h"
+#include "core/note.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,8 +28,8 @@ bool draw_with(const std::string& script, const std::vector<std::string>& argume
     words.insert(words.end(), arguments.begin(), arguments.end());
     const pid_t script_run = start_program(words);
     if (script_run > 0 && wait_for_program(script_run) == 0) return true;
-    fmt::print(stderr, "seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
-               fmt::join(words, " "));
+    note(fmt::format("seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
+                     fmt::join(words, " ")));
     return false;
 }
 

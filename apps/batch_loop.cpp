@@ -3,6 +3,7 @@
 
 #include "core/file_io.h"
 #include "core/file_lock.h"
+#include "core/note.h"
 #include "core/parallel.h"
 #include "core/sealed_file.h"
 #include "elapsed.h"
@@ -248,8 +249,8 @@ private:
                 ExitCode::BadFile,
                 fmt::format("{}: the vessel has changed since the batch began; run again with --overwrite", file.string()));
         if (before != device_ && !options_.quiet)
-            fmt::print(stderr, "seldinger: resumed on \"{}\" after \"{}\": the bits may differ from a batch in one piece\n",
-                       device_, before);
+            note(fmt::format("seldinger: resumed on \"{}\" after \"{}\": the bits may differ from a batch in one piece\n",
+                             device_, before));
         try {
             world_->restore(at, end);
         } catch (const Error& error) {

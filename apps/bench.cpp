@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
+#include "core/note.h"
 #include "device/enumerate.h"
 #include "stop_signal.h"
 
@@ -31,7 +32,7 @@ constexpr long quick_steps = 600;
 /// One line on stderr; nothing when it is not a terminal.
 void show(const Options& options, const std::string& doing)
 {
-    if (!options.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", doing);
+    if (!options.quiet && isatty(STDERR_FILENO)) note(fmt::format("\r\033[K{}", doing));
 }
 
 void stop_when_asked()

@@ -5,6 +5,7 @@
 #include "baselines/baselines.h"
 #include "commands.h"
 #include "core/file_lock.h"
+#include "core/note.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ struct Options {
 /// One line on stderr; nothing when it is not a terminal.
 void show(const std::string& doing)
 {
-    if (isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K{}", doing);
+    if (isatty(STDERR_FILENO)) note(fmt::format("\r\033[K{}", doing));
 }
 
 /// Only what a chart writes: a folder of the user's may hold other things.

@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
+#include "setup_check.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -54,6 +55,7 @@ void add_check(CLI::App& app, Command& chosen)
             const Scene scene = read_scene(options->file, options->overrides);
             RepairReport vessel;
             const WorldSetup setup = make_setup(scene, -1, &vessel);
+            check_world_setup(setup);
             print(describe(scene, vessel, setup));
             return ExitCode::Done;
         };

@@ -3,6 +3,7 @@
 
 #include "core/child_process.h"
 #include "core/file_io.h"
+#include "core/note.h"
 #include "core/printable.h"
 #include "stop_signal.h"
 
@@ -141,7 +142,7 @@ ExitCode run_here(const fs::path& dir, const FarmPlan& plan, const LocalBackend&
         if (shows) {
             std::size_t done = 0;
             for ([[maybe_unused]] const auto& entry : fs::directory_iterator(dir / "done")) ++done;
-            fmt::print(stderr, "\r\033[Ktask {} of {}{}", done, plan.tasks, workers.empty() ? "\r\033[K" : "");
+            note(fmt::format("\r\033[Ktask {} of {}{}", done, plan.tasks, workers.empty() ? "\r\033[K" : ""));
         }
         if (!workers.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(shows ? 200 : 5));
     }

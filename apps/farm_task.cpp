@@ -3,6 +3,7 @@
 
 #include "batch_loop.h"
 #include "core/file_io.h"
+#include "core/note.h"
 #include "core/parallel.h"
 #include "core/printable.h"
 #include "elapsed.h"
@@ -187,7 +188,7 @@ ExitCode do_all_tasks(const fs::path& dir, const FarmPlan& plan, const TaskOptio
             const ExitCode code = do_task(dir, plan, task, options);
             if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted) return code;
         } catch (const Error& error) {
-            fmt::print(stderr, "seldinger: task {}: {}\n", task, error.what());
+            note(fmt::format("seldinger: task {}: {}\n", task, error.what()));
             worst = error.code();
         }
     }

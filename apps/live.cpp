@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
+#include "core/note.h"
 #include "live_model.h"
 #include "session/session.h"
 #include "session/web_server.h"
@@ -39,7 +40,8 @@ void note_rate(const Session& session, double rate, bool& noted)
     const auto steps = session.steps_so_far();
     if (noted || static_cast<double>(steps) < rate || 2 * session.late_so_far() < steps) return;
     noted = true;
-    fmt::print(stderr, "this scene cannot keep {} steps a second here: time stretches; give --tolerance 0.5mm, or a lower --rate\n", rate);
+    note(fmt::format("this scene cannot keep {} steps a second here: time stretches; give --tolerance 0.5mm, or a lower --rate\n",
+                     rate));
 }
 
 void wait_for_end(Session& session, double rate)

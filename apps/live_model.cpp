@@ -3,6 +3,7 @@
 
 #include "child_process.h"
 #include "commands.h"
+#include "core/note.h"
 #include "quantity.h"
 #include "stop_signal.h"
 #include "study/planner.h"
@@ -38,9 +39,9 @@ Plan planned(const Scene& scene, const LiveModelWish& wish)
     what.device = wish.device;
     what.stop = [] { return stop_asked_for() != 0; };
     const bool shows = !wish.quiet && isatty(STDERR_FILENO) != 0;
-    if (shows) what.progress = [](const std::string& doing) { fmt::print(stderr, "\r\033[K{}", doing); };
+    if (shows) what.progress = [](const std::string& doing) { note(fmt::format("\r\033[K{}", doing)); };
     Plan plan = make_plan(load_study_scene(scene, wish.device), what);
-    if (shows) fmt::print(stderr, "\r\033[K");
+    if (shows) note("\r\033[K");
     return plan;
 }
 
@@ -81,8 +82,8 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
         throw Error(ExitCode::Stopped, fmt::format("choosing the model ended with code {}; try `seldinger plan` on the scene", end.code));
     if (said.contains("code")) throw Error(static_cast<ExitCode>(said["code"].get<int>()), said["message"].get<std::string>());
     if (!wish.quiet)
-        fmt::print(stderr, "model: {}; within {:.2g} mm, {:.2g} s of computation a second where it is slowest\n", said["label"].get<std::string>(),
-                   1e3 * said["error"].get<double>(), said["slowest"].get<double>());
+        note(fmt::format("model: {}; within {:.2g} mm, {:.2g} s of computation a second where it is slowest\n",
+                         said["label"].get<std::string>(), 1e3 * said["error"].get<double>(), said["slowest"].get<double>()));
     Scene chosen = read_scene_text(said["scene"].get<std::string>(), source);
     chosen.source = scene.source;
     chosen.task = scene.task;

@@ -1,10 +1,12 @@
 // seldinger: the command. Reads the command line, runs one subcommand, turns every error into one line and an exit code.
 
 #include "commands.h"
+#include "core/note.h"
 #include "core/printable.h"
 #include "engine.h"
 #include "stop_signal.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -12,20 +14,24 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 namespace seldinger::apps {
 namespace {
 
-constexpr std::size_t longest_line = 4000;
+constexpr std::size_t longest_line = 4000, longest_shown_word = 400;
 
 /// One line, whatever an exception's text holds: names and texts in it are others'.
 int complain(std::string message, ExitCode code)
 {
-    message = one_line(printable(message, longest_line));  // an argument or another library's exception may quote a file, too
+    // an argument or another library's exception may quote a file, too
+    message = one_line(printable(with_short_words(message, longest_shown_word), longest_line));
     while (!message.empty() && message.back() == ' ') message.pop_back();
-    fmt::print(stderr, "seldinger: {}\n", message);
+    note(fmt::format("seldinger: {}\n", message));
     return static_cast<int>(code);
 }
 
@@ -64,6 +70,19 @@ int run_command_line(int argc, char** argv)
     return static_cast<int>(chosen());
 }
 
+std::string limited(const std::exception& error)
+{
+    return fmt::format("the system refuses: {}; is memory or the number of processes limited (ulimit -a)?", error.what());
+}
+
+/// Where stdin, stdout or stderr is closed, the first file that is opened would get its number, and results or an error would be
+/// written into it. What cannot be written to takes the place, so that they are refused instead.
+void occupy_closed_streams()
+{
+    for (int fd = 0; fd <= 2; ++fd)
+        if (::fcntl(fd, F_GETFD) < 0) (void)::open("/dev/null", O_RDONLY);  // the lowest number that is free
+}
+
 }  // namespace
 
 void print(std::string_view given)
@@ -90,14 +109,24 @@ int main(int argc, char** argv)
     // a limit on file sizes and a closed pipe are errors of a write, not the end of the process
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
+    apps::occupy_closed_streams();
     try {
         apps::watch_signals();
         return apps::run_command_line(argc, argv);
     } catch (const Error& error) {
         return apps::complain(error.what(), error.code());
+    } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a folder that one may not look into
+        return apps::complain(
+            fmt::format("{}: cannot be used: {}; check the path", error.path1().string(), error.code().message()),
+            ExitCode::BadFile);
+    } catch (const std::system_error& error) {  // no thread to be had
+        return apps::complain(apps::limited(error), ExitCode::BadFile);
     } catch (const std::bad_alloc&) {
         return apps::complain("out of memory; take a coarser mesh or fewer nodes", ExitCode::BadFile);
     } catch (const std::exception& error) {
+        // oneTBB has no type of its own for a thread that it does not get
+        if (std::string_view(error.what()).starts_with("pthread_create"))
+            return apps::complain(apps::limited(error), ExitCode::BadFile);
         return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ExitCode::Stopped);
     } catch (...) {
         return apps::complain("unknown error; please report the command that led here", ExitCode::Stopped);

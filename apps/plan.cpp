@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "core/file_lock.h"
+#include "core/note.h"
 #include "plan_report.h"
 #include "quantity.h"
 #include "stop_signal.h"
@@ -61,13 +62,13 @@ ExitCode plan_scene(Options& options)
     const FileLock lock = FileLock::of_file(options.plan);
     what.stop = [] { return stop_asked_for() != 0; };
     const bool shows = !options.quiet && isatty(STDERR_FILENO) != 0;
-    if (shows) what.progress = [](const std::string& doing) { fmt::print(stderr, "\r\033[K{}", doing); };
+    if (shows) what.progress = [](const std::string& doing) { note(fmt::format("\r\033[K{}", doing)); };
     const StudyScene scene = [&] {
         const NoPolling loading;
         return load_study_scene(read_scene(options.scene), what.device);
     }();
     const Plan plan = make_plan(scene, what);
-    if (shows) fmt::print(stderr, "\r\033[K");
+    if (shows) note("\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
         throw Error(exit_code(plan),
                     fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on",

@@ -1,5 +1,6 @@
 // The line on a terminal that follows a run or a batch, redrawn four times a second.
 #include "progress.h"
+#include "core/note.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,7 +12,7 @@ Progress::Progress(const Scene& scene, bool quiet) : scene_(scene), on_(!quiet &
 
 Progress::~Progress()
 {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
+    if (drawn_) note("\r\033[K");
 }
 
 void Progress::show(const Recorder& recorder, double wall)
@@ -21,8 +22,8 @@ void Progress::show(const Recorder& recorder, double wall)
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(250);
     const double done = static_cast<double>(recorder.tally().steps), all = static_cast<double>(scene_.steps());
-    fmt::print(stderr, "\r\033[Kstep {:.0f} of {:.0f}, inserted {:.2f} cm, {:.2f} x real time, {:.0f} s left", done, all,
-               1e2 * recorder.readings().inserted, done * scene_.dt / wall, wall * (all - done) / done);
+    note(fmt::format("\r\033[Kstep {:.0f} of {:.0f}, inserted {:.2f} cm, {:.2f} x real time, {:.0f} s left", done, all,
+                     1e2 * recorder.readings().inserted, done * scene_.dt / wall, wall * (all - done) / done));
     drawn_ = true;
 }
 
@@ -30,7 +31,7 @@ BatchProgress::BatchProgress(std::size_t runs, bool quiet) : runs_(runs), on_(!q
 
 BatchProgress::~BatchProgress()
 {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
+    if (drawn_) note("\r\033[K");
 }
 
 void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds, const BatchWorld& state, double rate)
@@ -45,8 +46,8 @@ void BatchProgress::show(std::size_t done, std::size_t world, std::size_t worlds
         (static_cast<double>(done) + inside * static_cast<double>(state.running())) / static_cast<double>(runs_);
     constexpr int width = 24;
     const int filled = std::min(width, static_cast<int>(fraction * width));
-    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled,
-               "", width - filled, done, runs_, world + 1, worlds, state.step_count(), state.steps_in_all(), rate);
+    note(fmt::format("\r\033[K[{:#<{}}{:.<{}}] {} of {} runs, world {} of {}, step {} of {}, {:.0f} wire-steps/s", "", filled, "",
+                     width - filled, done, runs_, world + 1, worlds, state.step_count(), state.steps_in_all(), rate));
     drawn_ = true;
 }
 

@@ -4,6 +4,7 @@
 //                  50mN]
 
 #include "commands.h"
+#include "core/note.h"
 #include "quantity.h"
 #include "render_fluoro.h"
 
@@ -113,7 +114,7 @@ ExitCode render(const Options& options)
     if (options.frames.quiet) return ExitCode::Done;
     print_paths(paths);
     if (what.legend && !legend_fits(width, height))
-        fmt::print(stderr, "seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height);
+        note(fmt::format("seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height));
     return ExitCode::Done;
 #else
     (void)width, (void)height;

@@ -2,6 +2,7 @@
 #include "render_frames.h"
 
 #include "commands.h"
+#include "core/note.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -59,11 +60,11 @@ FrameProgress FrameWatch::progress() const
     return [shows = shows_](std::size_t done, std::size_t all, double seconds) {
         const auto n = static_cast<double>(done);
         if (shows)
-            fmt::print(stderr, "\r\033[Kframe {} of {}, {:.1f} frames/s, {:.0f} s left{}", done, all, n / seconds,
-                       seconds * static_cast<double>(all - done) / n, done == all ? "\r\033[K" : "");
+            note(fmt::format("\r\033[Kframe {} of {}, {:.1f} frames/s, {:.0f} s left{}", done, all, n / seconds,
+                             seconds * static_cast<double>(all - done) / n, done == all ? "\r\033[K" : ""));
         const int signal = done < all ? stop_asked_for() : 0;
         if (signal == 0) return;
-        if (shows) fmt::print(stderr, "\r\033[K");
+        if (shows) note("\r\033[K");
         throw Error(signal == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
                     fmt::format("stopped after {} of {} frames; run again with --resume", done, all));
     };

@@ -155,11 +155,21 @@ void add_directions(const fs::path& scene_file, nlohmann::json& data)
         data["target"] = {{"point", {scene.task.point.x(), scene.task.point.y(), scene.task.point.z()}}, {"radius", scene.task.radius}};
 }
 
+constexpr int deepest_summary = 32;  // a run's has four; what writes the page calls itself once for each
+
 /// @throws Error BadFile
 nlohmann::json summary_in(const fs::path& dir)
 {
     const fs::path file = dir / "summary.json";
-    nlohmann::json summary = nlohmann::json::parse(read_file(file), nullptr, false);
+    bool deep = false;
+    const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+        deep |= depth > deepest_summary;
+        return !deep;
+    };
+    nlohmann::json summary = nlohmann::json::parse(read_file(file), shallow, false);
+    if (deep)
+        throw Error(ExitCode::BadFile,
+                    fmt::format("{}: is nested deeper than {} levels; no run's is", file.string(), deepest_summary));
     if (!summary.is_object())
         throw Error(ExitCode::BadFile, file.string() + ": is damaged, no JSON object; run again with --overwrite");
     return summary;

@@ -1,7 +1,9 @@
 // What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
 
+#include "contact/quadrature.h"
 #include "core/error.h"
 #include "merged.h"
+#include "setup_check.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/mesh_limits.h"
 #include "wall/wall_model.h"
@@ -72,6 +74,20 @@ void check_wire(const WireSpec& wire, const std::string& where)
         if (!(range.begin < range.end)) refuse(section, fmt::format("begins at {} and ends at {}", range.begin, range.end));
         check_section(range.section, section + ".section");
     }
+}
+
+/// So many that a world can hold them.
+void check_samples(const WireSetup& wire, const std::string& where)
+{
+    double radius = wire.wire.shaft.radius;
+    for (const WireSectionRange& range : wire.wire.sections) radius = std::min(radius, range.section.radius);
+    if (wire.wire.length > most_slender * radius)
+        refuse(where + ".wire.length", fmt::format("is {} m, expected at most {:g} times the smallest radius, {} m",
+                                                   wire.wire.length, most_slender, radius));
+    if (double(wire.wire.nodes) * wire.contact.samples_per_edge > most_samples)
+        refuse(where + ".contact.samples_per_edge",
+               fmt::format("is {} for {} nodes, expected at most {:g} samples in all; take fewer of either",
+                           wire.contact.samples_per_edge, wire.wire.nodes, most_samples));
 }
 
 void check_feed(const WireSetup& wire, const std::string& where)
@@ -247,6 +263,7 @@ void check_setup(const WorldSetup& setup)
         const WireSetup& wire = setup.wires[w];
         const std::string where = fmt::format("wires[{}]", w);
         check_wire(wire.wire, where + ".wire");
+        if (!setup.mesh.triangles.empty() || setup.instruments_touch) check_samples(wire, where);
         check_feed(wire, where + ".feed");
         check_agreement(wire.contact, setup.wires[0].contact, where + ".contact");
     }
@@ -254,6 +271,8 @@ void check_setup(const WorldSetup& setup)
     check_touching(setup);
     check_merged(setup);
 }
+
+void check_world_setup(const WorldSetup& setup) { check_setup(setup); }
 
 void check_request(const World::Impl& state, const Control& control, double dt)
 {

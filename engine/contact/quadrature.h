@@ -45,6 +45,10 @@ struct QuadratureSet {
     [[nodiscard]] int total() const { return static_cast<int>(models.size()); }
 };
 
+/// Bounds, above which quadrature points would fill the memory (some 400 bytes each) before anything is computed: of a wire's length
+/// in its smallest radii, several times that of 3 m of 0.1 mm, and of nodes times samples_per_edge.
+inline constexpr double most_slender = 5e5, most_samples = 2e6;
+
 /// Contact coefficients per section come from the wire's sections.
 [[nodiscard]] QuadratureSet make_quadrature(const ContactSetup& setup);
 

@@ -56,6 +56,29 @@ std::string printable(std::string_view text, std::size_t most)
     return shown;
 }
 
+std::string with_short_words(std::string_view text, std::size_t most)
+{
+    std::string shown;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
+        const std::string_view word = text.substr(at, end - at);
+        if (word.size() <= most) shown += word;
+        else {
+            const std::string said = "[..." + std::to_string(word.size()) + " characters...]";
+            const auto inside = [&](std::size_t k) {
+                return (static_cast<unsigned char>(word[k]) & 0xc0) == 0x80;
+            };  // of a UTF-8 character
+            std::size_t front = (most - said.size()) / 2, back = word.size() - front;
+            while (front > 0 && inside(front)) --front;
+            while (back < word.size() && inside(back)) ++back;
+            shown.append(word.substr(0, front)).append(said).append(word.substr(back));
+        }
+        if (end < text.size()) shown += text[end];
+        at = end + 1;
+    }
+    return shown;
+}
+
 std::string one_line(std::string text)
 {
     std::replace_if(

@@ -1,6 +1,7 @@
 // Tries the cache's folder by a file of some size, walks through its shared objects, and finds another folder where it must.
 #include "device/kernel_cache.h"
 
+#include "core/note.h"
 #include "core/printable.h"
 
 #include <elf.h>
@@ -135,6 +136,8 @@ int remove_cut_kernels(const fs::path& dir)
 
 void prepare_kernel_cache()
 {
+    // PoCL ends the process over an empty one; to everybody else it is none
+    if (const char* given = std::getenv("POCL_CACHE_DIR"); given && !*given) ::unsetenv("POCL_CACHE_DIR");
     const fs::path dir = kernel_cache_folder();
     const int problem = try_to_write(dir);
     if (problem == 0) {
@@ -144,12 +147,12 @@ void prepare_kernel_cache()
     const std::string what = fmt::format("seldinger: the kernel cache {} cannot be written to: {}", printable(dir.string()),
                                          std::strerror(problem));
     if (!make_own_folder()) {
-        fmt::print(stderr, "{}; set POCL_CACHE_DIR to a folder that can\n", what);
+        note(fmt::format("{}; set POCL_CACHE_DIR to a folder that can\n", what));
         return;
     }
     ::setenv("POCL_CACHE_DIR", own_folder.c_str(), 1);
     std::atexit(remove_own_folder);
-    fmt::print(stderr, "{}; kernels are built anew, for this run alone; set POCL_CACHE_DIR to a folder that can\n", what);
+    note(fmt::format("{}; kernels are built anew, for this run alone; set POCL_CACHE_DIR to a folder that can\n", what));
 }
 
 }  // namespace seldinger::device

@@ -146,7 +146,8 @@ std::vector<const toml::node*> included(const toml::node& node)
         for (const toml::node& item : *list) items.push_back(&item);
     else items.push_back(&node);
     for (const toml::node* item : items)
-        if (!item->is_string() || item->value<std::string>()->empty())
+        if (!item->is_string() || item->value<std::string>()->empty() ||
+            item->value<std::string>()->find('\0') != std::string::npos)  // the system would read the name up to there
             fail_at(item->source(), "include", "expected a file's path in quotes, or a list of them");
     return items;
 }

@@ -205,8 +205,8 @@ Scene read_root(const toml::table& root, const std::filesystem::path& file)
     read_contact(table("contact"), scene);
     if (!all.has("instrument") && all.has("coaxial")) all.fail("coaxial", "joins several [[instrument]]; take it out");
     const toml::table* feed = find_table(root, "feed");
-    if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
     if (const toml::table* vessel = find_table(root, "vessel")) read_vessel_table(*vessel, scene);
+    if (!all.has("instrument")) read_wire_table(table("wire"), "wire", {}, feed != nullptr, scene, scene);
     if (all.has("instrument")) read_instruments(root, scene);
     else if (feed) read_feed_table(*feed, "feed", {}, scene, scene);
     check_contact_lengths(TableReader(table("contact"), "contact", contact_keys), scene);

@@ -1,4 +1,5 @@
 // Several instruments: [[instrument]] with their feeds, and [coaxial], which says what is inside what.
+#include "rod/coaxial.h"
 #include "scene/scene_layers.h"
 #include "scene/scene_read.h"
 
@@ -16,6 +17,8 @@ constexpr std::size_t longest_name = 40;
 constexpr std::string_view taken_names[] = {"trace", "contacts",   "wall",  "vessel", "summary",
                                             "scene", "checkpoint", "frame", "picture"};
 
+const std::string trace_prefix = "trace_";  // of trace_NAME.csv, beside NAME.csv
+
 void check_name(const TableReader& t, const std::string& name, const Scene& scene, int count)
 {
     const bool plain =
@@ -25,8 +28,13 @@ void check_name(const TableReader& t, const std::string& name, const Scene& scen
     if (std::find(std::begin(taken_names), std::end(taken_names), name) != std::end(taken_names))
         t.fail("name", fmt::format("\"{}\" is what a run calls a file of its own; choose another", name));
     for (int k = 0; k < count; ++k)
-        if (scene.instrument(k).label == name)
+        if (const std::string& other = scene.instrument(k).label; other == name)
             t.fail("name", fmt::format("\"{}\" is instrument {} already; choose another", name, k));
+        else if (name == trace_prefix + other || other == trace_prefix + name)
+            t.fail("name",
+                   fmt::format("\"{}\" beside instrument {}, \"{}\": the trace of one would be the nodes of the other, {}.csv; "
+                               "choose another",
+                               name, k, other, std::max(name, other, [](auto& a, auto& b) { return a.size() < b.size(); })));
 }
 
 /// The table of each instrument, named.
@@ -81,6 +89,9 @@ void read_coaxial(const toml::table& table, Scene& scene)
     spec.order = read_order(t, scene);
     spec.model = coaxial_words[0].value;
     t.choice("model", spec.model, coaxial_words);
+    if (spec.model == CoaxialSpec::Model::Merged && spec.order.size() > most_coaxial)
+        t.fail("order", fmt::format("names {} instruments, expected at most {} in one centreline; take model = \"separate\"",
+                                    spec.order.size(), most_coaxial));
     t.number("mu_static", spec.mu_static, friction_range);
     t.number("mu_sliding", spec.mu_sliding, friction_range);
     t.number("stiffness", spec.stiffness, positive);

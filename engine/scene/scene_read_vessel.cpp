@@ -120,8 +120,9 @@ std::filesystem::path existing_file(const TableReader& t, std::string_view key, 
     std::error_code ignored;
     const auto& source = t.node(key)->source().path;
     const std::filesystem::path file = source && !source->starts_with("--set ") ? std::filesystem::path(*source) : scene.source;
-    const auto path =
-        std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored).parent_path() / written, ignored);
+    const std::filesystem::path joined = std::filesystem::absolute(file, ignored).parent_path() / written;
+    std::filesystem::path path = std::filesystem::weakly_canonical(joined, ignored);
+    if (path.empty()) path = joined;  // too long for a name, or links that go round in a circle
     if (!std::filesystem::is_regular_file(path, ignored)) {
         try {
             t.fail(key, fmt::format("no file at {}; check the path (relative to the scene file)", path.string()));

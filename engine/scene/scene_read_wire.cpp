@@ -1,6 +1,7 @@
 // What an instrument is: its properties, its sections and its placement ([wire], [[instrument]]).
 #include "scene/scene_read.h"
 
+#include "contact/quadrature.h"
 #include "core/error.h"
 
 #include <fmt/format.h>
@@ -39,6 +40,14 @@ void order_friction(double& mu_static, double mu_sliding, const std::string& whe
     mu_static = mu_sliding;
 }
 
+/// Contact is looked for once a radius: a key given too small makes more places than there is memory for. The vessel has been read.
+void check_slender(const TableReader& t, const Scene& scene, double length, double radius)
+{
+    if (scene.vessel.shape != VesselShape::None && length > most_slender * radius)
+        t.fail("radius_m", fmt::format("{} m is thinner than {:g} to the wire's length, {} m; check the units (metres)", radius,
+                                       1 / most_slender, length));
+}
+
 void read_section(const toml::table& table, const std::string& path, WireSpec& wire, Scene& scene)
 {
     const TableReader t(table, path,
@@ -55,6 +64,7 @@ void read_section(const toml::table& table, const std::string& path, WireSpec& w
     if (!(range.begin >= 0 && range.begin < range.end && range.end <= wire.length))
         t.fail("from_tip_m", fmt::format("expected 0 <= from < to <= the wire's length, {} m", wire.length));
     read_properties(t, range.section);
+    check_slender(t, scene, wire.length, range.section.radius);
     if (t.has("rest_curvature_1_m")) {
         const toml::array* k = t.node("rest_curvature_1_m")->as_array();
         for (std::size_t i = 0; i < 2; ++i) {
@@ -212,6 +222,7 @@ void read_wire_table(const toml::table& table, const std::string& path, std::ini
     order_friction(wire.shaft.mu_static, wire.shaft.mu_sliding, path, scene);
     if (wire.shaft.radius * 2 > wire.length)
         t.fail("radius_m", "expected a wire longer than it is thick; check the units (metres)");
+    check_slender(t, scene, wire.length, wire.shaft.radius);
     read_nodes(t, wire);
     t.choice("curvature", wire.curvature, curvature_words);
     read_start(t, path, fed, wire);

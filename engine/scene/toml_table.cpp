@@ -212,6 +212,8 @@ double TableReader::checked(const toml::node& at, std::string_view key, const Ra
     if (!at.is_number()) wrong(at, key, range.says);
     const double value = at.value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
     if (!std::isfinite(value) || !range.contains(value)) wrong(at, key, range.says);
+    if (range.low == 0 && range.low_open && value < smallest && !key.ends_with("_s"))
+        wrong(at, key, fmt::format("{}, at least {:g}", range.says, smallest));
     if (const double most = largest(key); std::abs(value) > most) wrong(at, key, fmt::format("{}, at most {:g}", range.says, most));
     return value;
 }
@@ -257,6 +259,8 @@ bool TableReader::text(std::string_view key, std::string& value) const
     if (!at) return false;
     if (!at->is_string() || at->value<std::string>()->empty()) wrong(*at, key, "a text in quotes");
     value = *at->value<std::string>();
+    // as a file's name it would end there
+    if (value.find('\0') != std::string::npos) wrong(*at, key, "a text without \\u0000");
     return true;
 }
 

@@ -32,6 +32,9 @@ inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio abo
 /// gravity 1e6 m/s^2, speeds any, anything else 1e18 in its unit. Beyond that nothing can be computed, and an index would overflow.
 [[nodiscard]] double largest(std::string_view key);
 
+/// The smallest size of a number that has to be above 0, times apart: powers of smaller ones are 0 in a double.
+inline constexpr double smallest = 1e-30;
+
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
 /// What is longer is compared by its beginning: no key is as long, and edits take a time of the product of both lengths.

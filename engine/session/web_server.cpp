@@ -224,7 +224,7 @@ private:
         response_.set("Referrer-Policy", "no-referrer");
         const auto target = request.target();
         const std::string token = query_value({target.data(), target.size()}, "token");
-        if (status == http::status::ok && !token.empty())
+        if (status == http::status::ok && !token.empty() && token == hub_.options.token)  // another's text is no cookie of ours
             response_.set(http::field::set_cookie, "seldinger_token=" + token + "; HttpOnly; SameSite=Strict; Path=/");
         response_.content_length(file.body.size());
         if (request.method() != http::verb::head) response_.body() = {file.body.data(), file.body.size()};
@@ -261,9 +261,20 @@ struct WebServer::Impl {
     {
         acceptor.async_accept([this](error_code error, tcp::socket socket) {
             if (!acceptor.is_open()) return;
-            if (!error && hub.connections < most_connections) std::make_shared<Connection>(std::move(socket), hub)->read();
-            else if (!error) ++hub.counts.refused;
+            if (error) return listen_later();
+            if (hub.connections < most_connections) std::make_shared<Connection>(std::move(socket), hub)->read();
+            else ++hub.counts.refused;
             listen();
+        });
+    }
+
+    /// Without a descriptor to give, who waits goes on waiting: asking again at once would take a core until one is free.
+    void listen_later()
+    {
+        ++hub.counts.not_accepted;
+        retry.expires_after(frame_period);
+        retry.async_wait([this](error_code error) {
+            if (!error) listen();
         });
     }
 
@@ -285,7 +296,7 @@ struct WebServer::Impl {
     Hub hub;  // outlives the connections, which the context holds
     asio::io_context context{1};
     tcp::acceptor acceptor{context};
-    asio::steady_timer timer{context};
+    asio::steady_timer timer{context}, retry{context};
     std::thread thread;
     int port = 0;
 };

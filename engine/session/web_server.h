@@ -19,6 +19,7 @@ struct WebOptions {
 /// What has come and gone.
 struct WebCounts {
     std::uint64_t requests = 0, refused = 0, malformed = 0, sockets = 0, frames = 0, frames_dropped = 0;
+    std::uint64_t not_accepted = 0;  // looks at a connection that there was no descriptor for
 };
 
 class WebServer {

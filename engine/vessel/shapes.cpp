@@ -71,9 +71,15 @@ struct Facets {
     int around;
     double edge;  // [m]
 };
-Facets facets_of(double radius, double length, int triangles)
+Facets facets_of(double radius, double length, int triangles, const char* key)
 {
-    const double edge = std::sqrt(2 * 2 * kPi * radius * length / triangles);
+    const double edge = std::sqrt(2 * 2 * kPi * radius * length / triangles), facets = 2 * kPi * radius / edge;
+    // as many around as there are triangles in all: half a row would be the whole tube
+    if (!(facets <= std::max(8, triangles)))
+        throw Error(ExitCode::BadScene,
+                    fmt::format("{}: {} m of {} m radius is shorter than a facet of {} triangles; expected a longer vessel, "
+                                "or check the units (metres)",
+                                key, length, radius, triangles));
     const int around = 4 * std::max(2, static_cast<int>(std::lround(2 * kPi * radius / edge / 4)));
     const double rows = std::max(1.0, std::round(triangles / (2.0 * around)));
     return {around, length / rows};
@@ -89,7 +95,7 @@ GeneratedVessel make_tube(const VesselSpec& spec)
     require_positive(spec.length, "length_m");
     const Vec3 axis = unit(spec.axis, "axis");
     const CrossFrame frame = cross_frame(axis, unit(spec.normal, "normal"));
-    const Facets facets = facets_of(spec.radius, spec.length, wanted_triangles(spec));
+    const Facets facets = facets_of(spec.radius, spec.length, wanted_triangles(spec), "vessel.length_m");
     const int rows = rows_of(spec.length, facets.edge);
     std::vector<Ring> rings;
     for (int k = 0; k <= rows; ++k) rings.push_back({spec.origin + axis * (spec.length * k / rows), frame.u, frame.v});
@@ -110,7 +116,8 @@ GeneratedVessel make_arc(const VesselSpec& spec)
     const Vec3 axis = unit(spec.axis, "axis");
     const CrossFrame frame = cross_frame(axis, unit(spec.normal, "normal"));
     const double bend_length = spec.bend_radius * spec.angle;
-    const Facets facets = facets_of(spec.radius, spec.lead_in + bend_length + spec.lead_out, wanted_triangles(spec));
+    const Facets facets =
+        facets_of(spec.radius, spec.lead_in + bend_length + spec.lead_out, wanted_triangles(spec), "vessel.angle_deg");
 
     const Vec3 bend_start = spec.origin + axis * spec.lead_in;
     auto on_bend = [&](double angle) {  // u turns with the tangent, v is the axis of the bend

@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include <array>
+#include <cstdlib>
 #include <vector>
 
 namespace seldinger {
@@ -66,6 +67,7 @@ Display usable(EGLDisplay display)
 
 Display open_display()
 {
+    ::setenv("EGL_LOG_LEVEL", "fatal", 0);  // what a driver that is not there says in many lines is said below in one
     std::string tried;
     for (EGLDisplay candidate : candidate_displays(tried)) {
         const Display d = usable(candidate);

@@ -2,6 +2,7 @@
 #include "view/run_folder.h"
 
 #include "core/error.h"
+#include "core/file_io.h"
 #include "core/parallel.h"
 #include "io/vtp_read.h"
 #include "view/force_load.h"
@@ -12,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
+#include <set>
 #include <sstream>
 
 namespace seldinger {
@@ -64,12 +65,19 @@ struct Listed {
 std::vector<Listed> read_collection(const fs::path& pvd)
 {
     pugi::xml_document document;
-    const pugi::xml_parse_result parsed = document.load_file(pvd.c_str());
+    const std::string text = read_file(pvd);
+    const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
     if (!parsed) fail(pvd, std::string("not a ParaView collection (") + parsed.description() + ")");
     std::vector<Listed> list;
-    for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet"))
-        list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / node.attribute("file").as_string(),
-                        node.attribute("name").as_string()});
+    std::set<std::string> names;
+    for (const pugi::xml_node& node : document.child("VTKFile").child("Collection").children("DataSet")) {
+        const std::string file = node.attribute("file").as_string();
+        // files of this folder, each once: a short list would name a long file a million times, or one of somebody else's
+        if (file.empty() || file.find('/') != std::string::npos)
+            fail(pvd, fmt::format("names \"{}\", expected files beside it", file));
+        if (!names.insert(file).second) fail(pvd, fmt::format("names \"{}\" twice", file));
+        list.push_back({node.attribute("timestep").as_double(), pvd.parent_path() / file, node.attribute("name").as_string()});
+    }
     return list;
 }
 
@@ -99,7 +107,7 @@ std::vector<std::string> split(const std::string& line)
 /// Columns are found by name; a trace without them is not an error, only a legend without those lines.
 std::vector<TraceRow> read_trace(const fs::path& path)
 {
-    std::ifstream stream(path);
+    std::istringstream stream(read_file(path));
     std::string line;
     if (!std::getline(stream, line)) return {};
     const std::vector<std::string> names = split(line);

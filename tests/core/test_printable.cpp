@@ -26,6 +26,22 @@ std::string reason_of(const std::filesystem::path& path)
 
 TEST_SUITE("core/printable")
 {
+    TEST_CASE("property: a long word gives way to what is said of it, and is cut between characters")
+    {
+        CHECK(with_short_words("a b\nc", 64) == "a b\nc");
+        const std::string word(64, 'w');
+        CHECK(with_short_words(word + " is short", 64) == word + " is short");
+        const std::string said = with_short_words("x " + std::string(1'000'000, 'w') + " is long", 100);
+        CHECK(said.size() <= 2 + 100 + 8);
+        CHECK(said.starts_with("x www"));
+        CHECK(said.ends_with("www is long"));
+        CHECK(said.find("1000000") != std::string::npos);
+        std::string wide;
+        for (int k = 0; k < 500; ++k) wide += "\xe8\xa1\x80";
+        for (std::size_t most = 64; most < 70; ++most)  // every place of a cut in a character of three bytes
+            CHECK(printable(with_short_words(wide, most)).find('?') == std::string::npos);
+    }
+
     TEST_CASE("property: what a terminal would obey is shown as a question mark, what can be read stays")
     {
         CHECK(printable("aorta 5 mm\n\"f\"") == "aorta 5 mm\n\"f\"");

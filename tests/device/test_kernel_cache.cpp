@@ -7,7 +7,10 @@
 #include <doctest/doctest.h>
 
 #include <elf.h>
+#include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <string>
 
 using namespace seldinger;
 
@@ -40,6 +43,27 @@ std::string bitcode(std::uint32_t words)
 
 TEST_SUITE("device/kernel cache")
 {
+    TEST_CASE("regression: an empty POCL_CACHE_DIR, over which PoCL ends the process, is none")
+    {
+        const TemporaryFolder folder;
+        const auto set = [](const char* name, const std::optional<std::string>& value) {
+            if (value) ::setenv(name, value->c_str(), 1);
+            else ::unsetenv(name);
+        };
+        const auto of = [](const char* name) -> std::optional<std::string> {
+            const char* value = std::getenv(name);
+            return value ? std::optional<std::string>(value) : std::nullopt;
+        };
+        const auto cache = of("POCL_CACHE_DIR"), caches = of("XDG_CACHE_HOME");
+        set("POCL_CACHE_DIR", "");
+        set("XDG_CACHE_HOME", folder.path().string());
+        device::prepare_kernel_cache();
+        CHECK_FALSE(of("POCL_CACHE_DIR").has_value());
+        CHECK(device::kernel_cache_folder() == folder.path() / "pocl/kcache");
+        set("POCL_CACHE_DIR", cache);
+        set("XDG_CACHE_HOME", caches);
+    }
+
     TEST_CASE("property: of kernels cut anywhere none is left, and whole ones are")
     {
         const TemporaryFolder folder;

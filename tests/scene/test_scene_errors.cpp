@@ -4,6 +4,7 @@
 #include "scene/toml_table.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <array>
 
@@ -149,6 +150,35 @@ TEST_SUITE("scene/scene_errors")
         check_mistake({good, {"integrator.conserve=true", "integrator.beta=0.25"}, "integrator.beta: is Newmark's"});
         check_mistake(
             {good, {"integrator.conserve=true", "integrator.scheme=linearised"}, "integrator.conserve: energy is conserved"});
+    }
+
+    TEST_CASE(
+        "property: sizes whose powers are no numbers, or that make more places than there is memory for, are refused by their "
+        "key")
+    {
+        for (const char* key : {"wire.density", "wire.radius_m", "wire.bend_nm2", "wire.length_m"})
+            for (const char* value : {"1e-308", "1e-31"})
+                check_mistake({good,
+                               {fmt::format("{}={}", key, value)},
+                               fmt::format("{}: expected a number above 0, at least 1e-30", key)});
+        CHECK_NOTHROW((void)read_scene_text(good, "good.toml", std::vector<std::string>{"wire.density=1e-30"}));
+        // contact is looked for once a radius: of 0.3 m half a million times at most
+        const std::string walled = good + "[vessel]\nshape = \"tube\"\nradius_m = 0.005\nlength_m = 0.3\n";
+        const std::vector<std::string> thin = {"wire.radius_m=5e-7"}, just = {"wire.radius_m=7e-7"};
+        check_mistake({walled, thin, "wire.radius_m: 5e-07 m is thinner than 2e-06 to the wire's length, 0.3 m"});
+        CHECK_NOTHROW((void)read_scene_text(walled, "good.toml", just));
+        CHECK_NOTHROW((void)read_scene_text(good, "good.toml", thin));  // nothing to touch
+        check_mistake({walled + "[[wire.section]]\nfrom_tip_m = [0.0, 0.01]\nradius_m = 1e-12\n",
+                       {},
+                       "wire.section.0.radius_m: 1e-12 m is thinner"});
+        check_mistake({walled, {"wire.length_m=9999.0"}, "wire.radius_m: 0.0004 m is thinner"});
+    }
+
+    TEST_CASE("property: a text that ends before it ends names no file")
+    {
+        const std::string mesh = good + "[vessel]\nmesh = \"a.stl\\u0000.obj\"\n";
+        check_mistake({mesh, {}, "vessel.mesh: expected a text without \\u0000"});
+        check_mistake({"include = \"a.toml\\u0000b\"\n" + good, {}, "include: expected a file's path"});
     }
 
     TEST_CASE("property: a word that is none of the choices is answered with the choices")

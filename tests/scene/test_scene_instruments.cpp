@@ -5,6 +5,7 @@
 #include "scene/vessel_load.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>
@@ -166,6 +167,7 @@ TEST_SUITE("scene/scene_instruments")
             {"instrument.1.name=catheter", "instrument.1.name: \"catheter\" is instrument 0 already"},
             {"instrument.1.name=contacts", "instrument.1.name: \"contacts\" is what a run calls a file of its own"},
             {"instrument.1.name=\"a b\"", "instrument.1.name: expected 1 to 40 letters"},
+            {"instrument.1.name=trace_catheter", "instrument.1.name: \"trace_catheter\" beside instrument 0, \"catheter\""},
             {"coaxial.order=[\"catheter\", \"wier\"]", "coaxial.order: no instrument is called \"wier\""},
             {"coaxial.order=[\"catheter\", \"catheter\"]", "coaxial.order: \"catheter\" is there twice"},
             {"coaxial.order=[\"catheter\"]", "coaxial.order: expected two names"},
@@ -183,6 +185,17 @@ TEST_SUITE("scene/scene_instruments")
             CHECK_MESSAGE(says(error, line), asked << " gave: " << error);
             CHECK(!says(error, "\n"));
         }
+        std::string nest = head, order;
+        for (int k = 0; k < 5; ++k) {
+            nest += instrument(fmt::format("n{}", k),
+                               fmt::format("length_m = 0.5\nradius_m = {}\n{}", 5e-3 - 1e-3 * k,
+                                           k < 4 ? fmt::format("lumen_radius_m = {}\n", 4.5e-3 - 1e-3 * k) : "")) +
+                    feed(k == 0 ? inlet : "", "{t_s = 0.0, advance_m = 0.05}");
+            order += fmt::format("{}\"n{}\"", k ? ", " : "", k);
+        }
+        nest += "[coaxial]\norder = [" + order + "]\n";
+        CHECK_MESSAGE(says(error_of(nest), "coaxial.order: names 5 instruments, expected at most 4"), error_of(nest));
+        CHECK_MESSAGE(error_of(nest, {"coaxial.model=separate"}).empty(), error_of(nest, {"coaxial.model=separate"}));
         CHECK(says(error_of(catheter_and_wire() + "[wire]\nlength_m = 0.1\n"), "wire: is the one-instrument form"));
         CHECK(says(error_of(catheter_and_wire() + "[[load]]\nat = \"tip\"\nforce_n = [0.0, 0.0, 1.0]\n"),
                    "load.0.instrument: is missing"));

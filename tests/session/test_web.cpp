@@ -8,6 +8,9 @@
 #include "session/session_fixture.h"
 #include "support/skip.h"
 
+#include <sys/resource.h>
+
+#include <chrono>
 #include <filesystem>
 #include <thread>
 
@@ -147,6 +150,38 @@ TEST_SUITE("session/web")
         }
         CHECK(get(port, "/").find("200 OK") != std::string::npos);
         CHECK(served.session.running());
+        // a text that anyone may put into a link becomes no cookie where the session has no token
+        CHECK(get(port, "/?token=x;%20Path=/").find("Set-Cookie") == std::string::npos);
+    }
+
+    TEST_CASE("regression: while there is no descriptor for who connects, the server waits and does not ask again and again")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        const int port = served.web.port();
+        REQUIRE(get(port, "/").find("200 OK") != std::string::npos);  // accepting
+        const int waiting = ::socket(AF_INET, SOCK_STREAM, 0);
+        rlimit before{};
+        REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
+        rlimit none = before;
+        none.rlim_cur = 3;  // those that are open stay open
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(static_cast<std::uint16_t>(port));
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        REQUIRE(::setrlimit(RLIMIT_NOFILE, &none) == 0);
+        const auto start = std::chrono::steady_clock::now();
+        const int connected = ::connect(waiting, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+        REQUIRE(::setrlimit(RLIMIT_NOFILE, &before) == 0);
+        REQUIRE(connected == 0);
+        CHECK(get(port, "/").find("200 OK") != std::string::npos);  // and goes on
+        ::close(waiting);
+        served.web.stop();
+        // one look in 25 ms of whatever time it was, and one that was under way; it was some 10^5 a second
+        CHECK(served.web.counts().not_accepted >= 1);
+        CHECK(static_cast<double>(served.web.counts().not_accepted) <= 2 + waited.count() / 0.025);
     }
 
     TEST_CASE("property: no more sockets than there may be")

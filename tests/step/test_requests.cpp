@@ -67,6 +67,10 @@ TEST_SUITE("step/requests")
         refused([](TestSetup& s) { s.wires[1].wire.shaft.bend_stiffness = -1; }, "wires[1].wire.shaft.bend_stiffness: is -1");
         refused([](TestSetup& s) { s.wires[1].wire.shaft.mu_sliding = 0.9; }, "wires[1].wire.shaft.mu_static: is 0.25, expected at least");
         refused([](TestSetup& s) { s.wires[1].wire.nodes = 1; }, "wires[1].wire.nodes: is 1");
+        refused([](TestSetup& s) { s.wires[0].wire.shaft.radius = 1e-7; },
+                "wires[0].wire.length: is 0.1 m, expected at most 500000 times the smallest radius, 1e-07 m");
+        refused([](TestSetup& s) { s.wires[0].wire.nodes = 20000, s.wires[0].contact.samples_per_edge = 1000; },
+                "wires[0].contact.samples_per_edge: is 1000 for 20000 nodes");
         refused([](TestSetup& s) { s.wires[0].feed.direction = Vec3::Zero(); }, "wires[0].feed.direction: is zero");
         refused([](TestSetup& s) { s.wires[0].feed.keys = {{0, 0.2, 0}}; }, "wires[0].feed.advance: is 0.2 m");
         refused([](TestSetup& s) { s.systems = {1}; }, "systems: name 1 instruments in all");

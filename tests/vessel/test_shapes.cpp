@@ -119,6 +119,10 @@ TEST_SUITE("vessel/shapes")
         CHECK_THROWS_AS((void)load_vessel(tube_spec(0, 0.1, 100)), Error);
         CHECK_THROWS_AS((void)load_vessel(tube_spec(0.01, -1, 100)), Error);
         CHECK_THROWS_AS((void)load_vessel(tube_spec(0.01, 0.1, -5)), Error);
+        // shorter than a facet: as near to square as they are, there would be 6e6 around it, and 9e9 of the second
+        for (const double length : {1e-10, 1e-16})
+            CHECK_THROWS_WITH_AS((void)load_vessel(tube_spec(0.01, length, 20000)), doctest::Contains("vessel.length_m"), Error);
+        CHECK_NOTHROW((void)load_vessel(tube_spec(0.01, 1e-3, 20000)));
         VesselSpec arc = tube_spec(0.01, 0, 1000);
         arc.shape = VesselShape::Arc;
         arc.angle = 1;
