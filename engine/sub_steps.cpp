@@ -60,6 +60,9 @@ void SubSteps::begin(double dt, const WireMask& wires, std::span<const StepParts
         add(dt - cut, together, std::clamp(static_cast<int>(std::ceil(count * (dt - cut) / dt)), 1, count), SubStep::After::Part);
     }
     std::reverse(pending_.begin(), pending_.end());
+    // what a first halving takes: it may come after thousands of steps that went well
+    pending_.reserve(pending_.size() + most_halvings + 1);
+    const WireMask spare[] = {left, left, left, left};
 }
 
 const SubStep* SubSteps::next()

@@ -210,6 +210,15 @@ void split_motion(const RodView& rod, int a, double fraction, const OldEdge& old
     split_spin(rod, a, old);
 }
 
+/// Rest curvature at the wire's end that edge j is at, along the binormal (signs of rod/pair.h); 0 of an edge inside [1/m].
+Vec3 natural_at_end(const RodView& rod, int j)
+{
+    if (j > 0 && j + 2 < rod.n) return Vec3::Zero();
+    const int end = j == 0 ? 0 : rod.n - 1;
+    const Vec3 t = rod.tangent(j), n1 = turned(rod.ref_d1(j), t, rod.theta[j]);
+    return (rod.rest_kappa1[end] * t.cross(n1) - rod.rest_kappa2[end] * n1) / rod.voronoi_length(end);
+}
+
 }  // namespace
 
 Vec3 split_point(const RodView& rod, int j, double u, std::span<const RodClamp> clamps, const Vec3& natural)
@@ -257,7 +266,7 @@ SplitResult split_edge(RodArrays& rods, int wire, int edge, double fraction, con
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = split_point(before, a, fraction, clamps, Vec3::Zero());
+    const Vec3 position = split_point(before, a, fraction, clamps, natural_at_end(before, a));
 
     rods.insert_node(wire, a + 1);
     at_b.node = a + 2;
@@ -323,7 +332,7 @@ SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const Wi
     const Joint at_a{a, 1, find_clamp(clamps, a, &RodClamp::spin)};
     Joint at_b{a + 1, 0, find_clamp(clamps, a + 1, &RodClamp::spin)};
     const OldEdge old(before, a, at_a, at_b);
-    const Vec3 position = split_point(before, a, fraction, clamps, Vec3::Zero());
+    const Vec3 position = split_point(before, a, fraction, clamps, natural_at_end(before, a));
     scratch.provide(rods.capacity(wire));
     scratch.clamps.assign(clamps.begin(), clamps.end());
     for (RodClamp& clamp : scratch.clamps) clamp.node += clamp.node == a + 1;

@@ -20,8 +20,8 @@ struct SplitResult {
 /// node has index edge + 1. Capacity must allow one node more; views taken before are stale afterwards.
 ///
 /// - position: cubic Hermite curve between the edge's nodes. Tangent at an inner node: that of the parabola through it and
-///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of zero curvature
-///   (of natural curvature it would be nearer: split_point's `natural`, which a common centreline's tip has). Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
+///   its neighbours; at the wire's end: the clamp's if one holds the direction there, else that of natural curvature, which
+///   a free end has. Moments at the neighbours then change by O(h^2) only (the chord's middle would raise them by a third).
 /// - rest lengths: both new edges carry the axial force of the old one.
 /// - theta: twist per length is kept at both neighbours, the rest of the twist is at the new node.
 /// - velocity, acceleration, spin rates: linear along the wire, but that no edge is stretched by it; linear and spin momentum are
