@@ -90,12 +90,17 @@ Pressed press(World& world, const Control& control, double dt, int steps, double
     return seen;
 }
 
-Pressed press(const TestSetup& made, double dt, int steps, double apart)
+WorldSetup that_touch(const TestSetup& made)
 {
     WorldSetup setup = made;
     setup.systems = {static_cast<int>(made.wires.size())};
     setup.instruments_touch = true;
-    World world(setup);
+    return setup;
+}
+
+Pressed press(const TestSetup& made, double dt, int steps, double apart)
+{
+    World world(that_touch(made));
     return press(world, KeyFrames(made.keys()).control(), dt, steps, apart);
 }
 
@@ -253,7 +258,15 @@ TEST_SUITE("failure/touching_wires")
         coil.shaft.stretch_stiffness = 100;
         coil.shaft.mu_static = coil.shaft.mu_sliding = 0.1;
         made.wires = {fed_wire(coil, {0.0005, 0, 0}, 0.05)};
-        const Pressed seen = press(made, 1e-3, 1500, 20 * 0.15e-3);
+        World world(that_touch(made));
+        const KeyFrames keys(made.keys());
+        // the tip goes straight for the pole of the sac, a point in which 32 facets end, and is there from 0.34 to 0.38 s: forces jump by
+        // 0.1 mN from facet to facet, and whether a step of h/512 ends beside a jump or on it is chance
+        Pressed at_pole = press(world, keys.control(), 1e-3, 400, 20 * 0.15e-3);
+        CHECK(at_pole.best_effort <= 20);
+        at_pole.best_effort = 0;
+        check_apart(at_pole, 0.15e-3);
+        const Pressed seen = press(world, keys.control(), 1e-3, 1100, 20 * 0.15e-3);
         MESSAGE(tell(seen));
         check_apart(seen, 0.15e-3);
         CHECK(seen.contacts >=
