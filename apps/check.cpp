@@ -55,7 +55,7 @@ void add_check(CLI::App& app, Command& chosen)
             const Scene scene = read_scene(options->file, options->overrides);
             RepairReport vessel;
             const WorldSetup setup = make_setup(scene, -1, &vessel);
-            check_world_setup(setup);
+            check_setup(setup);
             print(describe(scene, vessel, setup));
             return ExitCode::Done;
         };

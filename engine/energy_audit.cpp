@@ -82,16 +82,15 @@ void note_turns(World::Impl& state, int wire)
 /// Of a group's hands, by the forces that its steps are taken with.
 MergedWork work_of(World::Impl& state, const MergedGroup& group)
 {
-    std::vector<double> forces = merged_forces(state, group);
+    MergedForces forces = merged_forces(state, group);
     const std::vector<double>& last = state.audits[group.line()].torque;
-    for (std::size_t k = 0; k < forces.size() && !end_forces(state.setup.integrator); ++k)
-        forces[k] = mean(last, k, forces.size(), forces[k]);
+    for (std::size_t k = 0; k < forces.count && !end_forces(state.setup.integrator); ++k)
+        forces.value[k] = mean(last, k, forces.count, forces.value[k]);
     return merged_work(state, group, forces);
 }
 
 double turning_work(World::Impl& state, int wire)
 {
-    if (const MergedGroup* group = state.group_of(wire)) return work_of(state, *group).turning;
     const EnergyAudit& audit = state.audits[wire];
     const std::vector<RodClamp>& clamps = state.constraints[wire].clamps;
     if (audit.turns.size() != clamps.size()) return 0;
@@ -113,7 +112,6 @@ double force_of_feed(World::Impl& state, int wire, const Vec3& gravity)
 
 double hand_work(World::Impl& state, int wire)
 {
-    if (const MergedGroup* group = state.group_of(wire)) return work_of(state, *group).hand;
     if (!state.feeds[wire].on || state.feeds[wire].grown == 0) return 0;
     const EnergyAudit& audit = state.audits[wire];
     const double now = force_of_feed(state, wire, state.setup.gravity);
@@ -206,8 +204,26 @@ struct WorkDone {
     double hand = 0, turning = 0;  // feeding, clamps that turn
     double outside = 0;            // holds, loads, links
     double wall = 0;               // one that yields
+    double feed = 0;               // of a common centreline: the elastic part of `hand`
     [[nodiscard]] double sum() const { return hand + turning + outside + wall; }
 };
+
+WorkDone work_done(World::Impl& state, int wire)
+{
+    WorkDone work;
+    if (const MergedGroup* group = state.group_of(wire)) {
+        const MergedWork hands = work_of(state, *group);
+        work.hand = hands.hand;
+        work.turning = hands.turning;
+        work.feed = hands.feed;
+    } else {
+        work.hand = hand_work(state, wire);
+        work.turning = turning_work(state, wire);
+    }
+    work.outside = held_work(state, wire) + load_work(state, wire);
+    for_each_of_group(state, wire, [&](int w) { work.wall += state.terms.work_from_outside(w); });
+    return work;
+}
 
 /// The sub-step's share in the ledger.
 void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
@@ -238,8 +254,7 @@ void take_into_ledger(World::Impl& state, int wire, const WorkDone& work)
         return;
     }
     const StepLosses losses = state.solver->losses(wire);
-    const MergedGroup* group = state.group_of(wire);
-    const double fed = group                  ? work_of(state, *group).feed
+    const double fed = state.group_of(wire)   ? work.feed
                        : state.feeds[wire].on ? force_of_feed(state, wire, Vec3::Zero()) * state.feeds[wire].grown
                                               : 0;
     const double elastic_then = audit.elastic_then + (state.remesh_energy[wire] - audit.remeshed);
@@ -333,8 +348,7 @@ bool energy_adds_up(World::Impl& state, int wire, double h)
     EnergyAudit& audit = state.audits[wire];
     read_energies(state, wire);
     EnergyInput input = audit.fed;
-    WorkDone work{hand_work(state, wire), turning_work(state, wire), held_work(state, wire) + load_work(state, wire)};
-    for_each_of_group(state, wire, [&](int w) { work.wall += state.terms.work_from_outside(w); });
+    const WorkDone work = work_done(state, wire);
     input.work += work.sum();
     take_into_ledger(state, wire, work);
     input.unseen += unseen_work(state, wire, h);
@@ -368,7 +382,8 @@ void accept_energy(World::Impl& state, int wire, double h)
     }
     const RodView rod = state.rods.view(wire);
     if (const MergedGroup* group = state.group_of(wire)) {
-        audit.torque = merged_forces(state, *group);
+        const MergedForces forces = merged_forces(state, *group);
+        audit.torque.assign(forces.value.begin(), forces.value.begin() + static_cast<std::ptrdiff_t>(forces.count));
         return;
     }
     audit.torque.resize(clamps.size());

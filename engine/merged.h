@@ -95,12 +95,18 @@ void set_exposures(World::Impl& state);
 void read_hands(World::Impl& state, MergedGroup& group);
 /// What a group's hands do work by: dE/dL, then of each instrument dE/do, the forces on it from around it and of friction along the
 /// line, of what is twisted behind the inlet, and its torque [N], [N m].
-[[nodiscard]] std::vector<double> merged_forces(World::Impl& state, const MergedGroup& group);
+struct MergedForces {
+    static constexpr std::size_t each = 5;
+    explicit MergedForces(int instruments) : count(1 + each * static_cast<std::size_t>(instruments)) {}
+    std::size_t count;
+    std::array<double, 1 + each * most_coaxial> value{};
+};
+[[nodiscard]] MergedForces merged_forces(World::Impl& state, const MergedGroup& group);
 /// Elastic work of the feed in the last sub-step, and that of hands in all; of turning, by such forces [J].
 struct MergedWork {
     double feed = 0, hand = 0, turning = 0;
 };
-[[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, std::span<const double> forces);
+[[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces);
 
 /// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
 /// back.

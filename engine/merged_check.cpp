@@ -58,8 +58,7 @@ void check_scheme(const WorldSetup& setup)
         if (!setup.wires[w].holds.empty() && merged_spec_of(setup, static_cast<int>(w)))
             refuse(fmt::format("wires[{}].holds", w),
                    "is not empty, expected no holds on instruments of one centreline (merged) with Newmark's steps, which leave "
-                   "a velocity "
-                   "that a hold takes away changing its sign for ever; take backward Euler, or a stiff link");
+                   "a velocity that a hold takes away changing its sign for ever; take backward Euler, or a stiff link");
     if (integrator.damping_stiffness > 0)
         refuse("integrator.damping_stiffness", "is not 0, expected 0 with instruments of one centreline (merged)");
     if (setup.instruments_touch)

@@ -78,25 +78,27 @@ void read_hands(World::Impl& state, MergedGroup& group)
     state.results[group.wires()[group.leader]].hand_force = of_leader;
 }
 
-std::vector<double> merged_forces(World::Impl& state, const MergedGroup& group)
+MergedForces merged_forces(World::Impl& state, const MergedGroup& group)
 {
     const CoaxialHands hands = state.solver->coaxial_hands(group.line());
-    std::vector<double> forces = {hands.line_force};
+    MergedForces forces(group.shared.count());
+    auto to = forces.value.begin();
+    *to++ = hands.line_force;
     for (int k = 0; k < group.shared.count(); ++k)
         for (const double force : {hands.offset_force[k], axial_contact(state, group, k), axial_friction(state, group.wires()[k]),
                                    twist_behind(state, group, hands, k), hands.torque[k]})
-            forces.push_back(force);
+            *to++ = force;
     return forces;
 }
 
-MergedWork merged_work(const World::Impl& state, const MergedGroup& group, std::span<const double> forces)
+MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces)
 {
     MergedWork work;
-    work.feed = forces[0] * group.feed.grown;
+    work.feed = forces.value[0] * group.feed.grown;
     work.hand = group.weight_work;
     for (int k = 0; k < group.shared.count(); ++k) {
-        const auto [pushed, around, friction, behind, torque] = std::to_array<double, 5>(
-            {forces[5 * k + 1], forces[5 * k + 2], forces[5 * k + 3], forces[5 * k + 4], forces[5 * k + 5]});
+        const double* of = &forces.value[1 + MergedForces::each * static_cast<std::size_t>(k)];
+        const double pushed = of[0], around = of[1], friction = of[2], behind = of[3], torque = of[4];
         work.feed += pushed * group.slid[k];
         if (group.slid[k] != 0) work.hand -= around * group.slid[k];
         if (group.shared.fed[k] != 0) work.hand -= friction * group.shared.fed[k];

@@ -5,7 +5,8 @@
 
 namespace seldinger {
 
-/// @throws Error BadScene: what World's constructor would refuse; the line names the member, what was expected and what to do
-void check_world_setup(const WorldSetup& setup);
+/// What World's constructor asks first.
+/// @throws Error BadScene: a setup that no world can be made from; the line names the member, what was expected and what to do
+void check_setup(const WorldSetup& setup);
 
 }  // namespace seldinger

@@ -11,6 +11,8 @@ namespace seldinger {
 namespace {
 
 // A step holds some four masks, a halved one four more at each level.
+constexpr std::size_t spare_masks = 8;  // for a step that is halved once
+
 std::vector<std::vector<std::uint8_t>>& mask_pool()
 {
     thread_local std::vector<std::vector<std::uint8_t>> pool;
@@ -60,9 +62,11 @@ void SubSteps::begin(double dt, const WireMask& wires, std::span<const StepParts
         add(dt - cut, together, std::clamp(static_cast<int>(std::ceil(count * (dt - cut) / dt)), 1, count), SubStep::After::Part);
     }
     std::reverse(pending_.begin(), pending_.end());
-    // what a first halving takes: it may come after thousands of steps that went well
+    // a first halving may come after thousands of steps that went well
     pending_.reserve(pending_.size() + most_halvings + 1);
-    const WireMask spare[] = {left, left, left, left};
+    auto& pool = mask_pool();
+    pool.resize(std::max(pool.size(), spare_masks));
+    for (auto& mask : pool) mask.reserve(wires.size());
 }
 
 const SubStep* SubSteps::next()

@@ -8,6 +8,7 @@
 #include "merged.h"
 #include "rod/place.h"
 #include "rod/rod_arrays.h"
+#include "setup_check.h"
 #include "solve/line_holds.h"
 
 #include <algorithm>

@@ -148,8 +148,6 @@ struct World::Impl {
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
 
-/// @throws Error BadScene: a setup that no world can be made from; the line names the member, what was expected and what to do
-void check_setup(const WorldSetup& setup);
 /// @throws Error BadScene: dt, or what is asked of a hub. Nothing has changed then
 void check_request(const World::Impl& state, const Control& control, double dt);
 

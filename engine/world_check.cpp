@@ -272,8 +272,6 @@ void check_setup(const WorldSetup& setup)
     check_merged(setup);
 }
 
-void check_world_setup(const WorldSetup& setup) { check_setup(setup); }
-
 void check_request(const World::Impl& state, const Control& control, double dt)
 {
     if (!(dt > 0) || !std::isfinite(dt)) refuse("step: dt", fmt::format("is {} s, expected a finite time greater than 0", dt));

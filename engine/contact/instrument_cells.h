@@ -31,8 +31,9 @@ struct InstrumentSetup {
     [[nodiscard]] bool any() const { return from_outside || !nested.empty(); }
 };
 
-/// Young's modulus and Poisson's ratio of a surface whose material is not given: a guidewire's jacket of soft polyurethane, 36 MPa (Elasthane 80A) to 69 MPa (Texin 245); sources, and what a
-/// quarter of it and four times as much change: docs/coaxial.md, Surfaces [Pa], [-].
+/// Young's modulus and Poisson's ratio of a surface whose material is not given: a guidewire's jacket of soft polyurethane, 36 MPa
+/// (Elasthane 80A) to 69 MPa (Texin 245); sources, and what a quarter of it and four times as much change: docs/coaxial.md,
+/// Surfaces [Pa], [-].
 inline constexpr double jacket_youngs = 5e7, jacket_poisson = 0.4;
 
 struct InstrumentCells {

@@ -43,6 +43,17 @@ void for_each_stretch(std::span<const std::uint32_t> listed, std::span<const int
     }
 }
 
+/// Square of the distance of node i in two arrays of positions [m^2].
+double apart_square(const std::vector<double>& now, const std::vector<double>& before, std::size_t i)
+{
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double d = now[3 * i + c] - before[3 * i + c];
+        sum += d * d;
+    }
+    return sum;
+}
+
 std::vector<int> firsts(std::span<const int> system_of)
 {
     std::vector<int> list;
@@ -206,14 +217,8 @@ bool InstrumentContact::search_is_stale(std::size_t system) const
     const double farthest = 0.25 * params_.skin * params_.skin;
     for (int w = first_wire_[system]; w < first_wire_[system + 1]; ++w) {
         const InstrumentRod& rod = cells_.rods[w];
-        for (std::size_t i = rod.node; i < rod.node + rod.count; ++i) {
-            double moved = 0;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double d = nodes_.position[3 * i + c] - searched_position_[3 * i + c];
-                moved += d * d;
-            }
-            if (!(moved <= farthest)) return true;
-        }
+        for (std::size_t i = rod.node; i < rod.node + rod.count; ++i)
+            if (!(apart_square(nodes_.position, searched_position_, i) <= farthest)) return true;
     }
     return false;
 }
@@ -346,14 +351,8 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
 void InstrumentContact::measure_moves(int wire)
 {
     const auto begin = static_cast<std::size_t>(rods_.node_begin(wire)), count = static_cast<std::size_t>(rods_.node_count(wire));
-    for (std::size_t i = begin; i < begin + count; ++i) {
-        double sum = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double d = nodes_.position[3 * i + c] - cleared_position_[3 * i + c];
-            sum += d * d;
-        }
-        moved_[i] = std::sqrt(sum);
-    }
+    for (std::size_t i = begin; i < begin + count; ++i)
+        moved_[i] = std::sqrt(apart_square(nodes_.position, cleared_position_, i));
 }
 
 /// What the trial has told of touching; its first one also how far apart the others are.

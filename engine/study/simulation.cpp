@@ -69,8 +69,10 @@ WorldSetup StudyScene::setup_under(const Model& model) const
     made.integrator = changed.integrator;
     made.vessel.elastic = changed.vessel.elastic;
     made.vessel.wall_edge = changed.vessel.wall_edge;
-    if (changed.coaxial) made.coaxial.front().model = changed.coaxial->model;
-    if (changed.coaxial) made.coaxial.front().lumen_friction = changed.coaxial->lumen_friction;
+    if (changed.coaxial) {
+        made.coaxial.front().model = changed.coaxial->model;
+        made.coaxial.front().lumen_friction = changed.coaxial->lumen_friction;
+    }
     for (int k = 0; k < changed.instrument_count(); ++k) {
         WireSetup& wire = made.wires[static_cast<std::size_t>(k)];
         wire.wire = changed.instrument(k).wire;
