@@ -1,22 +1,12 @@
 // Tests of bench/wide/wide_walk.h, compiled in double and in float like host_reference_cases.h: the walks against loops over all
 // triangles one by one, and their kernels against the walks.
+#include "contact/host_reference_names.h"
 #include "wide/wide_walk.h"
 
 #include <algorithm>
 #include <random>
 
 namespace {
-
-using namespace seldinger;
-using sel_device::Queue;
-using sel_reference::first_difference;
-using sel_reference::Guarded;
-
-#ifdef SEL_FLOAT32
-constexpr bool float32 = true;
-#else
-constexpr bool float32 = false;
-#endif
 
 struct WideScene {
     const sel_reference::ReferenceWall& wall = sel_reference::reference_wall();

@@ -79,6 +79,22 @@ inline WorldSetup merged_setup(const std::vector<WireSpec>& specs, const std::ve
     return setup;
 }
 
+/// One setup stepped by on(world, from, to): in one piece; until `middle`; and on from what that had saved then, which must make no
+/// difference to any bit.
+struct TakenUp {
+    template <class On>
+    TakenUp(const WorldSetup& setup, const On& on, int middle, int end) : whole(setup), first(setup), second(setup)
+    {
+        on(whole, 0, end);
+        on(first, 0, middle);
+        second.restore_state(first.save_state());
+        CHECK(second.state_hash() == first.state_hash());
+        on(second, middle, end);
+        CHECK(second.state_hash() == whole.state_hash());
+    }
+    World whole, first, second;
+};
+
 /// Turns one hub to `turn` [rad] in equal parts, at rest in each.
 inline void turn_slowly(World& world, int wire, double advance, double from, double to, int parts)
 {

@@ -1,6 +1,6 @@
 // Holds of instruments that share one centreline: a place of the material is held wherever it lies between the line's nodes.
 
-#include "coaxial/merged_fixture.h"
+#include "coaxial/straight_pair.h"
 #include "merged.h"
 #include "rod/transport.h"
 #include "solve/line_holds.h"
@@ -17,17 +17,7 @@ using namespace seldinger::test;
 
 namespace {
 
-constexpr double bend = 2e-4, twist = 1e-4;  // of the outer one; the inner one has half as much [N m^2]
 constexpr double pair_bend = 1.5 * bend;
-
-WorldSetup straight_pair(double outer, double inner, Scheme scheme = Scheme::Static, double edge = 2e-3)
-{
-    WorldSetup setup =
-        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)}, {outer, inner},
-                     edge, scheme);
-    setup.integrator.tolerance = 1e-9;
-    return setup;
-}
 
 HoldSpec hold_at(double from_tip, bool position, bool direction, bool spin)
 {
@@ -45,23 +35,6 @@ HoldSpec lifted(double from_tip, double height, bool direction = false)
     HoldSpec hold = hold_at(from_tip, true, direction, false);
     hold.move = {{0, 0, 0, 0}, {1e-3, 0, 0, height}};
     return hold;
-}
-
-void advance(World& world, double outer, double inner, double dt = 1e-3, double outer_turn = 0, double inner_turn = 0)
-{
-    Control control;
-    control.move_to(0, outer, outer_turn);
-    control.move_to(1, inner, inner_turn);
-    REQUIRE_FALSE(step(world, control, dt).failed());
-}
-
-Vec3 material_at(const World& world, int wire, double s)
-{
-    const ConstRodView rod = world.rod(wire);
-    int j = 0;
-    while (j + 2 < rod.n && rod.material_s[j + 1] <= s) ++j;
-    const double w = (s - rod.material_s[j]) / (rod.material_s[j + 1] - rod.material_s[j]);
-    return (1 - w) * rod.pos(j) + w * rod.pos(j + 1);
 }
 
 }  // namespace
@@ -372,15 +345,10 @@ TEST_SUITE("coaxial/merged holds")
         const auto on = [](World& world, int from, int to) {
             for (int k = from; k < to; ++k) advance(world, 0.06 + 2e-5 * k, 0.08 + 5e-5 * k, 1e-3, 0.01 * k, 0);
         };
-        World whole(setup), first(setup), second(setup);
-        on(whole, 0, 120);
-        on(first, 0, 60);
-        second.restore_state(first.save_state());
-        on(second, 60, 120);
-        CHECK(second.state_hash() == whole.state_hash());
-        std::vector<std::uint8_t> damaged = first.save_state();
+        TakenUp runs(setup, on, 60, 120);
+        std::vector<std::uint8_t> damaged = runs.first.save_state();
         damaged.pop_back();
-        CHECK_THROWS_AS(second.restore_state(damaged), Error);
+        CHECK_THROWS_AS(runs.second.restore_state(damaged), Error);
     }
 
     TEST_CASE("property: what cannot be held is refused")

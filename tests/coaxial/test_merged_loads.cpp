@@ -1,6 +1,6 @@
 // Loads and links on instruments that share one centreline: each acts on a place of its instrument's material.
 
-#include "coaxial/merged_fixture.h"
+#include "coaxial/straight_pair.h"
 
 #include <doctest/doctest.h>
 
@@ -12,17 +12,6 @@ using namespace seldinger::test;
 
 namespace {
 
-constexpr double bend = 2e-4, twist = 1e-4;  // of the outer one; the inner one has half as much [N m^2]
-
-WorldSetup straight_pair(double outer, double inner, Scheme scheme = Scheme::Static, double edge = 2e-3)
-{
-    WorldSetup setup =
-        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)}, {outer, inner},
-                     edge, scheme);
-    setup.integrator.tolerance = 1e-9;
-    return setup;
-}
-
 LoadSpec load_at(double from_tip, const Vec3& force, const Vec3& moment = Vec3::Zero())
 {
     LoadSpec load;
@@ -33,23 +22,8 @@ LoadSpec load_at(double from_tip, const Vec3& force, const Vec3& moment = Vec3::
     return load;
 }
 
-void advance(World& world, double outer, double inner, double dt = 1e-3)
-{
-    Control control;
-    control.move_to(0, outer, 0);
-    control.move_to(1, inner, 0);
-    REQUIRE_FALSE(step(world, control, dt).failed());
-}
-
 /// Height of an instrument's material so far from its own tip.
-double height(const World& world, int wire, double s)
-{
-    const ConstRodView rod = world.rod(wire);
-    int j = 0;
-    while (j + 2 < rod.n && rod.material_s[j + 1] <= s) ++j;
-    const double w = (s - rod.material_s[j]) / (rod.material_s[j + 1] - rod.material_s[j]);
-    return (1 - w) * rod.z[j] + w * rod.z[j + 1];
-}
+double height(const World& world, int wire, double s) { return material_at(world, wire, s).z(); }
 
 }  // namespace
 

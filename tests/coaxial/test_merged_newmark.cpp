@@ -1,6 +1,6 @@
 // Instruments that share one centreline by Newmark's steps: what vibrates, while one slides along the other and without.
 
-#include "coaxial/merged_fixture.h"
+#include "coaxial/straight_pair.h"
 
 #include <doctest/doctest.h>
 #include <Eigen/Dense>
@@ -13,15 +13,10 @@ using namespace seldinger::test;
 
 namespace {
 
-constexpr double bend = 2e-4, twist = 1e-4;  // of the outer one; the inner one has half as much [N m^2]
-
 WorldSetup pair_of(double outer, double inner, double edge = 2e-3)
 {
-    WorldSetup setup =
-        merged_setup({instrument_of({{0.4, bend, 0}}, twist / bend), instrument_of({{0.6, 0.5 * bend, 0}}, twist / bend)}, {outer, inner},
-                     edge, Scheme::Newton);
+    WorldSetup setup = straight_pair(outer, inner, Scheme::Newton, edge);
     setup.integrator.newmark = true;
-    setup.integrator.tolerance = 1e-9;
     return setup;
 }
 
@@ -32,14 +27,6 @@ LoadSpec at_tip(const Vec3& force, double ramp = 0)
     load.force = force;
     load.ramp = ramp;
     return load;
-}
-
-void advance(World& world, double outer, double inner, double dt)
-{
-    Control control;
-    control.move_to(0, outer, 0);
-    control.move_to(1, inner, 0);
-    REQUIRE_FALSE(step(world, control, dt).failed());
 }
 
 double mass_rate(int instruments) { return instruments * 6500 * pi * 0.25e-6; }  // [kg/m], section_of()
@@ -207,13 +194,8 @@ TEST_SUITE("coaxial/merged newmark")
         const auto on = [](World& world, int from, int to) {
             for (int k = from; k < to; ++k) advance(world, 0.05 + 3e-5 * k, 0.09 + 2e-5 * k, 2e-4);
         };
-        World whole(setup), first(setup), second(setup);
-        on(whole, 0, 160);
-        on(first, 0, 90);
-        second.restore_state(first.save_state());
-        on(second, 90, 160);
-        CHECK(second.state_hash() == whole.state_hash());
-        CHECK(second.readings(0).energy.hand == whole.readings(0).energy.hand);
+        const TakenUp runs(setup, on, 90, 160);
+        CHECK(runs.second.readings(0).energy.hand == runs.whole.readings(0).energy.hand);
     }
 
     TEST_CASE("property: energy-momentum and explicit steps are refused, holds with Newmark's are")

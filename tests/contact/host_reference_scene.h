@@ -2,6 +2,7 @@
 // arguments that kernels take together. `seldinger` may be another namespace here.
 #pragma once
 
+#include "contact/host_reference_names.h"
 #include "shared/barrier_path.h"
 #include "shared/edge_sums.h"
 #include "shared/layer.h"
@@ -15,16 +16,6 @@
 
 namespace {
 
-using namespace seldinger;
-using sel_device::Queue;
-using sel_reference::first_difference;
-using sel_reference::Guarded;
-
-#ifdef SEL_FLOAT32
-constexpr bool float32 = true;
-#else
-constexpr bool float32 = false;
-#endif
 constexpr std::size_t counts_to_try[] = {0, 1, 63, 64, 65, 257};  // below, at and beyond a work-group of 64
 
 struct Draw {
