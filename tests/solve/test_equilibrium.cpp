@@ -105,6 +105,41 @@ TEST_SUITE("solve/equilibrium")
         }
     }
 
+    // What a step feeds is gone from the base edge once the wire has moved on by it, as a step's first guess has. The tangent there is that
+    // of the residual: taken at the tension that the feed makes before anything moves, -EA fed/l, it lacks EA fed/l^2 against turning.
+    TEST_CASE("derivative: the first tangent after a feed is that of a wire which has moved on")
+    {
+        const double fed = 2e-5;
+        Rig rig(nitinol(0.1), 6);
+        rig.hold({clamp_base()}, {});
+        const RodView rod = rig.rods.view(0);
+        const int hub = rod.n - 1;
+        const Vec3 inwards = (rod.pos(hub - 1) - rod.pos(hub)).normalized();
+        const double lacking = rod.stretch_stiffness[hub - 1] * fed / (rod.rest_length[hub - 1] * rod.rest_length[hub - 1]);
+        rod.rest_length[hub - 1] += fed;
+        rig.constraints[0].base_grown = fed;
+        const int nodes[] = {6};
+        SystemProblem problem(0, nodes, {});
+        SystemProblem::Workspace workspace(6);
+        (void)problem.work_in(workspace, false);
+        problem.begin(rig.rods, rig.constraints, rig.active, {}, Vec3::Zero(), Motion::Static, 0);
+        std::vector<double> moved = problem.start;
+        for (int i = 0; i < hub; ++i)
+            for (int c = 0; c < 3; ++c) moved[RodDofs::position(i, c)] += fed * inwards[c];
+        const Eigen::MatrixXd tangent = Linearised(problem, moved).tangent;
+        for (int c = 1; c < 3; ++c) {  // across the wire
+            const int q = RodDofs::position(hub - 1, c);
+            Eigen::VectorXd numeric = Eigen::VectorXd::Zero(problem.size());
+            for (const double sign : {1.0, -1.0}) {
+                std::vector<double> trial = moved;
+                trial[q] += sign * 1e-7;
+                numeric += sign / 2e-7 * Linearised(problem, trial).residual;
+            }
+            // truncation EA/(2 l) (1e-7/l)^2 of a stretched edge, and rounding 1e-16 EA/1e-7
+            CHECK(std::abs(numeric[q] - tangent(q, q)) < 1e-3 * lacking);
+        }
+    }
+
     // by a quarter turn at a time: no potential goes with a dead moment, and its tangent is as large as an edge is of the arc, m
     // l/B = 0.16
     TEST_CASE("analytic: dead moments roll a wire into a ring and further")
