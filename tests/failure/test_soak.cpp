@@ -1,6 +1,7 @@
 // Days of use in one process: worlds made and put back, a wire pushed, pulled and turned. What the process holds stays flat, and the
 // same phase of a cycle reads the same. SELDINGER_SOAK=N: N resets and 1000 N steps (`./dev test --long`: 10000).
 
+#include "support/count_allocations.h"
 #include "support/tries.h"
 #include "support/world_fixture.h"
 
@@ -48,7 +49,8 @@ void check_flat(const Held& before, const Held& after)
 {
     MESSAGE("memory " << before.memory_kb << " -> " << after.memory_kb << " kB, threads " << before.threads << " -> " << after.threads
                       << ", handles " << before.handles << " -> " << after.handles);
-    CHECK(after.memory_kb <= before.memory_kb + slack_kb);
+    // a sanitizer's allocator keeps 256 MB of what was freed, to notice who still uses it
+    if (allocations_are_counted()) CHECK(after.memory_kb <= before.memory_kb + slack_kb);
     CHECK(after.threads <= before.threads);
     CHECK(after.handles <= before.handles);
 }
