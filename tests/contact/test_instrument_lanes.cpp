@@ -39,10 +39,10 @@ Rod wavy(int count, double offset, unsigned seed)
     return rod;
 }
 
-struct Pair {
+struct Strands {
     Rod a, b, a_t0, b_t0;
     InstrumentScene scene{};
-    Pair(unsigned seed, uint touch) : a(wavy(12, 2e-4, seed)), b(wavy(12, 0, seed + 1)), a_t0(a), b_t0(b)
+    Strands(unsigned seed, uint touch) : a(wavy(12, 2e-4, seed)), b(wavy(12, 0, seed + 1)), a_t0(a), b_t0(b)
     {
         std::mt19937 random(seed + 2);
         std::uniform_real_distribution<double> some(-1, 1);
@@ -78,24 +78,24 @@ TEST_CASE("instrument lanes: places and gaps are those of searches one by one")
     int known = 0, known_t0 = 0;
     for (unsigned seed = 1; seed < 20; ++seed)
         for (const uint touch : {SEL_TOUCH_INSIDE, SEL_TOUCH_OUTSIDE}) {
-            const Pair pair(seed, touch);
+            const Strands strands(seed, touch);
             for (int edge = 2; edge < 9; ++edge) {
                 double s[4], start[4];
                 LanePlaces lanes;
-                if (!pair.places(edge, s, start, lanes)) continue;
+                if (!strands.places(edge, s, start, lanes)) continue;
                 ++known;
                 known_t0 += lanes.known_t0;
                 for (int k = 0; k < 4; ++k) {
-                    const CellPoint one = cell_point(&pair.scene, s[k], start[k]);
-                    CHECK(std::abs(lanes.of_a[k] - spline_at(pair.scene.a, s[k])) < 1e-12);
+                    const CellPoint one = cell_point(&strands.scene, s[k], start[k]);
+                    CHECK(std::abs(lanes.of_a[k] - spline_at(strands.scene.a, s[k])) < 1e-12);
                     CHECK(std::abs(lanes.at[k] - one.g.at) < 1e-12);
                     CHECK(std::abs(lanes.gap[k] - one.gap) < 1e-15);
-                    const CellPoint at = cell_point_at(&pair.scene, s[k], lanes.of_a[k], lanes.at[k]);
+                    const CellPoint at = cell_point_at(&strands.scene, s[k], lanes.of_a[k], lanes.at[k]);
                     CHECK(std::abs(at.slope - one.slope) < 1e-11);
                     CHECK(std::abs(at.g.bend - one.g.bend) < 1e-9 * std::abs(one.g.bend));
                     if (!lanes.known_t0) continue;
-                    const vec3 x = point_of_material(pair.scene.a_t0, s[k]);
-                    CHECK(std::abs(lanes.gap[4 + k] - instrument_gap(pair.scene.b_t0, x, start[k], pair.scene.part).gap) < 1e-15);
+                    const vec3 x = point_of_material(strands.scene.a_t0, s[k]);
+                    CHECK(std::abs(lanes.gap[4 + k] - instrument_gap(strands.scene.b_t0, x, start[k], strands.scene.part).gap) < 1e-15);
                 }
             }
         }
@@ -105,19 +105,19 @@ TEST_CASE("instrument lanes: places and gaps are those of searches one by one")
 
 TEST_CASE("instrument lanes: nothing is known across a knot, at the mouth, of one rod with itself")
 {
-    Pair pair(3, SEL_TOUCH_INSIDE);
+    Strands strands(3, SEL_TOUCH_INSIDE);
     double s[4], start[4];
     LanePlaces lanes;
     int edge = 2;
-    while (edge < 9 && !pair.places(edge, s, start, lanes)) ++edge;
+    while (edge < 9 && !strands.places(edge, s, start, lanes)) ++edge;
     REQUIRE(edge < 9);
-    pair.scene.part.low = start[1];  // a mouth in the middle of the points
-    CHECK_FALSE(pair.places(edge, s, start, lanes));
-    pair.scene.part.low = 0.1;
-    pair.scene.part.touch = SEL_TOUCH_SELF;
-    CHECK_FALSE(pair.places(edge, s, start, lanes));
-    pair.scene.part.touch = SEL_TOUCH_INSIDE;
-    const double knot = spline_material(pair.scene.a, edge + 0.5);
+    strands.scene.part.low = start[1];  // a mouth in the middle of the points
+    CHECK_FALSE(strands.places(edge, s, start, lanes));
+    strands.scene.part.low = 0.1;
+    strands.scene.part.touch = SEL_TOUCH_SELF;
+    CHECK_FALSE(strands.places(edge, s, start, lanes));
+    strands.scene.part.touch = SEL_TOUCH_INSIDE;
+    const double knot = spline_material(strands.scene.a, edge + 0.5);
     for (int k = 0; k < 4; ++k) s[k] = knot + 2e-4 * (k - 1.5);
-    CHECK_FALSE(places_in_lanes(&pair.scene, s, start, edge + 0.49).known);
+    CHECK_FALSE(places_in_lanes(&strands.scene, s, start, edge + 0.49).known);
 }
