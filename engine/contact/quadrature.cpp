@@ -80,10 +80,10 @@ QuadratureSet make_quadrature(const ContactSetup& setup)
         points.s.push_back(0);
         const ContactSpec contact = with_lengths(contacts[w], least_radius(spec));
         // one wire alone keeps its bits: there the step's few trials do not pay for the ridges' curvature
-        const double ridges = !setup.several.empty() && setup.several[w] ? 1 : 0;
+        const double curved_ridges = !setup.several.empty() && setup.several[w] ? 1 : 0;
         const auto add_model = [&, reach = contact_reach * least_radius(spec)](QuadratureModel model) {
             model.reach = reach;  // the same all along the wire
-            model.ridges = ridges;
+            model.ridges = curved_ridges;
             set.models.push_back(model);
         };
         // `nodes`: one quadrature point at each control node, with its Voronoi length (the tip's is half an edge)

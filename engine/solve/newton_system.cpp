@@ -76,7 +76,7 @@ bool NewtonSystem::keeps_factors() const
     const double share = problem.residual_share(), contraction = std::max(contraction_, share / base_share_);
     const bool whole = corrected_ && phase_ == Phase::Search && alpha_ == 1 && !options_.shifted && problem.at_prescribed();
     if (!whole || !problem.keeps_tangent() || contraction > most_contraction || iterations_ - first_iteration_ > most_kept) return false;
-    const auto trials = [left = std::log(share)](double contraction) { return std::ceil(left / -std::log(contraction)); };
+    const auto trials = [left = std::log(share)](double a_trial) { return std::ceil(left / -std::log(a_trial)); };
     return trials(std::max(contraction, 1e-6)) <= trials(new_factors);
 }
 
