@@ -121,6 +121,7 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     moved_.assign(nodes_.material.size(), 0);
     cleared_position_ = nodes_.position;
     written_.assign(systems, 0);
+    with_states_.assign(setup.system_of.size(), 0);
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
@@ -223,6 +224,19 @@ bool InstrumentContact::search_is_stale(std::size_t system) const
     return false;
 }
 
+/// Those of systems [begin, end) that may be near to something: from the first to the last live one of instruments that touch any.
+InstrumentContact::CellRange InstrumentContact::searched_cells(std::size_t begin, std::size_t end) const
+{
+    std::uint32_t first = 0, until = 0;
+    for (int w = first_wire_[begin]; w < first_wire_[end]; ++w) {
+        const InstrumentRod& rod = cells_.rods[w];
+        if (rod.live == 0 || rod.pairs == 0) continue;
+        if (until == 0) first = rod.cell;
+        until = rod.cell + rod.live;
+    }
+    return {first, until - first};
+}
+
 /// Of the systems in searching_; the others, which may be done with this step, keep what they have found and what their trials have left.
 void InstrumentContact::search(device::Queue queue)
 {
@@ -230,15 +244,18 @@ void InstrumentContact::search(device::Queue queue)
     context_.write(queue, rods_buffer_, cells_.rods.data(), cells_.rods.size() * sizeof(InstrumentRod));
     nodes_.upload(context_, queue);
     const std::size_t systems = searching_.size();
+    searched_.clear();
     for (std::size_t s = 0, end; s < systems; s = end) {  // consecutive ones in one launch
         for (end = s; end < systems && searching_[end] == searching_[s];) ++end;
         if (!searching_[s]) continue;
-        params_.first_cell = static_cast<uint>(cells_.of_wire[first_wire_[s]]);
-        params_.cell_count = static_cast<uint>(cells_.of_wire[first_wire_[end]]) - params_.first_cell;
-        find_.launch(queue, params_.cell_count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+        const CellRange cells = searched_cells(s, end);
+        params_.first_cell = cells.first;
+        params_.cell_count = cells.count;
+        if (cells.count > 0) find_.launch(queue, cells.count, params_, rods_buffer_, pairs_, surfaces_, rod_of_, nodes_, slots_);
+        searched_.push_back(cells);
         const auto begin = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[s]));
-        const auto until = end < systems ? 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(first_wire_[end]))
-                                         : static_cast<std::ptrdiff_t>(nodes_.position.size());
+        const int last = first_wire_[end] - 1;
+        const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(last) + rods_.node_count(last));
         std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
     }
     // what earlier trials of this step have left is in slots that now stand for something else
@@ -247,7 +264,11 @@ void InstrumentContact::search(device::Queue queue)
         if (searching_[system] && written_[system])
             context_.write(queue, states_, no_states_.data(), count * sizeof(InstrumentState), first * sizeof(InstrumentState));
     });
-    context_.read(queue, slots_, slots_host_.data(), slots_host_.size() * sizeof(InstrumentSlot));
+    for (const CellRange& cells : searched_) {
+        const std::size_t first = std::size_t{cells.first} * SEL_INSTRUMENT_SLOTS,
+                          count = std::size_t{cells.count} * SEL_INSTRUMENT_SLOTS;
+        context_.read(queue, slots_, slots_host_.data() + first, count * sizeof(InstrumentSlot), first * sizeof(InstrumentSlot));
+    }
     list_found();
 }
 
@@ -272,8 +293,8 @@ void InstrumentContact::list_found()
             keep(near_nodes_, near_nodes_before_);
             continue;
         }
-        const auto first = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s]]);
-        const auto last = static_cast<std::uint32_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[first_wire_[s + 1]]);
+        const CellRange cells = searched_cells(s, s + 1);
+        const std::uint32_t first = SEL_INSTRUMENT_SLOTS * cells.first, last = first + SEL_INSTRUMENT_SLOTS * cells.count;
         int near = 0;  // cells come in order, and so do the nodes that they lie on
         for (std::uint32_t k = first; k < last; ++k) {
             if (slots_host_[k].touch == SEL_TOUCH_NONE) continue;
@@ -403,20 +424,23 @@ void InstrumentContact::evaluate(const TrialState& trial, double h, std::span<co
 void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces)
 {
     context_.enter(queue);
-    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s)
-        for (int w = first_wire_[s]; w < first_wire_[s + 1] && picked_of_[s] < picked_of_[s + 1]; ++w)
-            nodes_.upload_moved(context_, queue, rods_.node_begin(w), rods_.node_begin(w) + rods_.node_count(w));
+    for (std::size_t s = 0; s + 1 < first_wire_.size(); ++s) {
+        const int last = first_wire_[s + 1] - 1;
+        if (picked_of_[s] < picked_of_[s + 1])
+            nodes_.upload_moved(context_, queue, rods_.node_begin(first_wire_[s]),
+                                rods_.node_begin(last) + rods_.node_count(last));
+    }
     context_.write(queue, list_buffer_, picked_.data(), picked_.size() * sizeof(std::uint32_t));
     params_.item_count = static_cast<uint>(picked_.size());
     const auto of_itself = static_cast<std::size_t>(std::count_if(picked_.begin(), picked_.end(), [&](std::uint32_t slot) {
         return slots_host_[slot].touch == SEL_TOUCH_SELF;
     }));
-    const auto evaluate = [&](device::Kernel& kernel) {
-        kernel.launch(queue, picked_.size(), params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_,
-                      nodes_t0_, states_t0_, states_, forces, points_buffer_);
+    const auto evaluate = [&](device::Kernel& kernel, std::size_t items) {
+        kernel.launch(queue, items, params_, list_buffer_, rods_buffer_, pairs_, surfaces_, rod_of_, slots_, nodes_, nodes_t0_,
+                      states_t0_, states_, forces, points_buffer_);
     };
-    if (of_itself < picked_.size()) evaluate(evaluate_);
-    if (of_itself > 0) evaluate(evaluate_self_);
+    if (of_itself < picked_.size()) evaluate(evaluate_, (picked_.size() + SEL_BLOCK - 1) / SEL_BLOCK);
+    if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
 }
 
 /// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.
@@ -457,15 +481,21 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
     follow(active);
     context_.enter(device::Queue::Inline);
     for (int w = 0; w < rods_.wire_count(); ++w)
-        if (active[w]) cells_.rods[w].epoch++;
+        if (active[w]) {
+            cells_.rods[w].epoch++;
+            with_states_[w] = static_cast<int>(cells_.rods[w].live);
+        }
     // records of earlier steps that stay where nothing is found are known by their epoch
-    bool any = false;
-    for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
-        if (!active[wire]) return;
-        context_.copy(device::Queue::Inline, states_, states_t0_, count * sizeof(InstrumentState), first * sizeof(InstrumentState));
-        any = true;
-    });
-    if (any) context_.finish(device::Queue::Inline);
+    if (std::all_of(active.begin(), active.begin() + rods_.wire_count(), [](std::uint8_t on) { return on != 0; })) {
+        std::swap(states_, states_t0_);
+    } else {
+        for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
+            if (!active[wire]) return;
+            context_.copy(device::Queue::Inline, states_, states_t0_, count * sizeof(InstrumentState),
+                          first * sizeof(InstrumentState));
+        });
+        context_.finish(device::Queue::Inline);
+    }
     for (std::size_t s = 0; s < written_.size(); ++s)
         if (active[first_wire_[s]]) written_[s] = 0;
     times_.detect += since(start);

@@ -83,6 +83,10 @@ private:
     void set_trial(const TrialState& trial);
     void measure_rods();
     [[nodiscard]] bool search_is_stale(std::size_t system) const;
+    struct CellRange {
+        std::uint32_t first = 0, count = 0;
+    };
+    [[nodiscard]] CellRange searched_cells(std::size_t begin, std::size_t end) const;
     void search(device::Queue queue);
     void list_found();
     void pick(std::span<const std::uint8_t> active);
@@ -115,6 +119,7 @@ private:
     device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
     InstrumentParams params_{};
     std::vector<std::uint8_t> searching_;    // [systems] that are searched
+    std::vector<CellRange> searched_;        // what has been, launch by launch
     std::vector<double> searched_position_;  // at the last search
     std::vector<InstrumentSlot> slots_host_;
     std::vector<InstrumentState> no_states_;
@@ -134,6 +139,7 @@ private:
     std::vector<double> cleared_position_;           // where nodes were then
     std::vector<double> moved_;                      // [nodes] since [m]
     std::vector<std::uint8_t> written_;              // [systems] whether trials have written states that no step has taken
+    std::vector<int> with_states_;  // [wires] cells whose states the last step may have written, the first of them
     std::vector<InstrumentForce> forces_;            // [picked], at least
     std::vector<InstrumentPoint> points_;            // [picked][SEL_INSTRUMENT_POINTS], at least
     StageTimes times_;

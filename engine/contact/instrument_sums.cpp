@@ -297,11 +297,11 @@ void InstrumentSums::add(int wire, std::span<double> residual, BandRows* tangent
             const Block& block = blocks_[b];
             if ((s == 0 ? block.wire_a : block.wire_b) != wire) continue;
             const int at = RodDofs::position(s == 0 ? block.node_a : block.node_b);
-            for (int i = 0; i < side; ++i)
-                for (int j = 0; j < side; ++j) {
-                    const double value = block.value[side * s + i][side * s + j];
-                    if (value != 0) tangent->add(at + i, at + j, value);
-                }
+            const int count = std::min(side, tangent->size() - at);  // a rod of two nodes has a third without weight
+            for (int i = 0; i < count; ++i) {
+                double* row = tangent->row(at + i) + BandRows::half_bandwidth - i;
+                for (int j = 0; j < count; ++j) row[j] += block.value[side * s + i][side * s + j];
+            }
         }
 }
 

@@ -1,6 +1,6 @@
 // Contact between instruments: what cells are near to, and what they exert.
 //   launch  engine/contact/instrument_kernels.cpp       test  tests/contact/test_instrument_kernels.cpp
-#include "shared/instrument_near.h"
+#include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone
 #endif
@@ -23,32 +23,43 @@ SEL_INSTRUMENT_KERNEL void instruments_find(const InstrumentParams par, __global
     for (uint k = 0; k < SEL_INSTRUMENT_SLOTS; ++k) slots[SEL_INSTRUMENT_SLOTS * cell + k] = list.slots[k];
 }
 
-// Forces of listed slots: with other instruments, and with the same one.
-//   item    one entry of `list`: a slot that something is near in; the other kernel's are passed over
+// Forces of listed slots: with other instruments, SEL_BLOCK of them an item; with the same one, each an item. The other kernel's are
+// passed over.
+//   item    entries of `list`: slots that something is near in
 //   reads   list [item_count]; bodies; slots; nodes at the trial and at the start of the step; states_t0 [cells][slots]
 //   writes  forces [item_count]; points [item_count][SEL_INSTRUMENT_POINTS], of each its first `count`; states [cells][slots] of
 //           the listed
-#define SEL_EVALUATE(name, is_its, force_of)                                                                                         \
-    SEL_INSTRUMENT_KERNEL void name(                                                                                                 \
-        const InstrumentParams par, __global const uint* restrict list, __global const InstrumentRod* restrict rods,                 \
-        __global const InstrumentPair* restrict pairs, __global const InstrumentSurface* restrict surfaces,                          \
-        __global const uint* restrict rod_of, __global const InstrumentSlot* restrict slots, __global const real* restrict position, \
-        __global const real* restrict material, __global const real* restrict theta, __global const real* restrict position_t0,      \
-        __global const real* restrict material_t0, __global const real* restrict theta_t0,                                           \
-        __global const InstrumentState* restrict states_t0, __global InstrumentState* restrict states,                               \
-        __global InstrumentForce* restrict forces, __global InstrumentPoint* restrict points)                                        \
-    {                                                                                                                                \
-        const uint item = get_global_id(0);                                                                                          \
-        if (item >= par.item_count) return;                                                                                          \
-        const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;                                                                  \
-        if (!(slots[s].touch is_its SEL_TOUCH_SELF)) return;                                                                         \
-        InstrumentState now = no_instrument_state();                                                                                 \
-        forces[item] = force_of(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),                                    \
-                                instrument_nodes(position, material, theta),                                                         \
-                                instrument_nodes(position_t0, material_t0, theta_t0), states_t0 + SEL_INSTRUMENT_SLOTS * cell, par,  \
-                                &now, points + SEL_INSTRUMENT_POINTS * item);                                                        \
-        states[s] = now;                                                                                                             \
-    }
+#define SEL_EVALUATE(name)                                                                                                      \
+    SEL_INSTRUMENT_KERNEL void name(const InstrumentParams par, __global const uint* restrict list,                             \
+                                    __global const InstrumentRod* restrict rods, __global const InstrumentPair* restrict pairs, \
+                                    __global const InstrumentSurface* restrict surfaces, __global const uint* restrict rod_of,  \
+                                    __global const InstrumentSlot* restrict slots, __global const real* restrict position,      \
+                                    __global const real* restrict material, __global const real* restrict theta,                \
+                                    __global const real* restrict position_t0, __global const real* restrict material_t0,       \
+                                    __global const real* restrict theta_t0, __global const InstrumentState* restrict states_t0, \
+                                    __global InstrumentState* restrict states, __global InstrumentForce* restrict forces,       \
+                                    __global InstrumentPoint* restrict points)
 
-SEL_EVALUATE(instruments_evaluate, !=, instrument_force)
-SEL_EVALUATE(instruments_evaluate_self, ==, instrument_self_force)
+SEL_EVALUATE(instruments_evaluate)
+{
+    const uint first = SEL_BLOCK * get_global_id(0);
+    if (first >= par.item_count) return;
+    const uint left = par.item_count - first;
+    instrument_forces(list + first, left < SEL_BLOCK ? left : SEL_BLOCK, slots, instrument_bodies(rods, pairs, surfaces, rod_of),
+                      instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
+                      states_t0, par, states, forces + first, points + SEL_INSTRUMENT_POINTS * first);
+}
+
+SEL_EVALUATE(instruments_evaluate_self)
+{
+    const uint item = get_global_id(0);
+    if (item >= par.item_count) return;
+    const uint s = list[item], cell = s / SEL_INSTRUMENT_SLOTS;
+    if (slots[s].touch != SEL_TOUCH_SELF) return;
+    InstrumentState now = no_instrument_state();
+    forces[item] =
+        instrument_self_force(cell, slots[s], instrument_bodies(rods, pairs, surfaces, rod_of),
+                              instrument_nodes(position, material, theta), instrument_nodes(position_t0, material_t0, theta_t0),
+                              states_t0 + SEL_INSTRUMENT_SLOTS * cell, par, &now, points + SEL_INSTRUMENT_POINTS * item);
+    states[s] = now;
+}

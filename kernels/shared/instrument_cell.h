@@ -6,13 +6,15 @@
 // vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points move with them is left out of it
 // (they stay on material where the cell touches as a whole).
 //
-// Friction is that of the whole force of the cell at its centroid: slip of a's surface past b's there, with both spins and the
-// turning of both tangents (friction_law.h). Both surfaces are taken at one point, on a's, so that force, couple and torques on
-// the two rods are those of one force and its opposite.
+// Three cells in four that touch do so all along, and did in the last step: such a cell is not cut, and no zeros are looked for. Its
+// force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. Which way it is
+// does not change within a step, and it is this one only where the cell was at least a fourth as deep all along as it was deepest
+// (SEL_WHOLE): a force of depth^(3/2) is then right to 5e-7 where the depth goes linearly with s, to 2e-4 where it is a parabola of
+// that height, and where curvatures jump by [kappa] at a knot in it, to a depth of [kappa] l^2/2700 in the mean.
 #ifndef SEL_SHARED_INSTRUMENT_CELL_H
 #define SEL_SHARED_INSTRUMENT_CELL_H
+#include "shared/instrument_friction.h"
 #include "shared/instrument_lanes.h"
-#include "shared/instrument_law.h"
 
 SEL_BEGIN
 
@@ -23,7 +25,7 @@ SEL_FN vec3 point_near(SplineView rod, real s, uint edge)
 }
 
 // The gap of the same material point of a at the start of the step.
-SEL_FN real gap_at_start(const InstrumentScene* scene, real s, real start)
+SEL_CALL real gap_at_start(const InstrumentScene* scene, real s, real start)
 {
     return instrument_gap(scene->b_t0, point_near(scene->a_t0, s, scene->edge), start, part_for(scene, scene->b_t0, s)).gap;
 }
@@ -38,40 +40,33 @@ SEL_FN real gauss_place(uint k)
 }
 SEL_FN real gauss_weight(uint k) { return k == 1 || k == 2 ? (real)0.65214515486254614 : (real)0.34785484513745386; }
 
-SEL_FN void store_vec(real* to, vec3 v)
-{
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
-}
-
-// Adds a point whose gap's gradient is that of `point.g`.
+// Adds a point whose gap's gradient is that of `point->g`.
 // @param force, slope  [N], and its growth with depth [N/m]
-SEL_FN void put_point(CellPoint point, real force, real slope, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+SEL_FN void put_point(const CellPoint* point, real force, real slope, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     InstrumentPoint p;
     for (int k = 0; k < 3; ++k) {
-        p.wa[k] = point.a.w[k];
-        p.wb[k] = point.g.b.w[k];
-        p.db[k] = point.g.b.d[k];
+        p.wa[k] = point->a.w[k];
+        p.wb[k] = point->g.b.w[k];
+        p.db[k] = point->g.b.d[k];
     }
-    store_vec(p.n, point.g.n);
-    store_vec(p.turn, point.g.turn);
-    store_vec(p.p, point.g.p);
-    store_vec(p.q, point.g.q);
-    for (int k = 0; k < 6; ++k) p.m[k] = point.g.m[k];
-    p.bend = point.g.bend;
+    store_vec(p.n, point->g.n);
+    store_vec(p.turn, point->g.turn);
+    store_vec(p.p, point->g.p);
+    store_vec(p.q, point->g.q);
+    for (int k = 0; k < 6; ++k) p.m[k] = point->g.m[k];
+    p.bend = point->g.bend;
     p.force = force;
     p.slope = slope;
-    p.node_a = point.a.node;
-    p.node_b = point.g.b.node;
+    p.node_a = point->a.node;
+    p.node_b = point->g.b.node;
     points[out->count++] = p;
     out->normal_sum += force;
     out->slope_sum += slope;
 }
 
 // Force and its growth at one Gauss point of `weight` metres.
-SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
+SEL_FN void push_at(const CellPoint* point, real weight, Closing closing, const LawContext* c, InstrumentForce* out,
                     SEL_GLOBAL InstrumentPoint* points)
 {
     real slope, ignored;
@@ -83,117 +78,74 @@ SEL_FN void push_at(CellPoint point, real weight, Closing closing, const LawCont
 
 #define SEL_PIECE_POINTS 4  // Gauss points of a piece
 
+// Gauss points of a stretch of the cell: where, where on b to look, and metres.
+typedef struct GaussPoints {
+    real s[SEL_PIECE_POINTS], start[SEL_PIECE_POINTS], weight[SEL_PIECE_POINTS];
+} GaussPoints;
+
+// Where a cell is deepest: on a's axis, and the direction there.
+typedef struct DeepPoint {
+    vec3 x, n;
+    real gap, s, at;  // at: along b's curve
+} DeepPoint;
+
+SEL_FN DeepPoint deep_point(const InstrumentScene* scene, const CellPoint* point)
+{
+    DeepPoint deep;
+    deep.x = spline_sum(scene->a, point->a.node, point->a.w);
+    deep.n = point->g.n;
+    deep.gap = point->gap;
+    deep.s = point->s;
+    deep.at = point->g.at;
+    return deep;
+}
+
+// What the points of a stretch have exerted.
+typedef struct Pushed {
+    real moment;  // sum of force times s
+    real gap[SEL_PIECE_POINTS];
+    DeepPoint deepest;
+} Pushed;
+
+SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along, LanePlaces lanes, Closing closing,
+                          const LawContext* c, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    Pushed pushed;
+    pushed.moment = 0;
+    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
+        const real before = out->normal_sum;
+        CellPoint point;
+        if (lanes.known) set_point_at(scene, along->s[k], lanes.of_a[k], lanes.at[k], &point);
+        else set_point(scene, along->s[k], along->start[k], &point);
+        pushed.gap[k] = point.gap;
+        if (k == 0 || point.gap < pushed.deepest.gap) pushed.deepest = deep_point(scene, &point);
+        if (point.gap >= 0) continue;
+        Closing here = closing;
+        here.depth = -point.gap;
+        if (c->par.inv_dt > 0 && c->m.damping > 0) {
+            const real gap_t0 = lanes.known_t0 ? lanes.gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, along->s[k], point.g.at);
+            here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
+            here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
+        }
+        push_at(&point, along->weight[k], here, c, out, points);
+        pushed.moment += (out->normal_sum - before) * along->s[k];
+    }
+    return pushed;
+}
+
 // The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
                        InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
     const real half_length = (real)0.5 * (right.s - left.s), middle = (real)0.5 * (left.s + right.s);
-    real moment = 0, s[SEL_PIECE_POINTS], start[SEL_PIECE_POINTS];
+    GaussPoints along;
     for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
-        s[k] = middle + half_length * gauss_place(k);
-        start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
+        along.s[k] = middle + half_length * gauss_place(k);
+        along.start[k] = (real)0.5 * (left.at + right.at + gauss_place(k) * (right.at - left.at));
+        along.weight[k] = half_length * gauss_weight(k);
     }
-    const LanePlaces lanes = places_in_lanes(scene, s, start, spline_at_near(scene->a, middle, scene->edge));
-    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
-        const real before = out->normal_sum;
-        const CellPoint point = lanes.known ? cell_point_at(scene, s[k], lanes.of_a[k], lanes.at[k]) : cell_point(scene, s[k], start[k]);
-        if (point.gap >= 0) continue;
-        Closing here = closing;
-        here.depth = -point.gap;
-        if (c->par.inv_dt > 0 && c->m.damping > 0) {
-            const real gap_t0 = lanes.known_t0 ? lanes.gap[SEL_PIECE_POINTS + k] : gap_at_start(scene, s[k], point.g.at);
-            here.depth_t0 = gap_t0 < SEL_FAR ? -gap_t0 : here.depth;
-            here.rate = (here.depth - here.depth_t0) * c->par.inv_dt;
-        }
-        push_at(point, half_length * gauss_weight(k), here, c, out, points);
-        moment += (out->normal_sum - before) * s[k];
-    }
-    return moment;
-}
-
-// One rod's surface at the contact: what its nodes do to it.
-typedef struct SurfaceMotion {
-    SplinePlace place;
-    vec3 lever;    // from the axis to the contact [m]
-    vec3 tangent;  // unit
-    real length;   // |c'| [m]
-    vec3 move;     // of the contact over the step [m]
-} SurfaceMotion;
-
-// @param edge  near the material point
-SEL_FN SurfaceMotion surface_motion(SplineView now, SplineView then, real at, real material, uint edge, vec3 lever)
-{
-    SurfaceMotion m;
-    m.place = spline_place(at, now.count);
-    m.lever = lever;
-    const vec3 along = spline_sum(now, m.place.node, m.place.d);
-    m.length = sqrt(dot3(along, along));
-    m.tangent = (1 / m.length) * along;
-    const SplinePlace old = spline_place(spline_at_near(then, material, edge), then.count);
-    const vec3 along_t0 = spline_sum(then, old.node, old.d);
-    const vec3 turn = m.tangent - (1 / sqrt(dot3(along_t0, along_t0))) * along_t0;
-    const real spin = spline_spin(now, m.place) - spline_spin(then, old);
-    m.move = spline_sum(now, m.place.node, m.place.w) - spline_sum(then, old.node, old.w) + spin * cross3(m.tangent, lever) +
-             dot3(m.tangent, lever) * turn - dot3(lever, turn) * m.tangent;
-    return m;
-}
-
-SEL_FN InstrumentRow instrument_row(vec3 v, SurfaceMotion a, SurfaceMotion b)
-{
-    InstrumentRow row;
-    store_vec(row.v, v);
-    store_vec(row.turn_a, (1 / a.length) * (dot3(a.tangent, a.lever) * v - dot3(v, a.tangent) * a.lever));
-    store_vec(row.turn_b, (1 / b.length) * (dot3(b.tangent, b.lever) * v - dot3(v, b.tangent) * b.lever));
-    row.spin_a = dot3(v, cross3(a.tangent, a.lever));
-    row.spin_b = dot3(v, cross3(b.tangent, b.lever));
-    return row;
-}
-
-SEL_FN void place_friction(CellPoint point, SurfaceMotion a, SurfaceMotion b, InstrumentForce* out)
-{
-    for (int k = 0; k < 3; ++k) {
-        out->wa[k] = a.place.w[k];
-        out->da[k] = a.place.d[k];
-        out->wb[k] = b.place.w[k];
-        out->db[k] = b.place.d[k];
-    }
-    store_vec(out->n, point.g.n);
-    store_vec(out->turn, point.g.turn);
-    out->node_a = a.place.node;
-    out->node_b = b.place.node;
-}
-
-// Friction under the cell's normal force at the point `point` of a; c->m.weight: metres that touch.
-SEL_FN void rub_at(const InstrumentScene* scene, CellPoint point, CarriedState carried, const LawContext* c, InstrumentState* now,
-                   InstrumentForce* out)
-{
-    const vec3 n = point.g.n, x = spline_sum(scene->a, point.a.node, point.a.w);
-    const vec3 lever = -(c->m.radius) * n;
-    const real along_b = spline_material(scene->b, point.g.at);
-    const SurfaceMotion a = surface_motion(scene->a, scene->a_t0, spline_at_near(scene->a, point.s, scene->edge), point.s, scene->edge, lever);
-    const SurfaceMotion b = surface_motion(scene->b, scene->b_t0, point.g.at, along_b, (uint)point.g.at, x + lever - point.g.centre);
-    place_friction(point, a, b, out);
-    vec3 move = a.move - b.move;
-    move = move - dot3(move, n) * n;
-    const vec3 slip = total_slip(move, n, carried, c);
-    const real size = sqrt(dot3(slip, slip)), load = out->normal_sum;
-    const SlipLaw law = slip_law(size, load, carried, c);
-    const vec3 d = size > 0 ? (1 / size) * slip : across_of(n), f = -law.force * d;
-    out->force = instrument_row(f, a, b);
-    out->along = instrument_row(d, a, b);
-    out->across = instrument_row(cross3(n, d), a, b);
-    out->stiff_along = size > 0 ? law.along : law.across;
-    out->stiff_across = law.across;
-    out->flags |= SEL_FORCE_COUPLE;
-    if (!law.stuck && size > 0) {
-        out->skew = out->slope_sum > 0 ? law.force / load * out->slope_sum : 0;
-        out->flags |= SEL_FORCE_SLIDING;
-        out->sliding_sum = law.force;
-    }
-    out->friction_sum = law.force;
-    out->friction_work = dot3(f, move);
-    out->stored += law.force * law.force / (2 * c->m.friction_stiffness * c->m.weight);
-    write_friction(slip, size, f, law, c, &now->contact);
+    const LanePlaces lanes = places_in_lanes(scene, along.s, along.start, spline_at_near(scene->a, middle, scene->edge));
+    return push_points(scene, &along, lanes, closing, c, out, points).moment;
 }
 
 SEL_FN InstrumentState no_instrument_state(void)
@@ -232,64 +184,173 @@ SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, Con
     return closing;
 }
 
-// Where the deepest point is and how it closes.
-SEL_FN void write_deepest(CellPoint deepest, const InstrumentScene* scene, Closing closing, uint epoch, InstrumentState* now)
+// How it closes where it is deepest.
+SEL_FN void write_deepest(const InstrumentScene* scene, DeepPoint at, Closing closing, uint epoch, InstrumentState* now)
 {
-    const vec3 n = deepest.g.n;
-    const vec3 x = spline_sum(scene->a, deepest.a.node, deepest.a.w) - (scene->part.reach_a + deepest.gap) * n;
     now->contact.epoch = epoch;
-    now->contact.gap = deepest.gap;
+    now->contact.gap = at.gap;
     now->contact.rate = closing.rate;
     now->contact.approach = closing.approach;
-    store_vec(now->contact.normal, n);
-    store_vec(now->contact.point, x);
-    now->along_a = deepest.s;
-    now->along_b = spline_material(scene->b, deepest.g.at);
-    now->contact.triangle = edge_near(scene->b, now->along_b, (uint)deepest.g.at);
+    store_vec(now->contact.normal, at.n);
+    store_vec(now->contact.point, at.x - (scene->part.reach_a + at.gap) * at.n);
+    now->along_a = at.s;
+    now->along_b = spline_material(scene->b, at.at);
+    now->contact.triangle = edge_near(scene->b, now->along_b, (uint)at.at);
 }
 
-// The state of a cell that touches nothing: how it closes. (Its approach speed is taken when it touches.)
-SEL_FN void follow_cell(const InstrumentScene* scene, const CellPieces* cell, real inv_dt, uint epoch, InstrumentState* now)
+// What of a cell that touches nothing is known to the next step: how it closes. (Its approach speed is taken when it touches.)
+SEL_FN Closing following(real gap, real gap_t0, real inv_dt)
+{
+    Closing closing;
+    closing.rate = gap_t0 < SEL_FAR ? (gap_t0 - gap) * inv_dt : (real)0;
+    closing.approach = closing.rate;
+    return closing;
+}
+
+SEL_CALL void follow_cell(const InstrumentScene* scene, const CellPieces* cell, real inv_dt, uint epoch, InstrumentState* now)
 {
     const CellMark least = cell->least[cell->deepest];
     const CellPoint bottom = cell_point(scene, least.s, least.at);
-    const real gap_t0 = gap_at_start(scene, bottom.s, bottom.g.at);
-    Closing closing;
-    closing.rate = gap_t0 < SEL_FAR ? (gap_t0 - bottom.gap) * inv_dt : (real)0;
-    closing.approach = closing.rate;
-    write_deepest(bottom, scene, closing, epoch, now);
+    write_deepest(scene, deep_point(scene, &bottom), following(bottom.gap, gap_at_start(scene, bottom.s, bottom.g.at), inv_dt),
+                  epoch, now);
 }
 
-// What a cell that touches exerts, and its state.
-// @param fresh  `old` is none             c->mv.epoch: of this step     points  [SEL_INSTRUMENT_POINTS] as many as push are written
-SEL_FN void cell_force(const InstrumentScene* scene, const CellPieces* cell, ContactState old, int fresh, LawContext* c,
-                       InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+// Of a cell's contact: sum of force times s, metres that touch, where on b about.
+typedef struct CellTouch {
+    real moment, length, at;
+} CellTouch;
+
+#define SEL_WHOLE ((real)0.25)  // of the deepest: a cell that is as deep all along is taken as a whole
+
+// Whether a cell that was looked through is to be taken as a whole in the next step. Not at a mouth, whose rim is sharply curved.
+SEL_FN int touches_whole(const InstrumentScene* scene, const CellPieces* cell)
+{
+    const real deepest = -cell->least[cell->deepest].gap,
+               low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
+    for (uint k = 0; k <= cell->cuts.pieces; ++k)
+        if (!(-cell->cuts.at[k].gap >= SEL_WHOLE * deepest && cell->cuts.at[k].at > low)) return 0;
+    return 1;
+}
+
+// What a cell that touches exerts, piece by piece.
+SEL_CALL CellTouch push_pieces(const InstrumentScene* scene, const CellPieces* cell, ContactState old, int fresh,
+                               const LawContext* c, InstrumentState* now, InstrumentForce* out,
+                               SEL_GLOBAL InstrumentPoint* points)
 {
     const CellMark least = cell->least[cell->deepest];
     const CellPoint bottom = cell_point(scene, least.s, least.at);
     const Closing closing = cell_closing(scene, bottom, old, fresh, c);
-    write_deepest(bottom, scene, closing, c->mv.epoch, now);
+    write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
-    real moment = 0, touching = 0;
+    CellTouch touch;
+    touch.moment = touch.length = 0;
+    touch.at = least.at;
     for (uint k = 0; k < cell->cuts.pieces; ++k) {
         if (cell->least[k].gap >= 0) continue;
         const CellMark left = cell->cuts.at[k], right = cell->cuts.at[k + 1];
         const CellMark from = left.gap < 0 ? left : gap_zero(scene, cell->least[k], left);
         const CellMark until = right.gap < 0 ? right : gap_zero(scene, cell->least[k], right);
-        moment += push_along(scene, from, until, closing, c, out, points);
-        touching += until.s - from.s;
+        touch.moment += push_along(scene, from, until, closing, c, out, points);
+        touch.length += until.s - from.s;
     }
-    if (out->count == 0) return;
-    now->length = out->length = touching;
+    if (touches_whole(scene, cell)) now->contact.flags |= SEL_CONTACT_WHOLE;
+    return touch;
+}
+
+// What the cubic through the values at four Gauss points is at an end of the cell. @param k0, k1, k2, k3  the points, from that end on
+SEL_FN real at_end(const real* of, uint k0, uint k1, uint k2, uint k3)
+{
+    return (real)1.5267881254572662 * of[k0] - (real)0.813632449486927 * of[k1] + (real)0.40076152031165035 * of[k2] -
+           (real)0.11391719628198993 * of[k3];
+}
+
+// Where on b a cell lies that is taken as a whole, about.
+typedef struct CellBeside {
+    real at;       // of its middle
+    real onwards;  // of `at`, with s [1/m]
+} CellBeside;
+
+// In a lumen b goes along with a: from where the cell was deepest at the start of the step.
+// @param onwards  of `at` over the cell
+SEL_FN CellBeside beside_lumen(const InstrumentScene* scene, SEL_GLOBAL const InstrumentState* old, real middle, real onwards)
+{
+    CellBeside beside;
+    beside.onwards = onwards;
+    beside.at = spline_at_near(scene->b, old->along_b, old->contact.triangle) + onwards * (middle - old->along_a);
+    return beside;
+}
+
+// Elsewhere it has any direction.
+// @param start  where on b to look     @return 0: there is nothing beside it
+SEL_FN int beside_other(const InstrumentScene* scene, real middle, real start, CellBeside* beside)
+{
+    CellPoint point;
+    set_point(scene, middle, start, &point);
+    if (point.gap >= SEL_FAR) return 0;
+    const vec3 along_a = spline_sum(scene->a, point.a.node, point.a.d),
+               along_b = spline_sum(scene->b, point.g.b.node, point.g.b.d);
+    beside->at = point.g.at;
+    beside->onwards = dot3(along_a, along_b) / (sqrt(dot3(along_a, along_a)) * dot3(along_b, along_b));
+    return 1;
+}
+
+// What a cell that touched all along at the start of the step exerts.
+// @param middle  of the cell [m]
+SEL_FN CellTouch push_whole(const InstrumentScene* scene, real middle, real half_length, CellBeside beside, ContactState old,
+                            const LawContext* c, InstrumentState* now, InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
+{
+    GaussPoints along;
+    for (uint k = 0; k < SEL_PIECE_POINTS; ++k) {
+        const real way = gauss_place(k) * half_length;
+        along.s[k] = middle + way;
+        along.start[k] = beside.at + beside.onwards * way;
+        along.weight[k] = half_length * gauss_weight(k);
+    }
+    Closing closing;
+    closing.fresh = 0;
+    closing.approach = max_r(old.approach, c->m.speed_floor);
+    closing.rate_t0 = old.rate;
+    closing.rate = closing.depth = closing.depth_t0 = 0;
+    closing.deepens = 0;
+    const LanePlaces lanes = own_places_in_lanes(scene, along.s, along.start);
+    const Pushed pushed = push_points(scene, &along, lanes, closing, c, out, points);
+    real least = pushed.deepest.gap, most = max_r(max_r(pushed.gap[0], pushed.gap[1]), max_r(pushed.gap[2], pushed.gap[3]));
+    if (most < SEL_FAR) {
+        const real first = at_end(pushed.gap, 0, 1, 2, 3), last = at_end(pushed.gap, 3, 2, 1, 0);
+        least = min_r(least, min_r(first, last));
+        most = max_r(most, max_r(first, last));
+    }
+    const real gap_t0 = gap_at_start(scene, pushed.deepest.s, pushed.deepest.at);
+    closing.depth = -least;
+    closing.depth_t0 = gap_t0 < SEL_FAR ? pushed.deepest.gap - gap_t0 - least : closing.depth;
+    closing.deepens = closing.depth > closing.depth_t0;
+    closing.rate = (closing.depth - closing.depth_t0) * c->par.inv_dt;
+    write_deepest(scene, pushed.deepest, closing, c->mv.epoch, now);
+    if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
+    out->depth = -least;
+    const real low = scene->part.touch == SEL_TOUCH_INSIDE ? scene->part.low : (real)-1;
+    if (most <= SEL_WHOLE * least && min_r(along.start[0], along.start[3]) > low) now->contact.flags |= SEL_CONTACT_WHOLE;
+    CellTouch touch;
+    touch.moment = pushed.moment;
+    touch.length = 2 * half_length;
+    touch.at = beside.at;
+    return touch;
+}
+
+// The state of a cell that has pushed, and its friction.
+SEL_FN void finish_cell(const InstrumentScene* scene, CellTouch touch, ContactState old, int fresh, LawContext* c,
+                        InstrumentState* now, InstrumentForce* out)
+{
+    now->length = out->length = touch.length;
     now->contact.flags |= SEL_CONTACT_ACTIVE;
     now->contact.normal_force = out->normal_sum;
     if (c->par.friction == SEL_FRICTION_NONE) return;
-    const CellPoint middle = cell_point(scene, moment / out->normal_sum, least.at);
+    const CellPoint middle = cell_point(scene, touch.moment / out->normal_sum, touch.at);
     if (middle.gap >= SEL_FAR) return;
     CarriedState carried;
     carried.old = old;
     carried.was_active = !fresh && (old.flags & SEL_CONTACT_ACTIVE);
-    c->m.weight = touching;
+    c->m.weight = touch.length;
     rub_at(scene, middle, carried, c, now, out);
 }
 

@@ -69,56 +69,58 @@ SEL_FN InstrumentGap no_gap(real at)
 }
 
 // Beyond the plane of the mouth.
-SEL_FN InstrumentGap mouth_gap(SplineView rod, vec3 x, InstrumentGap g, GapPart part)
+SEL_FN void set_mouth_gap(SplineView rod, vec3 x, GapPart part, InstrumentGap* g)
 {
-    const vec3 edge = spline_sum(rod, g.b.node, g.b.d);
+    const vec3 edge = spline_sum(rod, g->b.node, g->b.d);
     const real length = sqrt(dot3(edge, edge));
-    const vec3 t = (1 / length) * edge, away = x - g.centre;
+    const vec3 t = (1 / length) * edge, away = x - g->centre;
     const real z = -dot3(away, t);
     const vec3 radial = away + z * t;
     const real circle = part.reach_b + part.rim, out = sqrt(dot3(radial, radial));
     const vec3 e = (1 / max_r(out, (real)1e-30)) * radial;
     const real inward = circle - out, distance = sqrt(inward * inward + z * z);
-    g.gap = distance - part.rim - part.reach_a;
-    if (distance <= 0 || out <= 0) return g;
-    g.n = (-1 / distance) * (inward * e + z * t);
-    g.turn = (-z * circle / (distance * length)) * e;
-    add_square(g.m, 1 / distance, (1 / distance) * (z * e - inward * t));
-    add_square(g.m, -inward / (distance * out), cross3(t, e));
-    return g;
+    g->gap = distance - part.rim - part.reach_a;
+    if (distance <= 0 || out <= 0) return;
+    g->n = (-1 / distance) * (inward * e + z * t);
+    g->turn = (-z * circle / (distance * length)) * e;
+    add_square(g->m, 1 / distance, (1 / distance) * (z * e - inward * t));
+    add_square(g->m, -inward / (distance * out), cross3(t, e));
 }
 
-// Of the place on b that is known to be nearest.
-SEL_FN InstrumentGap instrument_gap_at(SplineView rod, vec3 x, Closest near, GapPart part)
+// Of the place on b that is known to be nearest. (Through a pointer: it is long, and copies of it were a tenth of an evaluation.)
+SEL_FN void set_gap(SplineView rod, vec3 x, Closest near, GapPart part, InstrumentGap* g)
 {
-    InstrumentGap g = no_gap(near.at);
+    *g = no_gap(near.at);
     const int inside = part.touch == SEL_TOUCH_INSIDE;
-    if (inside ? near.bound > 0 : (near.bound < 0 && !part.low_ends) || (near.bound > 0 && !part.high_ends)) return g;
-    g.b = spline_place(near.at, rod.count);
-    g.centre = spline_sum(rod, g.b.node, g.b.w);
-    if (inside && near.bound < 0) return mouth_gap(rod, x, g, part);
-    const vec3 away = x - g.centre;
+    if (inside ? near.bound > 0 : (near.bound < 0 && !part.low_ends) || (near.bound > 0 && !part.high_ends)) return;
+    g->b = spline_place(near.at, rod.count);
+    g->centre = spline_sum(rod, g->b.node, g->b.w);
+    if (inside && near.bound < 0) {
+        set_mouth_gap(rod, x, part, g);
+        return;
+    }
+    const vec3 away = x - g->centre;
     const real distance = sqrt(dot3(away, away)), sign = inside ? (real)-1 : (real)1;
-    g.gap = inside ? part.reach_b - part.reach_a - distance : distance - part.reach_a - part.reach_b;
-    if (distance <= 0) return g;
+    g->gap = inside ? part.reach_b - part.reach_a - distance : distance - part.reach_a - part.reach_b;
+    if (distance <= 0) return;
     const vec3 n = (1 / distance) * away;
-    g.n = sign * n;
-    for (int k = 0; k < 6; ++k) g.m[k] = 0;
-    g.m[0] = g.m[3] = g.m[5] = sign / distance;
-    add_square(g.m, -sign / distance, n);
-    if (near.bound != 0) return g;
-    const vec3 along = spline_sum(rod, g.b.node, g.b.d);
-    const real curved = dot3(along, along) / distance - dot3(n, spline_sum(rod, g.b.node, g.b.c));
-    if (curved <= 0) return g;
-    g.bend = -sign / curved;
-    g.p = (1 / distance) * along;
-    g.q = n;
-    return g;
+    g->n = sign * n;
+    g->m[0] = g->m[3] = g->m[5] = sign / distance;
+    add_square(g->m, -sign / distance, n);
+    if (near.bound != 0) return;
+    const vec3 along = spline_sum(rod, g->b.node, g->b.d);
+    const real curved = dot3(along, along) / distance - dot3(n, spline_sum(rod, g->b.node, g->b.c));
+    if (curved <= 0) return;
+    g->bend = -sign / curved;
+    g->p = (1 / distance) * along;
+    g->q = n;
 }
 
 SEL_FN InstrumentGap instrument_gap(SplineView rod, vec3 x, real start, GapPart part)
 {
-    return instrument_gap_at(rod, x, closest_on(rod, x, start, part.low, part.high), part);
+    InstrumentGap g;
+    set_gap(rod, x, closest_on(rod, x, start, part.low, part.high), part, &g);
+    return g;
 }
 
 SEL_END

@@ -41,27 +41,38 @@ SEL_FN void measure_slope(const InstrumentScene* scene, CellPoint* point)
     point->slope = dot3(point->g.n, along) / sqrt(dot3(along, along));
 }
 
-SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
+// Where a point is nearest to b is looked for from `start`.
+SEL_FN void find_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
 {
-    CellPoint point;
-    point.s = s;
-    point.a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
-    point.g = instrument_gap(scene->b, spline_sum(scene->a, point.a.node, point.a.w), start, part_for(scene, scene->b, s));
-    measure_slope(scene, &point);
-    return point;
+    const GapPart part = part_for(scene, scene->b, s);
+    point->s = s;
+    point->a = spline_place(spline_at_near(scene->a, s, scene->edge), scene->a.count);
+    const vec3 x = spline_sum(scene->a, point->a.node, point->a.w);
+    set_gap(scene->b, x, closest_on(scene->b, x, start, part.low, part.high), part, &point->g);
+    measure_slope(scene, point);
 }
 
-// A point whose place on a, and the nearest on b, short of its ends and its mouth, are known.
-SEL_FN CellPoint cell_point_at(const InstrumentScene* scene, real s, real of_a, real at)
+SEL_CALL void set_point(const InstrumentScene* scene, real s, real start, CellPoint* point)
 {
-    CellPoint point;
+    find_point(scene, s, start, point);
+}
+
+// Its place on a, and the nearest on b, short of its ends and its mouth, are known.
+SEL_FN void set_point_at(const InstrumentScene* scene, real s, real of_a, real at, CellPoint* point)
+{
     Closest near;
     near.at = at;
     near.bound = 0;
-    point.s = s;
-    point.a = spline_place(of_a, scene->a.count);
-    point.g = instrument_gap_at(scene->b, spline_sum(scene->a, point.a.node, point.a.w), near, scene->part);
-    measure_slope(scene, &point);
+    point->s = s;
+    point->a = spline_place(of_a, scene->a.count);
+    set_gap(scene->b, spline_sum(scene->a, point->a.node, point->a.w), near, scene->part, &point->g);
+    measure_slope(scene, point);
+}
+
+SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
+{
+    CellPoint point;
+    set_point(scene, s, start, &point);
     return point;
 }
 
@@ -70,17 +81,23 @@ typedef struct CellMark {
     real s, gap, slope, at;  // at: of b
 } CellMark;
 
-SEL_FN CellMark mark_of(CellPoint point)
+SEL_FN CellMark mark_of(const CellPoint* point)
 {
     CellMark mark;
-    mark.s = point.s;
-    mark.gap = point.gap;
-    mark.slope = point.slope;
-    mark.at = point.g.at;
+    mark.s = point->s;
+    mark.gap = point->gap;
+    mark.slope = point->slope;
+    mark.at = point->g.at;
     return mark;
 }
 
-SEL_FN CellMark cell_mark(const InstrumentScene* scene, real s, real start) { return mark_of(cell_point(scene, s, start)); }
+// In line, find_point() is left without the gap's Hessian.
+SEL_CALL CellMark cell_mark(const InstrumentScene* scene, real s, real start)
+{
+    CellPoint point;
+    find_point(scene, s, start, &point);
+    return mark_of(&point);
+}
 
 // A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
@@ -228,13 +245,14 @@ SEL_FN real most_curved(SplineView rod, real from, real until)
 // By how much the gap between two points is positive at least, by what their gaps and curvatures leave room for: with g'' <= k,
 // g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
 // a lumen, where the gap falls with D, the last term is none. 0: nothing can be told.
-SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right)
+// @param from, until  where on a's curve both are
+SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right, real from, real until)
 {
     const real gap = min_r(left.gap, right.gap);
     if (gap <= 0 || max_r(left.gap, right.gap) >= SEL_FAR) return 0;
     const int inside = scene->part.touch == SEL_TOUCH_INSIDE;
     if (inside && min_r(left.at, right.at) <= scene->part.low) return 0;  // a mouth
-    const real a = most_curved(scene->a, spline_at_near(scene->a, left.s, scene->edge), spline_at_near(scene->a, right.s, scene->edge));
+    const real a = most_curved(scene->a, from, until);
     const real b = most_curved(scene->b, left.at, right.at), reach = scene->part.reach_a + scene->part.reach_b;
     const real far = inside ? scene->part.reach_b : max_r(left.gap, right.gap) + reach + (right.s - left.s);
     if (3 * b * far > 1) return 0;
@@ -334,13 +352,30 @@ typedef struct CellPieces {
     uint deepest;
 } CellPieces;
 
-// @param s0, s1  ends of the cell [m]     start  near where along b     out  depth and `clear` are written
-SEL_FN void look_through(const InstrumentScene* scene, real s0, real s1, real start, CellPieces* cell, InstrumentForce* out)
+// The ends of a cell.
+typedef struct CellEnds {
+    CellMark first, last;
+    real room;  // see least_room()
+} CellEnds;
+
+// @param s0, s1  [m]     start  near where along b
+SEL_CALL CellEnds cell_ends(const InstrumentScene* scene, real s0, real s1, real start)
 {
-    const CellMark first = cell_mark(scene, s0, start), last = cell_mark(scene, s1, first.at);
+    CellEnds ends;
+    ends.first = cell_mark(scene, s0, start);
+    ends.last = cell_mark(scene, s1, ends.first.at);
+    ends.room = least_room(scene, ends.first, ends.last, spline_at_near(scene->a, s0, scene->edge),
+                           spline_at_near(scene->a, s1, scene->edge));
+    return ends;
+}
+
+// @param out  depth and `clear` are written
+SEL_CALL void look_through(const InstrumentScene* scene, CellEnds ends, CellPieces* cell, InstrumentForce* out)
+{
+    const CellMark first = ends.first, last = ends.last;
     cell->deepest = cell->cuts.pieces = 0;
     cell->least[0] = first.gap < last.gap ? first : last;
-    real room = least_room(scene, first, last);
+    real room = ends.room;
     if (room <= 0) {
         cut_cell(scene, first, last, &cell->cuts);
         for (uint k = 0; k < cell->cuts.pieces; ++k) {

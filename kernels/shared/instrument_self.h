@@ -94,7 +94,11 @@ SEL_FN CellPoint self_point(const SelfScene* self, real s)
     return point;
 }
 
-SEL_FN CellMark self_mark(const SelfScene* self, real s) { return mark_of(self_point(self, s)); }
+SEL_FN CellMark self_mark(const SelfScene* self, real s)
+{
+    const CellPoint point = self_point(self, s);
+    return mark_of(&point);
+}
 
 // Stretches of b that are nearer to a point than the radii.
 typedef struct SelfLobes {
@@ -313,7 +317,7 @@ SEL_FN void push_pair(const SelfScene* self, CellPoint point, vec3 x, real at, r
     add_square(point.g.m, -1 / distance, point.g.n);
     real slope;
     const real elastic = weight * elastic_normal(depth, law->m, &slope), force = damping.factor * elastic;
-    put_point(point, force, damping.factor * weight * slope + damping.growth * elastic, out, points);
+    put_point(&point, force, damping.factor * weight * slope + damping.growth * elastic, out, points);
     out->stored += elastic * depth / (law->m.exponent + 1);
     sums->along_a += force * point.s;
     sums->along_b += force * spline_material(scene->b, at);
@@ -405,7 +409,7 @@ SEL_FN void follow_self(const SelfScene* self, const SelfTouch* touch, real inv_
     const CellPoint bottom = self_point(self, touch->deepest.s);
     Closing closing;
     closing.rate = closing.approach = closing_rate(&self->scene, bottom.s, bottom.g.at, inv_dt);
-    write_deepest(bottom, &self->scene, closing, epoch, now);
+    write_deepest(&self->scene, deep_point(&self->scene, &bottom), closing, epoch, now);
 }
 
 // As cell_force() of instrument_cell.h.
@@ -415,7 +419,7 @@ SEL_FN void self_force(const SelfScene* self, const SelfTouch* touch, real sprea
     const InstrumentScene* scene = &self->scene;
     const CellPoint bottom = self_point(self, touch->deepest.s);
     Closing closing = cell_closing(scene, cell_point(scene, bottom.s, bottom.g.at), old, fresh, c);
-    write_deepest(bottom, scene, closing, c->mv.epoch, now);
+    write_deepest(scene, deep_point(scene, &bottom), closing, c->mv.epoch, now);
     if (blocked(closing, c)) out->flags |= SEL_FORCE_BLOCKED;
     closing.approach = max_r(closing.approach, critical_speed(closing.depth_t0, line_mass, c->m));
     const LawContext law = pair_law(c, scene->part.reach_a + scene->part.reach_b, spread);

@@ -10,6 +10,7 @@
 SEL_BEGIN
 
 #define SEL_INSTRUMENT_SLOTS 4    // stretches that one cell is near to, at most
+#define SEL_BLOCK 4u              // slots that one item evaluates
 #define SEL_CELL_PIECES 8         // smooth ones that one cell is cut into, at most
 #define SEL_INSTRUMENT_POINTS 96  // of one slot: Gauss points of what touches; four of each piece, or 24 of each lobe
 

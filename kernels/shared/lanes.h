@@ -37,6 +37,7 @@ SEL_LANES_FN int8 narrow_mask8(mask8 v) { return __builtin_convertvector(v, int8
 SEL_LANES_FN mask8 wide_mask8(int8 v) { return __builtin_convertvector(v, mask8); }
 SEL_LANES_FN real8 real8_of(real x) { return real8{} + x; }
 SEL_LANES_FN real8 halves8(real a, real b) { return real8{a, a, a, a, b, b, b, b}; }
+SEL_LANES_FN real8 of8(real a, real b, real c, real d, real e, real f, real g, real h) { return real8{a, b, c, d, e, f, g, h}; }
 SEL_LANES_FN real8 numbers8(const real* a, const real* b)
 {
     return real8{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
@@ -95,6 +96,7 @@ typedef long8 mask8;
         #define real8_of(x) ((double8)(x))
     #endif
     #define halves8(a, b) ((real8)((a), (a), (a), (a), (b), (b), (b), (b)))
+    #define of8(a, b, c, d, e, f, g, h) ((real8)((a), (b), (c), (d), (e), (f), (g), (h)))
     #define numbers8(a, b) ((real8)((a)[0], (a)[1], (a)[2], (a)[3], (b)[0], (b)[1], (b)[2], (b)[3]))
     #define put8(v, to) vstore8(v, 0, to)
     #define sqrt8(v) sqrt(v)

@@ -10,6 +10,7 @@
     #include <cmath>
     #include <cstdint>
     #define SEL_FN inline
+    #define SEL_CALL inline
     #define SEL_GLOBAL
     #define SEL_BEGIN namespace seldinger {
     #define SEL_END }
@@ -39,6 +40,7 @@ inline vec3 operator*(real s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 #else
     #pragma OPENCL FP_CONTRACT OFF                               // default is ON; OFF lets host and device be compared
     #define SEL_FN static inline __attribute__((always_inline))  // calls copy their records: a fifth of an evaluation
+    #define SEL_CALL static __attribute__((noinline))            // of what is long, and called from many places: code ten times as long
     #define SEL_GLOBAL __global
     #define SEL_BEGIN
     #define SEL_END

@@ -109,7 +109,7 @@ SEL_FN uint edge_of_material(SplineView rod, real s)
 // The same, looked for from an edge that is near.
 SEL_FN uint edge_near(SplineView rod, real s, uint from)
 {
-    uint edge = from + 1 < rod.count ? from : rod.count - 2;
+    uint edge = from < rod.count - 1 ? from : rod.count - 2;
     while (edge > 0 && s < rod.material[edge]) --edge;
     while (edge + 2 < rod.count && s >= rod.material[edge + 1]) ++edge;
     return edge;
