@@ -7,15 +7,22 @@
 #include "core/bytes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace seldinger {
 
-/// The slots of a wire's cells, those zero that no contact of the last step has written.
+namespace {
+
+constexpr double farthest = 1e3;  // along an instrument [m]
+
+}  // namespace
+
+/// The slots of a wire's cells as far as they were inside, those zero that no contact of the last step has written.
 std::vector<InstrumentState> InstrumentContact::living(int wire)
 {
-    const auto first = static_cast<std::size_t>(cells_.of_wire[wire]), end = static_cast<std::size_t>(cells_.of_wire[wire + 1]);
-    std::vector<InstrumentState> states((end - first) * SEL_INSTRUMENT_SLOTS);
+    const auto first = static_cast<std::size_t>(cells_.of_wire[wire]);
+    std::vector<InstrumentState> states(static_cast<std::size_t>(with_states_[wire]) * SEL_INSTRUMENT_SLOTS);
     context_.enter(device::Queue::Inline);
     context_.read(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                   first * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState));
@@ -70,9 +77,13 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
         take_bytes(bytes, end, &states[place], 1);
         if (states[place].pair >= cells_.rods[wire].pairs)
             throw Error(ExitCode::BadFile, "the saved state has contacts between instruments that do not touch in this scene");
-        check_contact_states({&states[place].contact, 1}, ~std::size_t{0});  // an edge of the other one, only to be told
+        // its edge of the other one is where that is looked along from, as are the places along both
+        check_contact_states({&states[place].contact, 1}, static_cast<std::size_t>(rods_.total_capacity()));
+        if (!(std::abs(states[place].along_a) <= farthest && std::abs(states[place].along_b) <= farthest))
+            throw Error(ExitCode::BadFile, "the saved state has a contact that lies on no instrument");
         states[place].pair += cells_.rods[wire].pair;
     }
+    with_states_[wire] = cells_.of_wire[wire + 1] - cells_.of_wire[wire];
     context_.enter(device::Queue::Inline);
     context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));

@@ -69,9 +69,12 @@ const std::vector<Case>& cases()
         {"layer", "tests/golden/bend.toml", {"contact.detection=layer"}, 120},
         {"nodes that come and go", "tests/golden/bend.toml", {"wire.nodes=adaptive"}, 120},
         {"barrier", "tests/golden/bend.toml", {"contact.normal=barrier"}, 120},
-        {"a wall that yields", "tests/golden/bend.toml",
-         {"vessel.wall=elastic", "vessel.youngs_pa=1e6", "vessel.thickness_m=0.0008"}, 120},
+        {"a wall that yields",
+         "tests/golden/bend.toml",
+         {"vessel.wall=elastic", "vessel.youngs_pa=1e6", "vessel.thickness_m=0.0008"},
+         120},
         {"catheter over wire", "assets/scenes/catheter-over-wire.toml", {}, 3},
+        {"two rods that touch", "assets/scenes/catheter-over-wire.toml", {"coaxial.model=separate"}, 300},
     };
     return all;
 }
