@@ -269,25 +269,25 @@ SEL_FN void instrument_forces(SEL_GLOBAL const uint* list, uint count, SEL_GLOBA
     if (its == 0) return;
     for (uint k = its; k < SEL_BLOCK; ++k) cells[k] = cells[0];  // lanes that nobody asks
     CellEnds ends[SEL_BLOCK];
-    int known[SEL_BLOCK], due[SEL_BLOCK], any_due = 0;
+    int known[SEL_BLOCK], clear[SEL_BLOCK], due[SEL_BLOCK], any_due = 0;
     InstrumentState now[SEL_BLOCK];
-    for (uint k = 0; k < SEL_BLOCK; ++k) known[k] = due[k] = 0;
+    for (uint k = 0; k < SEL_BLOCK; ++k) known[k] = clear[k] = due[k] = 0;
     if (whole < its) ends_in_lanes(cells, ends, known);
     for (uint k = 0; k < its; ++k) {
         now[k] = no_instrument_state();
         now[k].pair = cells[k].pair;
         now[k].touch = cells[k].touch;
-        due[k] = known[k] && !cells[k].whole && ends[k].room > 0 &&
-                 is_followed(cells + k, par, -min_r(ends[k].first.gap, ends[k].last.gap));
+        clear[k] = known[k] && !cells[k].whole && ends[k].room > 0;
+        due[k] = clear[k] && is_followed(cells + k, par, -min_r(ends[k].first.gap, ends[k].last.gap));
         any_due = any_due || due[k];
     }
     if (any_due) follow_in_lanes(cells, ends, par.inv_dt, due, now);
     for (uint k = 0; k < its; ++k) {
         InstrumentForce force = no_instrument_force();
         force.pair = cells[k].pair;
-        if (known[k] && !cells[k].whole && ends[k].room > 0 && !due[k]) {
-            force.depth = -min_r(ends[k].first.gap, ends[k].last.gap);
-            force.clear = clear_move(&cells[k].scene, ends[k].first, ends[k].last, ends[k].room);
+        if (clear[k] && !due[k]) {
+            CellPieces none;
+            look_through(&cells[k].scene, ends[k], &none, &force);
         } else {
             const uint cell = list[item[k]] / SEL_INSTRUMENT_SLOTS;
             cell_force(cells + k, ends[k], known[k], bodies.pairs[cells[k].pair], states_t0 + SEL_INSTRUMENT_SLOTS * cell, par,
