@@ -1,5 +1,6 @@
 // Geometry of contact between instruments (D13): the spline of a rod, and the gap to it with its derivatives.
 
+#include "contact/spline_rod.h"
 #include "shared/instrument_near.h"
 #include "support/approx.h"
 
@@ -15,12 +16,7 @@ using namespace seldinger;
 namespace {
 
 /// Nodes of one rod.
-struct Nodes {
-    std::vector<double> position, material, theta;
-    [[nodiscard]] SplineView view() const
-    {
-        return {position.data(), material.data(), theta.data(), static_cast<uint>(material.size())};
-    }
+struct Nodes : test::SplineRod {
     void add(vec3 x)
     {
         double s = 0;

@@ -1,5 +1,6 @@
 // Nearest places side by side (instrument_lanes.h) against searches one by one.
 
+#include "contact/spline_rod.h"
 #include "shared/instrument_near.h"
 #include "support/approx.h"
 
@@ -9,23 +10,16 @@
 #include <vector>
 
 using namespace seldinger;
+using test::SplineRod;
 
 namespace {
 
-struct Rod {
-    std::vector<double> position, material, theta;
-    [[nodiscard]] SplineView view() const
-    {
-        return {position.data(), material.data(), theta.data(), static_cast<uint>(material.size())};
-    }
-};
-
 /// A wavy rod about along x, edges of 3 mm and more.
-Rod wavy(int count, double offset, unsigned seed)
+SplineRod wavy(int count, double offset, unsigned seed)
 {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> some(-1, 1);
-    Rod rod;
+    SplineRod rod;
     double x = 0, s = 0;
     for (int i = 0; i < count; ++i) {
         const double y = offset + 1e-4 * some(random), z = 1e-4 * some(random);
@@ -40,13 +34,13 @@ Rod wavy(int count, double offset, unsigned seed)
 }
 
 struct Strands {
-    Rod a, b, a_t0, b_t0;
+    SplineRod a, b, a_t0, b_t0;
     InstrumentScene scene{};
     Strands(unsigned seed, uint touch) : a(wavy(12, 2e-4, seed)), b(wavy(12, 0, seed + 1)), a_t0(a), b_t0(b)
     {
         std::mt19937 random(seed + 2);
         std::uniform_real_distribution<double> some(-1, 1);
-        for (Rod* rod : {&a_t0, &b_t0})
+        for (SplineRod* rod : {&a_t0, &b_t0})
             for (double& x : rod->position) x += 2e-5 * some(random);
         scene.a = a.view(), scene.b = b.view(), scene.a_t0 = a_t0.view(), scene.b_t0 = b_t0.view();
         scene.part.touch = touch;

@@ -1,5 +1,6 @@
 // A cell that touches all along is taken as a whole (instrument_cell.h): what it exerts, and that nothing jumps within a step.
 
+#include "contact/spline_rod.h"
 #include "shared/instrument_block.h"
 #include "support/approx.h"
 
@@ -10,25 +11,18 @@
 #include <vector>
 
 using namespace seldinger;
+using test::SplineRod;
 
 namespace {
 
 constexpr double spacing = 0.8e-3, edge = 2e-3, lumen = 0.5e-3, radius = 0.4e-3, stiffness = 1e10;
 
-struct Rod {
-    std::vector<double> position, material, theta;
-    [[nodiscard]] SplineView view() const
-    {
-        return {position.data(), material.data(), theta.data(), static_cast<uint>(material.size())};
-    }
-};
-
 /// An arc in the plane of x and y, every node up to `rough` off it.
-Rod arc(double about, double rough, unsigned seed)
+SplineRod arc(double about, double rough, unsigned seed)
 {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> some(-1, 1);
-    Rod rod;
+    SplineRod rod;
     for (int i = 0; i < 12; ++i) {
         const double turn = edge * i / 0.05, away = about + rough * some(random);
         rod.position.insert(rod.position.end(), {away * std::sin(turn), away * std::cos(turn), 0});
@@ -40,7 +34,7 @@ Rod arc(double about, double rough, unsigned seed)
 
 /// A wire that lies `deep` in the outer wall of a bent lumen.
 struct Lying {
-    Rod a, b, a_t0, b_t0;
+    SplineRod a, b, a_t0, b_t0;
     InstrumentScene scene{};
     LawContext c;
     Lying(double deep, double rough, unsigned seed)
@@ -98,7 +92,7 @@ Exerted in_pieces(const Lying& lying, int cell)
 }
 
 /// The largest jump of a rod's curvature from one knot to the next [1/m].
-double largest_jump(const Rod& rod)
+double largest_jump(const SplineRod& rod)
 {
     double most = 0;
     vec3 last{};
@@ -208,8 +202,10 @@ TEST_CASE("instrument whole: not at a mouth, nor where it hardly touches")
     Lying lying(3e-6, 0, 1);
     const Exerted inside = in_pieces(lying, 8);
     CHECK((inside.state.contact.flags & SEL_CONTACT_WHOLE) != 0);
-    lying.scene.part.low = spacing * 8.5 / edge;  // the lumen ends in the middle of the cell
-    CHECK((in_pieces(lying, 8).state.contact.flags & SEL_CONTACT_WHOLE) == 0);
+    for (const double place : {0.5, 0.02}) {  // the lumen ends in the middle of the cell; 16 um beyond its rim the wall falls back by 0.9 um
+        lying.scene.part.low = spacing * (8 + place) / edge;
+        CHECK((in_pieces(lying, 8).state.contact.flags & SEL_CONTACT_WHOLE) == 0);
+    }
     Lying tilted(3e-6, 0, 1);
     for (std::size_t i = 0; i < tilted.a.material.size(); ++i)
         tilted.a.position[3 * i + 1] -= 6e-3 * (tilted.a.material[i] - 8.5 * spacing);
