@@ -5,6 +5,7 @@
 #include "rod/place.h"
 #include "solve/line_holds.h"
 #include "world.h"
+#include "wall/wall_compliance.h"
 
 #include <fmt/format.h>
 

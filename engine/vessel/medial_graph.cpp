@@ -214,7 +214,7 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     graph.sample_of_vertex.assign(mesh.vertices.size(), -1);
     const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
 
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     double edge_sum = 0;
     for (std::size_t k = 0; k < edges.count(); ++k) {

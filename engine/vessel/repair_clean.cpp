@@ -6,6 +6,7 @@
 #include "vessel/work_budget.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <compare>
 #include <unordered_map>
@@ -140,8 +141,8 @@ public:
     {
         const Vec3& p = vertices_[static_cast<std::size_t>(v)];
         std::int32_t best = v;
-        Eigen::Vector3<std::int64_t> from, to;
-        for (int d = 0; d < 3; ++d) {
+        std::array<std::int64_t, 3> from, to;
+        for (std::size_t d = 0; d < 3; ++d) {
             from[d] = static_cast<std::int64_t>(std::floor((p[d] - tolerance_ - low_[d]) / cell_));
             to[d] = static_cast<std::int64_t>(std::floor((p[d] + tolerance_ - low_[d]) / cell_));
         }
@@ -173,8 +174,8 @@ private:
     }
     void insert(std::int32_t v, const Vec3& p)
     {
-        Eigen::Vector3<std::int64_t> c;
-        for (int d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
+        std::array<std::int64_t, 3> c;
+        for (std::size_t d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
         auto [it, fresh] = heads_.try_emplace(key(c[0], c[1], c[2]), -1);
         chain_.push_back({v, it->second});
         it->second = static_cast<std::int32_t>(chain_.size()) - 1;
@@ -205,7 +206,7 @@ void drop_non_finite(WallMesh& mesh, RepairReport& report)
 void weld(WallMesh& mesh, RepairReport& report)
 {
     if (mesh.triangles.empty()) return;
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     // a mesh that is a single point has no edge to compare with; any tolerance above 0 welds it
     // Nor does a double tell places apart that are nearer than 1e-16 of the box; cells are numbered in 64 bits.

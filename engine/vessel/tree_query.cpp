@@ -100,7 +100,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
 {
     double best = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty()) return best;
-    const Vec3 local = origin - tree.centre, inverse = direction.cwiseInverse();
+    const Vec3 local = origin - tree.centre, inverse = Vec3::Constant(1).cwiseQuotient(direction);
     std::uint32_t stack[SEL_TREE_STACK + 1];
     int top = 0;
     std::uint64_t looked_at = 0;

@@ -1,6 +1,7 @@
 // The wall as a body, made from the vessel's mesh; what is read off it.
 
 #include "wall/elastic_wall.h"
+#include "wall/wall_compliance.h"
 
 #include <fmt/format.h>
 
@@ -71,7 +72,7 @@ void add_force(const LoopSurface& surface, std::int32_t triangle, double u, doub
 {
     LoopStencil at;
     surface.basis(triangle, u, v, at);
-    for (int k = 0; k < at.size; ++k) Eigen::Map<Vec3>(&to[3 * static_cast<std::size_t>(at.vertex[k])]) += at.n[k] * force;
+    for (int k = 0; k < at.size; ++k) add_to(&to[3 * static_cast<std::size_t>(at.vertex[k])], at.n[k] * force);
 }
 
 std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads)
@@ -82,7 +83,7 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
         if (load.pressure != 0)
             for (const ShellPoint& q : shell.points())
                 add_force(surface, q.triangle, q.u, q.v, -load.pressure * q.area * q.normal, to);
-        if (load.force.isZero(0)) continue;
+        if (load.force.isZero()) continue;
         LoopFoot foot;
         surface.closest(load.at, foot);
         add_force(surface, foot.triangle, foot.u, foot.v, load.force, to);
@@ -107,6 +108,8 @@ double lumen_radius(const WallModel& wall, const Vec3& place)
 }
 
 }  // namespace
+
+ElasticWall::~ElasticWall() = default;
 
 ElasticWall::ElasticWall(const WallModel& wall)
 {
@@ -173,7 +176,7 @@ namespace {
 double move_at(const LoopStencil& at, std::span<const double> w)
 {
     Vec3 move = Vec3::Zero();
-    for (int k = 0; k < at.size; ++k) move += at.n[k] * Eigen::Map<const Vec3>(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
+    for (int k = 0; k < at.size; ++k) move += at.n[k] * Vec3(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
     return move.norm();
 }
 

@@ -41,7 +41,7 @@ struct Shot {
 
 Vec3 middle_of(const WallMesh& mesh, const Output& output)
 {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     if (box.isEmpty())
         for (const Vec3& node : output.wires.front().position) box.extend(node);

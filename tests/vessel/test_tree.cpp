@@ -132,10 +132,10 @@ TEST_SUITE("vessel/tree")
             overlapping_triangles(tree, lo, hi, found);
             CHECK(std::is_sorted(found.begin(), found.end()));
             for (std::uint32_t k = 0; k < tree.triangle_count(); ++k) {
-                Eigen::AlignedBox3d box;
+                Box3 box;
                 const Triangle3 t = tree.triangle(k);
                 for (const Vec3& v : {t.a, t.b, t.c}) box.extend(v + tree.centre);
-                if (!box.intersects(Eigen::AlignedBox3d(lo, hi))) continue;
+                if (!box.intersects(Box3(lo, hi))) continue;
                 ++touched;
                 REQUIRE(std::binary_search(found.begin(), found.end(), k));
             }

@@ -87,10 +87,8 @@ struct PieceRays {
 
     PieceRays(const CArmView& view, const Piece& p)
     {
-        Mat3 own;
-        own.row(2) = p.axis;
-        own.row(0) = p.axis.unitOrthogonal();
-        own.row(1) = p.axis.cross(Vec3(own.row(0)));
+        const Vec3 across = p.axis.unitOrthogonal();
+        const Mat3 own = Mat3::rows(across, p.axis.cross(across), p.axis);
         ray = {own * view.direction, own * view.right, own * view.up};
         const double depth = 0.5 * (p.at[0].depth + p.at[1].depth);
         from = {own * (view.source - p.begin) + depth * ray.c, depth * ray.du, depth * ray.dv};

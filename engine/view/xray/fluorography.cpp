@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 Vec3 middle_of(const RunFolder& run)
 {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : run.wall.vertices) box.extend(v);
     if (box.isEmpty())
         for (const WireLine& wire : read_frame(run, run.frames.size() - 1).wires)
