@@ -1,12 +1,12 @@
 // seldinger check SCENE.toml [--set ...] [--wire NAME]: reads the scene, loads the vessel, runs nothing.
 
+#include "command_line.h"
 #include "commands.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "setup_check.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 #include <optional>
@@ -35,7 +35,7 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
 
 }  // namespace
 
-void add_check(CLI::App& app, Command& chosen)
+void add_check(CommandLine& app, Command& chosen)
 {
     struct Options {
         std::filesystem::path file;
@@ -43,7 +43,7 @@ void add_check(CLI::App& app, Command& chosen)
         std::optional<std::string> wire;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* check = app.add_subcommand("check", "say whether a scene can be run");
+    CommandLine* check = app.add_subcommand("check", "say whether a scene can be run");
     check->add_option("SCENE", options->file, "scene file (TOML)")->required();
     check->add_option("--set", options->overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")

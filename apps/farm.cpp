@@ -3,6 +3,7 @@
 // seldinger farm status DIR · farm merge DIR [--video FILE.mp4 [--fps N]] · farm task DIR N | --all
 
 #include "batch_loop.h"
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "farm_backend.h"
@@ -11,7 +12,6 @@
 #include "render_frames.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -277,10 +277,10 @@ ExitCode merge(const ViewOptions& options)
     return merge_sweep(options.dir, plan);
 }
 
-void add_status(CLI::App& farm_command, Command& chosen)
+void add_status(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CLI::App* command = farm_command.add_subcommand("status", "where each task stands");
+    CommandLine* command = farm_command.add_subcommand("status", "where each task stands");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_flag("--json", options->json, "as one JSON object");
     command->callback([options, &chosen] {
@@ -293,19 +293,19 @@ void add_status(CLI::App& farm_command, Command& chosen)
     });
 }
 
-void add_merge(CLI::App& farm_command, Command& chosen)
+void add_merge(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CLI::App* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
+    CommandLine* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
     command->add_option("--fps", options->fps, "of the film (default: as fast as it happened)")
-        ->check(CLI::Range(0.1, 240.0))
+        ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
 }
 
-void add_task(CLI::App& farm_command, Command& chosen)
+void add_task(CommandLine& farm_command, Command& chosen)
 {
     struct One {
         fs::path dir;
@@ -314,13 +314,13 @@ void add_task(CLI::App& farm_command, Command& chosen)
         TaskOptions how;
     };
     auto options = std::make_shared<One>();
-    CLI::App* command = farm_command.add_subcommand("task", "run one task, or all that are waiting (called by the backends)");
+    CommandLine* command = farm_command.add_subcommand("task", "run one task, or all that are waiting (called by the backends)");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("N", options->task, "task, from 0");
     command->add_flag("--all", options->all, "every task that is neither finished nor running");
     command->add_option("--threads", options->how.threads, "of the host's part (default: all cores)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
     command->callback([options, &chosen] {
         chosen = [options] {
@@ -338,10 +338,10 @@ void add_task(CLI::App& farm_command, Command& chosen)
 
 }  // namespace
 
-void add_farm(CLI::App& app, Command& chosen)
+void add_farm(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("farm", "cut a batch, or a run's frames, into tasks for many machines");
+    CommandLine* command = app.add_subcommand("farm", "cut a batch, or a run's frames, into tasks for many machines");
     command->require_subcommand(0, 1);
     command->allow_extras();
     command->add_option("SOURCE", options->source, "scene file with --vary, or folder of a run with --frames");
@@ -354,15 +354,15 @@ void add_farm(CLI::App& app, Command& chosen)
         ->allow_extra_args(false);
     command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1000000));
+        ->check(in_range(1, 1000000));
     command->add_option("--backend", options->backend, "local: here, now; slurm: array jobs")
-        ->check(CLI::IsMember({"local", "slurm"}));
+        ->check(one_of({"local", "slurm"}));
     command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--threads", options->local.threads, "local: threads of each (default: all cores)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")
         ->type_name("N");
     command->add_option("--sbatch", options->sbatch, "slurm: an option of the array job, e.g. --sbatch=--time=60; repeats")
@@ -375,7 +375,7 @@ void add_farm(CLI::App& app, Command& chosen)
     add_merge(*command, chosen);
     add_task(*command, chosen);
     command->callback([options, command, &chosen] {
-        if (!command->get_subcommands().empty()) return;
+        if (command->went_below()) return;
         options->render = command->remaining();
         chosen = [options] { return farm(*options); };
     });

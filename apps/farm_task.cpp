@@ -2,6 +2,7 @@
 #include "farm_task.h"
 
 #include "batch_loop.h"
+#include "command_line.h"
 #include "core/file_io.h"
 #include "core/note.h"
 #include "core/parallel.h"
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <fstream>
 #include <sstream>
@@ -153,7 +153,7 @@ Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path
                             fmt::format("{}: a farm's tasks draw numbered pictures and nothing else; leave it "
                                         "out (a film: farm merge DIR --video FILE.mp4)",
                                         own));
-    CLI::App app;
+    CommandLine app("", "seldinger");
     Command chosen;
     add_render(app, chosen);
     std::vector<std::string> words = plan.render;
@@ -163,12 +163,8 @@ Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path
           (dir / "frame.png").string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
         words.push_back(std::move(word));
     std::rotate(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(plan.render.size()), words.end());
-    std::reverse(words.begin(), words.end());  // as CLI11 wants them
-    try {
-        app.parse(words);
-    } catch (const CLI::ParseError& error) {
-        throw Error(ExitCode::BadScene, std::string(error.what()) + "; see `seldinger render --help`");
-    }
+    if (const CommandLine::Parsed parsed = app.parse(std::move(words)); !parsed.error.empty())
+        throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
     return chosen;
 }
 

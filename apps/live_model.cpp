@@ -2,6 +2,7 @@
 #include "live_model.h"
 
 #include "child_process.h"
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 #include "quantity.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <iostream>
 #include <iterator>
@@ -91,10 +91,10 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     return chosen;
 }
 
-void add_choose_live_model(CLI::App& app, Command& chosen)
+void add_choose_live_model(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->group("");
+    CommandLine* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->hidden();
     command->add_option("--source", options->source)->required();
     command->add_option("--trials", options->wish.trials)->required();
     command->add_option("--tolerance", options->wish.tolerance)->required();

@@ -1,5 +1,6 @@
 // seldinger: the command. Reads the command line, runs one subcommand, turns every error into one line and an exit code.
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 #include "core/printable.h"
@@ -8,7 +9,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -37,9 +37,9 @@ int complain(std::string message, ExitCode code)
 
 int run_command_line(int argc, char** argv)
 {
-    CLI::App app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
+    CommandLine app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
     app.set_version_flag("--version", std::string("seldinger ") + version());
-    app.require_subcommand(1);
+    app.require_subcommand(1, 1);
     Command chosen;
     add_run(app, chosen);
     add_batch(app, chosen);
@@ -58,15 +58,11 @@ int run_command_line(int argc, char** argv)
     add_report(app, chosen);
     add_farm(app, chosen);
     const std::string first = argc > 1 ? argv[1] : "";
-    const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
-    if (!first.empty() && first[0] != '-' && known.empty())
+    if (!first.empty() && first[0] != '-' && !app.has_subcommand(first))
         return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return complain(std::string(error.what()) + "; see `seldinger --help`", ExitCode::BadScene);
-    }
+    const CommandLine::Parsed parsed = app.parse(argc, argv);
+    if (parsed.printed) return 0;  // --help, --version
+    if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ExitCode::BadScene);
     return static_cast<int>(chosen());
 }
 

@@ -3,13 +3,13 @@
 //                  [--video FILE] [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]] [--force-max
 //                  50mN]
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 #include "quantity.h"
 #include "render_fluoro.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <map>
@@ -124,10 +124,10 @@ ExitCode render(const Options& options)
 
 }  // namespace
 
-void add_render(CLI::App& app, Command& chosen)
+void add_render(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
+    CommandLine* command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
     command->add_option("--size", options->size, "picture in pixels (default 1280x720; fluoro 1024x1024)")->type_name("WxH");
     command
@@ -136,7 +136,7 @@ void add_render(CLI::App& app, Command& chosen)
                      "azimuth, elevation in degrees, zoom)")
         ->type_name("MOVE");
     command->add_option("--background", options->background, "white or transparent (default: a light shade)")
-        ->check(CLI::IsMember({"white", "transparent"}))
+        ->check(one_of({"white", "transparent"}))
         ->type_name("GROUND");
     command->add_flag("--no-legend", options->no_legend, "the picture alone");
     command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
@@ -144,7 +144,7 @@ void add_render(CLI::App& app, Command& chosen)
     command->add_option("--usd", options->usd, "likewise: USD")->type_name("FILE.usda");
     options->frames.declare(*command);
     command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
-        ->check(CLI::IsMember({"displacement", "stress"}))
+        ->check(one_of({"displacement", "stress"}))
         ->type_name("WHAT");
     command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
         ->type_name("1.5mm|80kPa");
@@ -156,7 +156,7 @@ void add_render(CLI::App& app, Command& chosen)
         ->add_option("--view", options->view,
                      "of the patient: front, back, left (side), right, top, bottom; endoscopic: from the tip; fluoro: an X-ray; "
                      "default: where the vessel is widest")
-        ->check(CLI::IsMember({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
+        ->check(one_of({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
         ->type_name("VIEW");
     options->fluoro.declare(*command);
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });

@@ -2,10 +2,10 @@
 
 #include "render_fluoro.h"
 
+#include "command_line.h"
 #include "commands.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <cmath>
 
@@ -15,7 +15,7 @@
 
 namespace seldinger::apps {
 
-void FluoroArguments::declare(CLI::App& command)
+void FluoroArguments::declare(CommandLine& command)
 {
     command.add_option("--c-arm", c_arm, "fluoro: place of the detector, e.g. \"LAO 30, CRA 15\"")->type_name("ANGLES");
     command.add_option("--sid", sid, "fluoro: source to detector [m] (default 1.2)")->type_name("M");
@@ -26,7 +26,7 @@ void FluoroArguments::declare(CLI::App& command)
     command.add_option("--photons", photons, "fluoro: photons per pixel of the unattenuated beam (default 1e5)")->type_name("N");
     command.add_option("--blur", blur, "fluoro: standard deviation on the detector [m] (default 2e-4)")->type_name("M");
     command.add_option("--body", body, "fluoro: ellipsoid or none around the vessel")
-        ->check(CLI::IsMember({"ellipsoid", "none"}))
+        ->check(one_of({"ellipsoid", "none"}))
         ->type_name("SHAPE");
     command.add_option("--seed", seed, "fluoro: seed of the noise (default: the scene's)")->type_name("N");
     command.add_option("--mask", mask, "fluoro: subtract this run, which may be the same, without contrast")->type_name("DIR");

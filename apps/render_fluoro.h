@@ -7,11 +7,9 @@
 #include <optional>
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace seldinger::apps {
+
+class CommandLine;
 
 /// Absent: what the scene's [carm] says, or its defaults.
 struct FluoroArguments {
@@ -21,7 +19,7 @@ struct FluoroArguments {
     std::string raw, dicom;
     bool no_noise = false, no_contrast = false, logarithmic = false;
 
-    void declare(CLI::App& command);
+    void declare(CommandLine& command);
     /// The first option given that only --view fluoro takes, or empty.
     [[nodiscard]] std::string first_given() const;
 };

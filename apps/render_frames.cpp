@@ -1,19 +1,19 @@
 // Reads the options that every view has, and follows the frames as they are drawn.
 #include "render_frames.h"
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <csignal>
 
 namespace seldinger::apps {
 
-void FrameArguments::declare(CLI::App& command)
+void FrameArguments::declare(CommandLine& command)
 {
     command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
     command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");

@@ -13,18 +13,16 @@
     #include "view/frame_range.h"
 #endif
 
-namespace CLI {
-class App;
-}
-
 namespace seldinger::apps {
+
+class CommandLine;
 
 struct FrameArguments {
     std::string frames, output, video;
     std::optional<double> fps;
     bool resume = false, numbered = false, quiet = false;
 
-    void declare(CLI::App& command);
+    void declare(CommandLine& command);
 #ifdef SEL_WITH_VIEW
     /// @throws Error BadScene
     [[nodiscard]] FrameChoice choice() const;
