@@ -141,7 +141,7 @@ private:
         read();
     }
 
-    websocket::stream<beast::tcp_stream> stream_;
+    websocket::stream<beast::tcp_stream, false> stream_;  // without compression, which nobody asks for: half of what this file takes to compile
     Hub& hub_;
     http::request<http::empty_body> request_;
     beast::flat_buffer buffer_{most_message_bytes};
