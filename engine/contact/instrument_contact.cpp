@@ -360,7 +360,11 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         sums_[s].clear();
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
-            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) continue;
+            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) {
+                // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
+                touches_[k] = 0;
+                continue;
+            }
             picked_.push_back(found_[k]);
             place_.push_back(static_cast<std::uint32_t>(k));
         }
