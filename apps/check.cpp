@@ -5,6 +5,7 @@
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "setup_check.h"
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +27,9 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
     if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
+    if (const std::string coarse = describe_coarse_wall(expected_mechanics(setup.vessel, setup.mesh, setup.centreline), setup.vessel);
+        !coarse.empty())
+        text += "  note: " + coarse + "\n";
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);

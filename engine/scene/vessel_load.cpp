@@ -85,6 +85,20 @@ std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centre
                        1e3 * *narrowest, at.x(), at.y(), at.z(), 1e3 * spec.thickness);
 }
 
+std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec)
+{
+    if (wall.vertices == 0 || !(wall.edge > wall.decay)) return {};
+    const double ratio = wall.edge / wall.decay;
+    const double low = std::min(90.0, 2.6 * ratio * ratio);  // [%]
+    const std::string stress = ratio < 2 ? fmt::format("about {:.0f} %", 35 * ratio) : "more than two thirds";
+    const double fine = 0.5 * wall.decay, finer = wall.edge / fine;
+    return fmt::format("vessel.wall_edge_m: got control edges of {:.3g} mm, {:.2g} decay lengths; expected at most one decay length of "
+                       "{:.3g} mm. On a plane displacement then reads about {:.0f} % too low and stress {} too low, in a tube up to "
+                       "three times as much. Fix: vessel.wall_edge_m = {:.2g} (about {:.0f} vertices){}",
+                       1e3 * wall.edge, ratio, 1e3 * wall.decay, low, stress, fine, static_cast<double>(wall.vertices) * finer * finer,
+                       spec.shape == VesselShape::Plane ? ", or a smaller vessel.size_m" : "");
+}
+
 void load_vessel(WorldSetup& setup)
 {
     LoadedVessel vessel = load_vessel(setup.vessel);

@@ -63,7 +63,7 @@ private:
     std::vector<double> load_;
     std::vector<double> largest_move_;  // [V]
     std::vector<LoopStencil> limits_;   // [V]
-    double edge_ = 0, off_ = 0, made_in_ = 0;
+    double edge_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;
     std::string edge_reason_;
 };
 
