@@ -5,7 +5,9 @@
 #include "batch_loop.h"
 #include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "farm_backend.h"
 #include "farm_task.h"
 #include "io/film_write.h"
@@ -15,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -111,18 +114,26 @@ void check_words(const Options& options)
                     "farm: give either --vary SWEEP.toml (runs of a scene) or --frames A:B (pictures of a run)");
 }
 
-FarmPlan make_plan(const Options& options)
+/// Plans the farm and prepares its folder, or finds it prepared.
+FarmPlan make_farm(const Options& options)
 {
-    if (!options.frames.empty()) return plan_frames(options);
     std::string scene_text, sweep_text;
-    FarmPlan plan = plan_sweep(options, scene_text, sweep_text);
+    const bool frames = !options.frames.empty();
+    const FarmPlan plan = frames ? plan_frames(options) : plan_sweep(options, scene_text, sweep_text);
     make_folder(options.dir);
+    // one after the other: a task that another command's worker has begun would be waiting once more
+    const FileLock one_at_a_time = FileLock::of_file(options.dir / "farm.json", FileLock::Wait::Yes);
+    if (frames) {
+        write_farm(options.dir, plan);
+        return plan;
+    }
     if (fs::exists(options.dir / "results.csv") && !fs::exists(options.dir / "farm.json"))
         throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
     if (!fs::exists(options.dir / "farm.json")) {
         write_file(options.dir / "farm-scene.toml", scene_text);
         write_file(options.dir / "farm-sweep.toml", sweep_text);
     }
+    write_farm(options.dir, plan);
     return plan;
 }
 
@@ -166,10 +177,8 @@ ExitCode farm(Options& options)
 {
     check_words(options);
     if (options.submit) need_slurm();
-    const FarmPlan plan = make_plan(options);
     options.dir = fs::absolute(options.dir).lexically_normal();
-    make_folder(options.dir);
-    write_farm(options.dir, plan);
+    const FarmPlan plan = make_farm(options);
     const std::string head =
         fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);
     if (options.backend == "slurm") {
@@ -311,6 +320,7 @@ void add_task(CommandLine& farm_command, Command& chosen)
         fs::path dir;
         std::optional<std::size_t> task;
         bool all = false;
+        pid_t parent = 0;
         TaskOptions how;
     };
     auto options = std::make_shared<One>();
@@ -322,8 +332,10 @@ void add_task(CommandLine& farm_command, Command& chosen)
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
+    command->add_option("--parent", options->parent)->group("");  // of a worker of `farm` here: ends with it, its state saved
     command->callback([options, &chosen] {
         chosen = [options] {
+            if (options->parent > 0) end_with_parent(options->parent, SIGTERM);
             const FarmPlan plan = read_farm(options->dir);
             if (options->all == options->task.has_value())
                 throw Error(ExitCode::BadScene, "farm task: give the number of a task, or --all");

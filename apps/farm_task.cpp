@@ -173,7 +173,12 @@ ExitCode do_task(const fs::path& dir, const FarmPlan& plan, std::size_t task, co
     set_thread_count(options.threads);
     reopen_if_lost(dir, plan, task);
     std::optional<TaskClaim> claim = TaskClaim::take(dir, task, farm_worker());
-    return claim ? work_on(*claim, dir, plan, task, options) : ExitCode::Done;
+    if (!claim) return ExitCode::Done;
+    if (has_result(dir, plan, task)) {  // its worker was killed after it had done it
+        claim->finish();
+        return ExitCode::Done;
+    }
+    return work_on(*claim, dir, plan, task, options);
 }
 
 ExitCode do_all_tasks(const fs::path& dir, const FarmPlan& plan, const TaskOptions& options)

@@ -7,6 +7,7 @@
 #include "core/note.h"
 #include "live_model.h"
 #include "session/session.h"
+#include "session/web_policy.h"
 #include "session/web_server.h"
 #include "stop_signal.h"
 
@@ -89,12 +90,13 @@ ExitCode live(Options& options)
     Session session(scene, std::move(setup), what, &hand);
     // the one that was played: with --set, and the model that was chosen
     write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
+    if (options.web.token.empty() && !is_loopback(options.web.address) && !options.quiet && !options.json) options.web.token = make_token();
     WebServer web(options.web, scene, session);
     hand.start([&session] { return session.clock(); }, what.lockstep);
     web.start();
     session.start();
     if (!options.quiet && !options.json)
-        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", options.web.address, web.port(),
+        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", in_url(options.web.address), web.port(),
                           options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(), what.rate));
     wait_for_end(session, what.rate);
     session.finish();
@@ -141,7 +143,7 @@ void add_live(CommandLine& app, Command& chosen)
     const ArgumentCheck port = in_range(0, 65535);
     command->add_option("--port", options->web.port, "of the page; 0: any that is free (default: 8080)")->check(port)->type_name("N");
     command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
-    command->add_option("--token", options->web.token, "secret that the page's address must carry; required unless --bind is loopback")->type_name("T");
+    command->add_option("--token", options->web.token, "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")->type_name("T");
     command->add_option("--udp", options->udp, "of the hand; 0: any that is free (default: 9090)")->check(port)->type_name("N");
     command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
     command->add_option("--coupling-stiffness", options->session.advance.stiffness, "between hand and instrument (default: 500)")

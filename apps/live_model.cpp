@@ -4,6 +4,7 @@
 #include "child_process.h"
 #include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/note.h"
 #include "quantity.h"
 #include "stop_signal.h"
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <csignal>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -25,6 +27,7 @@ constexpr double enough = 0.7;  // of real time: a session whose model needs no 
 
 struct Options {
     std::filesystem::path source;
+    pid_t parent = 0;
     LiveModelWish wish;
 };
 
@@ -48,7 +51,7 @@ Plan planned(const Scene& scene, const LiveModelWish& wish)
 /// The whole of the process: scene in, model out, as JSON.
 ExitCode choose(const Options& options)
 {
-    end_with_parent();
+    end_with_parent(options.parent, SIGKILL);
     const StopSignal listening;
     const std::string text(std::istreambuf_iterator<char>(std::cin), {});
     nlohmann::json said;
@@ -73,7 +76,8 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     const std::filesystem::path source = std::filesystem::absolute(scene.source);
     std::vector<std::string> arguments = {command_name, "--source", source.string(), "--trials", wish.trials.string(),
                                           "--tolerance", wish.tolerance, "--rate", fmt::format("{}", wish.rate),
-                                          "--budget", fmt::format("{}", wish.budget), "--device", std::to_string(wish.device)};
+                                          "--budget", fmt::format("{}", wish.budget), "--device", std::to_string(wish.device),
+                                          "--parent", std::to_string(::getpid())};
     if (wish.quiet) arguments.emplace_back("--quiet");
     const ChildEnd end = run_self(arguments, write_scene(scene, source.parent_path()));
     const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, false);
@@ -101,6 +105,7 @@ void add_choose_live_model(CommandLine& app, Command& chosen)
     command->add_option("--rate", options->wish.rate)->required();
     command->add_option("--budget", options->wish.budget)->required();
     command->add_option("--device", options->wish.device);
+    command->add_option("--parent", options->parent)->required();
     command->add_flag("--quiet", options->wish.quiet);
     command->callback([options, &chosen] { chosen = [options] { return choose(*options); }; });
 }

@@ -9,11 +9,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
@@ -71,6 +74,19 @@ std::string limited(const std::exception& error)
     return fmt::format("the system refuses: {}; is memory or the number of processes limited (ulimit -a)?", error.what());
 }
 
+/// Memory that a library does not get where nothing can be caught: LLVM is built without exceptions.
+[[noreturn]] void end_by_terminate()
+{
+    try {
+        if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+        say_at_once("seldinger: out of memory inside a library; is memory limited (ulimit -v)?\n");
+        ::_exit(static_cast<int>(ExitCode::BadFile));
+    } catch (...) {  // ours: a core dump tells more
+    }
+    std::abort();
+}
+
 /// Where stdin, stdout or stderr is closed, the first file that is opened would get its number, and results or an error would be
 /// written into it. What cannot be written to takes the place, so that they are refused instead.
 void occupy_closed_streams()
@@ -106,6 +122,7 @@ int main(int argc, char** argv)
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     apps::occupy_closed_streams();
+    std::set_terminate(apps::end_by_terminate);
     try {
         apps::watch_signals();
         return apps::run_command_line(argc, argv);

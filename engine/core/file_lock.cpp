@@ -45,7 +45,7 @@ std::string holder(int fd)
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks
-int take(const fs::path& what, const fs::path& lock)
+int take(const fs::path& what, const fs::path& lock, FileLock::Wait wait)
 {
     for (;;) {
         const int fd = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -53,7 +53,7 @@ int take(const fs::path& what, const fs::path& lock)
             throw Error(ExitCode::BadFile, fmt::format("{}: cannot be written: {}; {}", what.string(), std::strerror(errno),
                                                        errno == ENOSPC ? "free some space or choose another place with -o"
                                                                        : "choose a place that can be written to with -o"));
-        if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        if (::flock(fd, wait == FileLock::Wait::Yes ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
             const int error = errno;
             const std::string by = holder(fd);
             ::close(fd);
@@ -83,9 +83,9 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(fs::path what, fs::path lock) : lock_(std::move(lock))
+FileLock::FileLock(fs::path what, fs::path lock, Wait wait) : lock_(std::move(lock))
 {
-    fd_ = take(what, lock_);
+    fd_ = take(what, lock_, wait);
     if (fd_ < 0) return;
     const std::string pid = fmt::format("{}\n", ::getpid());
     // whom to name is a help and no more: a full disk may leave it out
@@ -108,10 +108,10 @@ FileLock FileLock::of_folder(const fs::path& dir)
     return lock;
 }
 
-FileLock FileLock::of_file(const fs::path& file)
+FileLock FileLock::of_file(const fs::path& file, Wait wait)
 {
     if (file.has_parent_path()) make_folder(file.parent_path());
-    return {file, file.string() + ".lock"};
+    return {file, file.string() + ".lock", wait};
 }
 
 FileLock::~FileLock()

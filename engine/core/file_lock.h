@@ -14,8 +14,9 @@ public:
     /// half written there (name.PID.tmp). A folder that was made and stayed empty goes with the lock.
     /// @throws Error BadFile: another process writes there, or the folder cannot be written to
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
+    enum class Wait { No, Yes };  // for another process to end its writing
     /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
-    [[nodiscard]] static FileLock of_file(const std::filesystem::path& file);
+    [[nodiscard]] static FileLock of_file(const std::filesystem::path& file, Wait wait = Wait::No);
     ~FileLock();
     FileLock(const FileLock&) = delete;
     FileLock& operator=(const FileLock&) = delete;
@@ -27,7 +28,7 @@ public:
     }
 
 private:
-    FileLock(std::filesystem::path what, std::filesystem::path lock);
+    FileLock(std::filesystem::path what, std::filesystem::path lock, Wait wait = Wait::No);
     void swap(FileLock& other) noexcept;
 
     std::filesystem::path lock_, made_;  // made_: the first folder that there was not

@@ -59,13 +59,14 @@ std::string first_line(int& said)
     return all.substr(0, all.find('\n'));
 }
 
-/// @param input, said  its standard input and error. @throws Error BadFile: there is no ffmpeg
+/// @param input, said  its standard input and error. @throws Error BadFile: there is no ffmpeg, or no process for it
 pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said)
 {
     const pid_t process = start_program(words, input, said);
     if (process < 0)
         throw Error(ExitCode::BadFile,
-                    film.string() + ": a film needs ffmpeg, which is not installed (Debian: apt-get install ffmpeg)");
+                    fmt::format("{}: a film needs ffmpeg: {}", film.string(),
+                                why_not_started("ffmpeg", "on Debian, as root: apt-get install ffmpeg")));
     return process;
 }
 

@@ -109,7 +109,9 @@ struct FarmReport {
     /// "3, 17-19"
     [[nodiscard]] std::string list_missing() const;
 };
-/// Which tasks are done, running, lost. @throws Error BadFile
+/// Where each task stands. One whose result is there is done, whatever became of its worker. @throws Error BadFile
+[[nodiscard]] std::vector<TaskState> task_states(const std::filesystem::path& dir, const FarmPlan& plan);
+/// The same, with what the logs say. @throws Error BadFile
 [[nodiscard]] FarmReport look_at_farm(const std::filesystem::path& dir, const FarmPlan& plan);
 
 /// "3, 17-19" of increasing numbers.

@@ -86,20 +86,25 @@ std::string FarmReport::list_missing() const
     return list_ranges(missing);
 }
 
-FarmReport look_at_farm(const fs::path& dir, const FarmPlan& plan)
+std::vector<TaskState> task_states(const fs::path& dir, const FarmPlan& plan)
 {
-    FarmReport report;
-    report.state.assign(plan.tasks, TaskState::Todo);
+    std::vector<TaskState> states(plan.tasks, TaskState::Todo);
     try {
         for (const auto& entry : fs::directory_iterator(dir / "running"))
             if (const std::size_t t = task_of(entry.path(), plan.tasks); t < plan.tasks)
-                report.state[t] = worker_lives(entry.path()) ? TaskState::Running : TaskState::Lost;
-        for (const auto& entry : fs::directory_iterator(dir / "done"))
-            if (const std::size_t t = task_of(entry.path(), plan.tasks); t < plan.tasks && has_result(dir, plan, t))
-                report.state[t] = TaskState::Done;
+                states[t] = worker_lives(entry.path()) ? TaskState::Running : TaskState::Lost;
+        for (std::size_t t = 0; t < plan.tasks; ++t)
+            if (has_result(dir, plan, t)) states[t] = TaskState::Done;
     } catch (const fs::filesystem_error& error) {
         throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read ({})", dir.string(), error.code().message()));
     }
+    return states;
+}
+
+FarmReport look_at_farm(const fs::path& dir, const FarmPlan& plan)
+{
+    FarmReport report;
+    report.state = task_states(dir, plan);
     std::vector<double> overheads;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
         const Story story = read_story(dir / "log" / fmt::format("{:06}.csv", t));

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Union
 
 import numpy as np
@@ -69,6 +69,26 @@ class Control:
         return self
 
 
+_MOST_COPIES = 65536
+
+
+def _overrides_of(copies: Any) -> list[list[str]]:
+    """What `copies` asks for, a list for each system."""
+    wanted = "expected a list of overrides for each system, as [[], []] or [[]] * 8"
+    if isinstance(copies, (str, bytes, Mapping)) or not isinstance(copies, Iterable):
+        raise TypeError(f"copies: got {copies!r:.60}; {wanted}")
+    own: list[list[str]] = []
+    for given in copies:
+        if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+            raise TypeError(f"copies[{len(own)}]: got {given!r:.60}; {wanted}")
+        if len(own) == _MOST_COPIES:
+            raise ValueError(f"copies: got more than {_MOST_COPIES} systems. Fix: make several worlds")
+        own.append(list(map(str, given)))
+    if not own:
+        raise ValueError(f"copies: got none; {wanted}")
+    return own
+
+
 ControlLike = Union[None, Control, Mapping[Union[int, str], Sequence[float]], Sequence[float], np.ndarray]
 
 
@@ -107,11 +127,9 @@ class World:
     def __init__(self, scene: SceneLike, *, set: Sequence[str] = (), device: int = -1,
                  copies: Sequence[Sequence[str]] | None = None, **overrides: Any) -> None:
         given = Scene(scene, set=set, **overrides)
-        own = [[]] if copies is None else [list(map(str, c)) for c in copies]
-        if not own:
-            raise ValueError("copies: a list for each system expected, none given")
+        own = [[]] if copies is None else _overrides_of(copies)
         self._scene, self._copies, self._device = given, own, int(device)
-        self._world = _engine.World(given.text, given.file, [given.overrides + c for c in own], self._device)
+        self._world = _engine.make_world(given.text, given.file, [given.overrides + c for c in own], self._device)
         (self._dt, self._duration, self._steps, self._settles, self._static, self._rests, self._moving_until,
          self._rest_steps) = self._world.scene_numbers()
         wires, self._systems = self._world.counts()
