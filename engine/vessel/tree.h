@@ -15,10 +15,17 @@
 
 namespace seldinger {
 
+/// A plane that the triangles below a node do not reach over: normal . x <= highest. 16 bytes.
+struct TreeSlab {
+    float normal[3];  // the mean of theirs, into the lumen, a little shorter than 1; 0: no plane
+    float highest;    // [m]
+};
+
 /// The rounded wall and its tree. Arrays in leaf order go to the device as they stand.
 struct WallTree {
     Vec3 centre = Vec3::Zero();           // world position of the arrays' origin [m]
     std::vector<TreeNode> nodes;          // root first, children behind their parent; empty without triangles
+    std::vector<TreeSlab> slabs;          // [nodes], see add_slabs; may be empty
     std::vector<float> vertices;          // [9 T] leaf order, relative to the centre [m]
     std::vector<float> normals;           // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
     std::vector<std::uint32_t> original;  // [T] leaf order -> index in WallMesh::triangles
@@ -36,6 +43,10 @@ struct WallTree {
 
 /// O(T log T). `threads`: 0 uses two when the mesh is large enough to repay them.
 [[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, int threads = 0);
+
+/// Gives every node of up to some thousand triangles a plane. From the middle of a lumen all of the wall round it is equally near:
+/// boxes, as thick as they are wide, tell thousands of leaves apart by nothing, planes all but a few. The answers stay the same.
+void add_slabs(WallTree& tree);
 
 struct TreeHit {
     double distance2 = std::numeric_limits<double>::infinity();  // [m^2]

@@ -18,6 +18,16 @@ double box_distance2(const TreeNode& node, const Vec3& p)
     return sum;
 }
 
+/// Of what lies below the node, at most its squared distance.
+double least_distance2(const WallTree& tree, std::uint32_t node, const Vec3& p)
+{
+    const double box = box_distance2(tree.nodes[node], p);
+    if (tree.slabs.empty()) return box;
+    const TreeSlab& slab = tree.slabs[node];
+    const double above = slab.normal[0] * p[0] + slab.normal[1] * p[1] + slab.normal[2] * p[2] - slab.highest;
+    return above > 0 ? std::max(box, above * above) : box;
+}
+
 /// Entry distance of the ray into the box, infinity when it misses it.
 double box_entry(const TreeNode& node, const Vec3& origin, const Vec3& inverse)
 {
@@ -64,7 +74,7 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::
     int top = 0;
     std::uint64_t looked_at = 0;
     std::uint32_t current = 0;
-    double current_entry = box_distance2(tree.nodes[0], local);
+    double current_entry = least_distance2(tree, 0, local);
     while (true) {
         const TreeNode& node = tree.nodes[current];
         ++looked_at;
@@ -78,7 +88,7 @@ TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::
             }
         } else if (current_entry <= best.distance2) {
             const std::uint32_t left = node.left_or_first;
-            const double dl = box_distance2(tree.nodes[left], local), dr = box_distance2(tree.nodes[left + 1], local);
+            const double dl = least_distance2(tree, left, local), dr = least_distance2(tree, left + 1, local);
             const bool left_first = dl <= dr;
             SEL_ASSERT(top < SEL_TREE_STACK);
             stack[top] = left_first ? left + 1 : left;
