@@ -4,6 +4,7 @@
 #include "core/note.h"
 #include "core/printable.h"
 #include "engine.h"
+#include "scene/vessel_cache.h"
 #include "stop_signal.h"
 
 #include <fcntl.h>
@@ -14,6 +15,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <new>
 #include <string>
@@ -57,6 +59,11 @@ int run_command_line(int argc, char** argv)
     add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
+    for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
+        app.get_subcommand(command)->add_flag_callback(
+            "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too
+            "prepare the vessel's mesh anew, and keep nothing of it (SELDINGER_VESSEL_CACHE=off)");
+    use_vessel_cache(true);
     const std::string first = argc > 1 ? argv[1] : "";
     const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
     if (!first.empty() && first[0] != '-' && known.empty())
