@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "core/note.h"
 #include "core/printable.h"
+#include "device/kernel_cache.h"
 #include "engine.h"
 #include "scene/vessel_cache.h"
 #include "stop_signal.h"
@@ -74,6 +75,9 @@ int run_command_line(int argc, char** argv)
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
         return complain(std::string(error.what()) + "; see `seldinger --help`", ExitCode::BadScene);
     }
+    const CLI::App* command = app.get_subcommands().front();
+    const CLI::Option* quiet = command->get_option_no_throw("--quiet");
+    device::tell_compiling(!quiet || quiet->count() == 0);
     return static_cast<int>(chosen());
 }
 
