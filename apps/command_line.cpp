@@ -85,6 +85,10 @@ Argument* CommandLine::add_flag(const std::string& names, bool& to, const std::s
     return arguments_.back().get();
 }
 
+void CommandLine::add_flag_callback(const std::string& names, std::function<void()> run, const std::string& description)
+{
+    app_.add_flag_callback(names, std::move(run), description);
+}
 void CommandLine::set_version_flag(const std::string& name, const std::string& version) { app_.set_version_flag(name, version); }
 void CommandLine::callback(std::function<void()> run) { app_.callback(std::move(run)); }
 void CommandLine::require_subcommand(int least, int most)
@@ -98,9 +102,16 @@ CommandLine* CommandLine::hidden()
     return this;
 }
 
-bool CommandLine::has_subcommand(const std::string& name) const
+CommandLine* CommandLine::subcommand(const std::string& name) const
 {
-    return std::any_of(below_.begin(), below_.end(), [&](const auto& command) { return command->app_.get_name() == name; });
+    const auto it = std::find_if(below_.begin(), below_.end(), [&](const auto& command) { return command->app_.get_name() == name; });
+    return it == below_.end() ? nullptr : it->get();
+}
+bool CommandLine::below_was_given(const std::string& name) const
+{
+    const auto commands = app_.get_subcommands();
+    const CLI::Option* option = commands.empty() ? nullptr : commands.front()->get_option_no_throw(name);
+    return option && option->count() > 0;
 }
 bool CommandLine::went_below() const { return !app_.get_subcommands().empty(); }
 std::vector<std::string> CommandLine::remaining() const { return app_.remaining(); }

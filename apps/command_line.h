@@ -53,6 +53,8 @@ public:
     template <class T>
     Argument* add_option(const std::string& names, T& to, const std::string& description = {});
     Argument* add_flag(const std::string& names, bool& to, const std::string& description = {});
+    /// Runs each time the flag is read.
+    void add_flag_callback(const std::string& names, std::function<void()> run, const std::string& description);
     void set_version_flag(const std::string& name, const std::string& version);
     /// Runs when this command was on the line and all of it was read.
     void callback(std::function<void()> run);
@@ -62,9 +64,12 @@ public:
     void allow_extras();
     CommandLine* hidden();
 
-    [[nodiscard]] bool has_subcommand(const std::string& name) const;
+    /// null: there is none of that name
+    [[nodiscard]] CommandLine* subcommand(const std::string& name) const;
     /// Whether a command below this one was on the line.
     [[nodiscard]] bool went_below() const;
+    /// Whether the command below this one that was on the line has this option, and it was given.
+    [[nodiscard]] bool below_was_given(const std::string& option) const;
     [[nodiscard]] std::vector<std::string> remaining() const;
 
     /// What came of reading a line.

@@ -4,7 +4,9 @@
 #include "commands.h"
 #include "core/note.h"
 #include "core/printable.h"
+#include "device/kernel_cache.h"
 #include "engine.h"
+#include "scene/vessel_cache.h"
 #include "stop_signal.h"
 
 #include <fcntl.h>
@@ -60,12 +62,18 @@ int run_command_line(int argc, char** argv)
     add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
+    for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
+        app.subcommand(command)->add_flag_callback(
+            "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too
+            "prepare the vessel's mesh anew, and keep nothing of it (SELDINGER_VESSEL_CACHE=off)");
+    use_vessel_cache(true);
     const std::string first = argc > 1 ? argv[1] : "";
-    if (!first.empty() && first[0] != '-' && !app.has_subcommand(first))
+    if (!first.empty() && first[0] != '-' && !app.subcommand(first))
         return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
     const CommandLine::Parsed parsed = app.parse(argc, argv);
     if (parsed.printed) return 0;  // --help, --version
     if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ExitCode::BadScene);
+    device::tell_compiling(!app.below_was_given("--quiet"));
     return static_cast<int>(chosen());
 }
 
