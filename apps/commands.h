@@ -23,6 +23,7 @@ void add_check(CLI::App& app, Command& chosen);
 void add_init(CLI::App& app, Command& chosen);
 void add_vessel(CLI::App& app, Command& chosen);
 void add_render(CLI::App& app, Command& chosen);
+void add_labels(CLI::App& app, Command& chosen);
 void add_instruments(CLI::App& app, Command& chosen);
 void add_devices(CLI::App& app, Command& chosen);
 void add_chart(CLI::App& app, Command& chosen);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -15,7 +16,9 @@ namespace seldinger::apps {
 
 /// Absent: what the scene's [carm] says, or its defaults.
 struct FluoroArguments {
-    std::optional<std::string> c_arm, body, mask;
+    std::vector<std::string> c_arm;  // a view each
+    std::filesystem::path views;     // sweep of [carm] and [contrast], a view for each of its runs
+    std::optional<std::string> body, mask;
     std::optional<double> sid, sod, field, kvp, kev, photons, blur;
     std::optional<std::int64_t> seed;
     std::string raw, dicom;
@@ -24,6 +27,8 @@ struct FluoroArguments {
     void declare(CLI::App& command);
     /// The first option given that only --view fluoro takes, or empty.
     [[nodiscard]] std::string first_given() const;
+    /// How many views a frame has. @throws Error BadFile, BadScene: the sweep
+    [[nodiscard]] std::size_t view_count() const;
 };
 
 /// @param width,height  pixels. @param frames  which, and where to
