@@ -17,7 +17,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-std::array<double, 2> apply(const Projection& p, const Vec3& x)
+std::array<double, 2> pixel_by(const Projection& p, const Vec3& x)
 {
     std::array<double, 3> h{};
     for (std::size_t i = 0; i < 3; ++i) h[i] = p[i][0] * x.x() + p[i][1] * x.y() + p[i][2] * x.z() + p[i][3];
@@ -124,7 +124,7 @@ TEST_SUITE("view/labels")
                 arm.primary = view["primary_deg"].get<double>() * degree, arm.secondary = view["secondary_deg"].get<double>() * degree;
                 const Projection p = projection_of(CArmView(arm));
                 for (const auto& point : view["points"]) {
-                    const auto at = apply(p, Vec3(point["point"][0], point["point"][1], point["point"][2]));
+                    const auto at = pixel_by(p, Vec3(point["point"][0], point["point"][1], point["point"][2]));
                     CHECK(std::abs(at[0] - point["column"].get<double>()) < 1e-6);
                     CHECK(std::abs(at[1] - point["row"].get<double>()) < 1e-6);
                     ++checked;
@@ -153,7 +153,7 @@ TEST_SUITE("view/labels")
                 const InstrumentTruth& wire = truth.instruments[0];
                 REQUIRE(wire.contacts.size() == 1);
                 const auto check = [&](const Vec3& x, const PixelPoint& px) {
-                    const auto at = apply(p, x);
+                    const auto at = pixel_by(p, x);
                     worst = std::max({worst, std::abs(at[0] - px.column), std::abs(at[1] - px.row)});
                 };
                 for (std::size_t i = 0; i < wire.centreline.size(); ++i) check(wire.centreline[i], wire.pixels[i]);
@@ -178,32 +178,40 @@ TEST_SUITE("view/labels")
         }
     }
 
-    TEST_CASE("analytic: a mask has the area of length x width within 3 %, and its skeleton lies on the centreline within half a pixel")
+    TEST_CASE("analytic: a mask has the area of length x width within 3 %, and its skeleton lies within half a pixel of the centreline")
     {
-        double worst_area = 0, farthest = 0;
-        for (const double pixels : {1.6, 2.3, 3.7, 6.0})
+        double worst_area = 0, farthest = 0, sum = 0;
+        int count = 0;
+        for (const double pixels : {1.6, 2.3, 3.7, 6.0}) {
+            double area = 0, covered = 0;  // of twelve views: each decides some 300 pixels of its edges, by whole pixels
             for (int k = 0; k < 12; ++k) {
                 CArm arm = arm_of(200, 3e-4);
                 arm.primary = (k - 6) * 9 * degree, arm.secondary = (k % 5 - 2) * 11 * degree;
                 const double radius = 0.5 * pixels * 3e-4;
                 const PictureTruth truth = truth_of(arm, frame_of({bent_wire(0.018, 0.3 + 0.1 * k, 2.6 + 0.1 * k, radius)}));
                 const InstrumentTruth& wire = truth.instruments[0];
-                double area = 0;
+                covered += static_cast<double>(count_of(truth.mask, 1));
                 for (std::size_t i = 0; i + 1 < wire.pixels.size(); ++i) {
                     REQUIRE(wire.pixels[i].in_field);
                     const double length = std::hypot(wire.pixels[i + 1].column - wire.pixels[i].column, wire.pixels[i + 1].row - wire.pixels[i].row);
                     area += length * 2 * radius * project(truth.view, wire.centreline[i]).magnification / truth.view.pixel;
                 }
-                worst_area = std::max(worst_area, std::abs(static_cast<double>(count_of(truth.mask, 1)) / area - 1));
                 // a skeleton ends with spurs of the flat end's corners: the last width at each end is left out
                 for (const auto& [column, row] : skeleton_of(truth.mask, 200, 200)) {
                     const double from_ends = std::min(std::hypot(column - wire.pixels.front().column, row - wire.pixels.front().row),
                                                       std::hypot(column - wire.pixels.back().column, row - wire.pixels.back().row));
-                    if (from_ends > pixels + 1) farthest = std::max(farthest, distance_to_line(wire.pixels, column, row));
+                    if (from_ends <= pixels + 1) continue;
+                    const double distance = distance_to_line(wire.pixels, column, row);
+                    farthest = std::max(farthest, distance), sum += distance, ++count;
                 }
             }
-        MESSAGE("area: " << 100 * worst_area << " %, skeleton: " << farthest << " pixels");
+            MESSAGE(pixels << " pixels wide: " << covered / area);
+            worst_area = std::max(worst_area, std::abs(covered / area - 1));
+        }
+        MESSAGE("area: " << 100 * worst_area << " %, skeleton: " << sum / count << " pixels in the mean, " << farthest << " at most");
         CHECK(worst_area < 0.03);
+        REQUIRE(count > 5000);
+        CHECK(sum / count < 0.5);
         // thinning leaves whole pixels: of a strip of even width one of the two in the middle, half a pixel off, and half a pixel's
         // diagonal more where the strip's edges are stepped
         CHECK(farthest < 0.5 + 0.5 * std::numbers::sqrt2);
@@ -239,7 +247,8 @@ TEST_SUITE("view/labels")
         const WireFrame frame = frame_of({bent_wire(0.012, 0, 5, 3e-4)});
         const PictureTruth truth = truth_of(arm, frame);
         Device device;
-        for (const TubeStation& s : drawn_lines(frame)[0]) device.push_back({s.position, s.radius});
+        const auto lines = drawn_lines(frame);
+        for (const TubeStation& s : lines[0]) device.push_back({s.position, s.radius});
         std::vector<float> length(128 * 128);
         for (const DevicePath& p : trace_devices(CArmView(arm), {device})) length[static_cast<std::size_t>(p.pixel)] += p.length;
         long inside = 0;
@@ -249,7 +258,7 @@ TEST_SUITE("view/labels")
             // all of a pixel's rays pass the middle of the wire: more than 0.9 of its thickness on the mean
             CHECK_FALSE((!truth.mask[k] && length[k] > 0.9 * 2 * 3e-4));
         }
-        REQUIRE(inside > 500);
+        REQUIRE(inside > 300);
     }
 
     TEST_CASE("analytic: half of a pixel's area decides")

@@ -210,7 +210,9 @@ bool near_axis(const Piece& p, int row, int column)
     return dx * dx + dy * dy <= p.reach * p.reach;
 }
 
-constexpr int cover_side = 8;  // a pixel's rays of a mask are the bits of one word
+// A pixel's rays of a mask are the bits of one word. Odd, so that the ray in the middle decides about an edge through it: an even
+// grid would take an edge along the rows for covered from 7/16 on.
+constexpr int cover_side = 7;
 
 /// What one row of pixels is covered by of one device.
 struct RowCover {
@@ -226,7 +228,7 @@ struct RowCover {
     }
 };
 
-/// Rays of a pixel that meet a piece. @param length  scratch of 64
+/// Rays of a pixel that meet a piece. @param length  scratch, one for each ray
 std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v,
                              std::vector<double>& length)
 {
