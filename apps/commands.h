@@ -21,6 +21,7 @@ void add_check(CommandLine& app, Command& chosen);
 void add_init(CommandLine& app, Command& chosen);
 void add_vessel(CommandLine& app, Command& chosen);
 void add_render(CommandLine& app, Command& chosen);
+void add_labels(CommandLine& app, Command& chosen);
 void add_instruments(CommandLine& app, Command& chosen);
 void add_devices(CommandLine& app, Command& chosen);
 void add_chart(CommandLine& app, Command& chosen);

@@ -70,13 +70,28 @@ FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string
     return plan;
 }
 
+/// Each value in a word of its own, and paths that do not depend on where a task starts.
+std::vector<std::string> farm_words(const std::vector<std::string>& given)
+{
+    std::vector<std::string> words;
+    for (const std::string& word : given) {
+        const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+        words.push_back(word.substr(0, equals));
+        if (equals != std::string::npos) words.push_back(word.substr(equals + 1));
+    }
+    for (std::size_t k = 0; k + 1 < words.size(); ++k)
+        if (words[k] == "--views") words[k + 1] = fs::absolute(words[k + 1]).lexically_normal().string();
+    return words;
+}
+
 FarmPlan plan_frames(const Options& options)
 {
 #ifdef SEL_WITH_VIEW
     FarmPlan plan;
     plan.kind = FarmKind::Frames;
     plan.source = fs::absolute(options.source).lexically_normal();
-    plan.render = options.render;
+    plan.render = farm_words(options.render);
+    plan.files = files_of_frame(plan.render);
     const std::size_t count = read_run_folder(plan.source).frames.size();
     FrameChoice choice;
     choice.first = 0, choice.last = static_cast<int>(count) - 1;
@@ -262,16 +277,26 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
     std::string text =
-        fmt::format("{}: {} frames: {} to {}\n", dir.string(), plan.items, frame_file(dir, plan.first).filename().string(),
-                    frame_file(dir, plan.first + plan.items - 1).filename().string());
+        fmt::format("{}: {} frames: {} to {}\n", dir.string(), plan.items, frame_file({}, plan.files.front(), plan.first).string(),
+                    frame_file({}, plan.files.front(), plan.first + plan.items - 1).string());
 #ifdef SEL_WITH_VIEW
     if (!options.video.empty()) {
         FrameChoice choice;
         choice.rate = options.fps.value_or(0);
         const FrameRange range{plan.first, plan.first + plan.items - 1};
         const double rate = choice.rate > 0 ? choice.rate : film_rate(choice, read_run_folder(plan.source), range);
-        write_film_of(dir / "frame_%06d.png", plan.first, plan.items, rate, options.video);
-        text += options.video.string() + "\n";
+        std::vector<std::string> pictures;  // of each view
+        for (const std::string& file : plan.files)
+            if (file.starts_with("frame_") && file.ends_with(".png")) pictures.push_back(file);
+        for (std::size_t k = 0; k < pictures.size(); ++k) {
+            std::string pattern = pictures[k];
+            if (const std::size_t at = pattern.find("######"); at != std::string::npos) pattern.replace(at, 6, "%06d");
+            fs::path film = options.video;
+            if (pictures.size() > 1)
+                film = film.parent_path() / fmt::format("{}_v{}{}", film.stem().string(), k + 1, film.extension().string());
+            write_film_of(dir / pattern, plan.first, plan.items, rate, film);
+            text += film.string() + "\n";
+        }
     }
 #endif
     print(text);

@@ -132,6 +132,8 @@ std::string frames_key(const fs::path& run, std::size_t first, std::size_t frame
 {
     std::vector<std::string> parts = {version(), read_file(run / "wire.pvd"), fmt::format("{} {}", first, frames)};
     parts.insert(parts.end(), render.begin(), render.end());
+    for (std::size_t k = 0; k + 1 < render.size(); ++k)
+        if (render[k] == "--views") parts.push_back(read_file(render[k + 1]));
     return farm_key(parts);
 }
 
@@ -147,16 +149,18 @@ BatchSource farm_source(const fs::path& dir, const FarmPlan& plan, std::string& 
 Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path& dir)
 {
     for (const std::string& word : plan.render)
-        for (const char* own : {"--raw", "--dicom", "--video", "--fps", "--resume", "--numbered"})
+        for (const char* own : {"--raw", "--dicom", "--video", "--fps", "--resume", "--numbered", "--preview"})
             if (word == own || word.starts_with(std::string(own) + "="))
                 throw Error(ExitCode::BadScene,
-                            fmt::format("{}: a farm's tasks draw numbered pictures and nothing else; leave it "
+                            fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it "
                                         "out (a film: farm merge DIR --video FILE.mp4)",
                                         own));
     CommandLine app("", "seldinger");
     Command chosen;
     add_render(app, chosen);
     std::vector<std::string> words = plan.render;
+    for (std::size_t k = 0; k + 1 < words.size(); ++k)
+        if (words[k] == "--labels") words[k + 1] = (dir / words[k + 1]).string();
     for (std::string word :
          {std::string("render"), plan.source.string(), std::string("--frames"),
           fmt::format("{}:{}", plan.first + part.begin, plan.first + part.end - 1), std::string("-o"),

@@ -52,6 +52,7 @@ int run_command_line(int argc, char** argv)
     add_init(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
+    add_labels(app, chosen);
     add_instruments(app, chosen);
     add_devices(app, chosen);
     add_chart(app, chosen);

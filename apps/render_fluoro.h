@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace seldinger::apps {
 
@@ -13,7 +14,9 @@ class CommandLine;
 
 /// Absent: what the scene's [carm] says, or its defaults.
 struct FluoroArguments {
-    std::optional<std::string> c_arm, body, mask;
+    std::vector<std::string> c_arm;  // a view each
+    std::filesystem::path views;     // sweep of [carm] and [contrast], a view for each of its runs
+    std::optional<std::string> body, mask;
     std::optional<double> sid, sod, field, kvp, kev, photons, blur;
     std::optional<std::int64_t> seed;
     std::string raw, dicom;
@@ -22,6 +25,8 @@ struct FluoroArguments {
     void declare(CommandLine& command);
     /// The first option given that only --view fluoro takes, or empty.
     [[nodiscard]] std::string first_given() const;
+    /// How many views a frame has. @throws Error BadFile, BadScene: the sweep
+    [[nodiscard]] std::size_t view_count() const;
 };
 
 /// @param width,height  pixels. @param frames  which, and where to

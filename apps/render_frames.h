@@ -18,9 +18,9 @@ namespace seldinger::apps {
 class CommandLine;
 
 struct FrameArguments {
-    std::string frames, output, video;
+    std::string frames, output, video, labels, preview;
     std::optional<double> fps;
-    bool resume = false, numbered = false, quiet = false;
+    bool resume = false, numbered = false, quiet = false, label_vessel = false;
 
     void declare(CommandLine& command);
 #ifdef SEL_WITH_VIEW
@@ -28,6 +28,10 @@ struct FrameArguments {
     [[nodiscard]] FrameChoice choice() const;
 #endif
 };
+
+/// Files of each frame of a farm whose `render` has these further options: "frame_######.png", "labels/frame_v2_######.json".
+/// @throws Error BadFile, BadScene
+[[nodiscard]] std::vector<std::string> files_of_frame(const std::vector<std::string>& words);
 
 /// "AxB" or "A:B". @throws Error BadScene
 [[nodiscard]] std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form);

@@ -37,7 +37,7 @@ std::string as_json(const FarmPlan& plan)
     out["kind"] = plan.kind == FarmKind::Sweep ? "sweep" : "frames";
     out["source"] = plan.source.string();
     if (plan.kind == FarmKind::Sweep) out["sweep"] = plan.sweep.string(), out["set"] = plan.overrides;
-    else out["first"] = plan.first, out["render"] = plan.render;
+    else out["first"] = plan.first, out["render"] = plan.render, out["files"] = plan.files;
     out[plan.kind == FarmKind::Sweep ? "runs" : "frames"] = plan.items;
     out["tasks"] = plan.tasks;
     out["key"] = plan.key;
@@ -134,6 +134,7 @@ FarmPlan read_farm(const fs::path& dir)
         } else {
             plan.first = count("first", last_frame);
             plan.render = in.at("render").get<std::vector<std::string>>();
+            plan.files = in.value("files", plan.files);
         }
         plan.items = count(plan.kind == FarmKind::Sweep ? "runs" : "frames", most_items);
         plan.tasks = count("tasks", std::min(plan.items, most_tasks));
@@ -227,14 +228,21 @@ void write_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, con
     write_sealed(dir / "rows" / (number(task) + ".rows"), rows_magic, bytes);
 }
 
-fs::path frame_file(const fs::path& dir, std::size_t frame) { return dir / fmt::format("frame_{:06}.png", frame); }
+fs::path frame_file(const fs::path& dir, const std::string& pattern, std::size_t frame)
+{
+    constexpr std::string_view mark = "######";
+    std::string name = pattern;
+    if (const std::size_t at = name.find(mark); at != std::string::npos) name.replace(at, mark.size(), fmt::format("{:06}", frame));
+    return dir / name;
+}
 
 bool has_result(const fs::path& dir, const FarmPlan& plan, std::size_t task)
 {
     if (plan.kind == FarmKind::Sweep) return fs::exists(dir / "rows" / (number(task) + ".rows"));
     const FarmPlan::Part part = plan.part(task);
     for (std::size_t i = part.begin; i < part.end; ++i)
-        if (!fs::exists(frame_file(dir, plan.first + i))) return false;
+        for (const std::string& pattern : plan.files)
+            if (!fs::exists(frame_file(dir, pattern, plan.first + i))) return false;
     return true;
 }
 

@@ -28,6 +28,7 @@ struct FarmPlan {
     std::filesystem::path sweep;         // as it was given
     std::vector<std::string> overrides;  // of --set
     std::vector<std::string> render;     // further options of `render`
+    std::vector<std::string> files = {"frame_######.png"};  // that each frame has in the folder, ###### its number
     std::size_t first = 0;               // frame
     std::size_t items = 0, tasks = 0;    // runs or frames, and how many tasks they are cut into
     std::string key;                     // 16 hex digits: differs when scene, sweep, vessel, options or version do
@@ -89,8 +90,8 @@ void write_rows(const std::filesystem::path& dir, const FarmPlan& plan, std::siz
 [[nodiscard]] std::optional<std::vector<BatchRow>> read_rows(const std::filesystem::path& dir, const FarmPlan& plan,
                                                              std::size_t task, std::size_t instruments);
 
-/// Where a frames farm's pictures are.
-[[nodiscard]] std::filesystem::path frame_file(const std::filesystem::path& dir, std::size_t frame);
+/// A file of a frame. @param pattern  of FarmPlan::files
+[[nodiscard]] std::filesystem::path frame_file(const std::filesystem::path& dir, const std::string& pattern, std::size_t frame);
 
 /// Whether all that a task is to leave is there.
 [[nodiscard]] bool has_result(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task);

@@ -248,6 +248,12 @@ std::vector<float> Fluoroscope::line_integrals()
     return result;
 }
 
+std::vector<float> Fluoroscope::lumen_thickness() const
+{
+    SEL_ASSERT(traced_);
+    return lumen_.length.empty() ? std::vector<float>(static_cast<std::size_t>(view_.rows) * view_.columns) : lumen_.length;
+}
+
 double Fluoroscope::reference()
 {
     const Exposure& still = this->still();
