@@ -17,7 +17,7 @@ TEST_SUITE("vessel/repair")
     {
         const WallMesh tube = make_tube(tube_spec(0.01, 0.1, 3000)).mesh;
         WallMesh soup = as_soup(tube);
-        for (Vec3& v : soup.vertices) v = v.cast<float>().cast<double>() + Vec3(1, 1, 1);  // what an STL stores
+        for (Vec3& v : soup.vertices) v = Vec3(static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())) + Vec3(1, 1, 1);  // what an STL stores
         const RepairReport report = repair(soup);
         CHECK(report.triangles == static_cast<long>(tube.triangles.size()));
         CHECK(report.vertices == static_cast<long>(tube.vertices.size()));
@@ -211,7 +211,7 @@ TEST_SUITE("vessel/repair")
         plane.triangles = 100;
         CHECK(refused(make_plane(plane).mesh));
         WallMesh nan = make_tube(tube_spec(0.01, 0.1, 500)).mesh;
-        for (Vec3& v : nan.vertices) v.setConstant(std::numeric_limits<double>::quiet_NaN());
+        for (Vec3& v : nan.vertices) v = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
         CHECK(refused(nan));
         WallMesh point = make_tube(tube_spec(0.01, 0.1, 500)).mesh;
         for (Vec3& v : point.vertices) v.setZero();

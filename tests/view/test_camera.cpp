@@ -32,7 +32,7 @@ TEST_SUITE("view/camera")
         const Viewport view = {0, 0, 800, 600};
         const double margin = 0.06;
         for (const Vec3& forward : {Vec3(0, 1, 0), Vec3(0.3, 0.8, -0.2), Vec3(-0.5, 0.1, 0.9)}) {
-            CAPTURE(forward.transpose());
+            CAPTURE(forward.x());
             const Camera camera = fit_camera(mesh.vertices, forward, {0.1, 0.2, 1}, 800.0 / 600.0, 0.35, margin);
             double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
             for (const Vec3& v : mesh.vertices) {

@@ -39,7 +39,7 @@ WallMesh irregular(WallMesh mesh, bool round)
             for (int k = 0; k < n; ++k) middle += mesh.vertices[around[k]] / n;
             Vec3& x = mesh.vertices[v];
             x = 0.5 * (x + middle);
-            if (round) x.head<2>() *= R / x.head<2>().norm();
+            if (const double out = R / std::hypot(x.x(), x.y()); round) x = {x.x() * out, x.y() * out, x.z()};
         }
     return mesh;
 }

@@ -1,6 +1,7 @@
 // Steps of the wall in blocks against a full solve in every step.
 
 #include "engine.h"
+#include "wall/wall_compliance.h"
 #include "wall/wall_dynamics.h"
 
 #include <doctest/doctest.h>
@@ -49,7 +50,7 @@ void full_step(const ElasticWall& wall, double h, std::span<const WallDynamics::
     std::vector<double> rhs(w.size());
     Eigen::Map<Eigen::VectorXd>(rhs.data(), size) =
         (1 / h) * (wall.compliance().damping() * Eigen::Map<const Eigen::VectorXd>(w.data(), size));
-    for (const auto& push : pushed) Eigen::Map<Vec3>(&rhs[3 * static_cast<std::size_t>(push.vertex)]) += push.force;
+    for (const auto& push : pushed) add_to(&rhs[3 * static_cast<std::size_t>(push.vertex)], push.force);
     WallSolveWork scratch;
     wall.compliance().factor(h)->solve(rhs, scratch);
     w = rhs;
