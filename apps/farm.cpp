@@ -117,19 +117,18 @@ FarmPlan make_plan(const Options& options)
     std::string scene_text, sweep_text;
     FarmPlan plan = plan_sweep(options, scene_text, sweep_text);
     make_folder(options.dir);
-    if (fs::exists(options.dir / "results.csv") && !fs::exists(options.dir / "farm.json"))
-        throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
-    if (!fs::exists(options.dir / "farm.json")) {
-        write_file(options.dir / "farm-scene.toml", scene_text);
-        write_file(options.dir / "farm-sweep.toml", sweep_text);
-    }
+    const Folder dir(options.dir);
+    if (dir.has("farm.json")) return plan;
+    if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
+    write_file(dir / "farm-scene.toml", scene_text);
+    write_file(dir / "farm-sweep.toml", sweep_text);
     return plan;
 }
 
-std::string status_text(const fs::path& dir, const FarmPlan& plan, const FarmReport& r)
+std::string status_text(const Folder& dir, const FarmPlan& plan, const FarmReport& r)
 {
     std::string text =
-        fmt::format("{}: {} {}s in {} tasks\n  {} done, {} running, {} waiting, {} lost (their workers are dead)\n", dir.string(),
+        fmt::format("{}: {} {}s in {} tasks\n  {} done, {} running, {} waiting, {} lost (their workers are dead)\n", dir.path().string(),
                     plan.items, plan.item_word(), plan.tasks, r.count(TaskState::Done), r.count(TaskState::Running),
                     r.count(TaskState::Todo), r.count(TaskState::Lost));
     text += fmt::format("  begun {} times: {} begun again after a kill or a stop, {} done again that had finished\n", r.began,
@@ -138,7 +137,7 @@ std::string status_text(const fs::path& dir, const FarmPlan& plan, const FarmRep
         text += fmt::format("  work {:.3g} s in all; beside it a task takes {:.3g} s (median), {:.3g} s (longest)\n", r.work_s,
                             r.overhead_median_s, r.overhead_max_s);
     for (const auto& [task, why] : r.failed) text += fmt::format("  task {} failed: {}\n", task, why);
-    if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.string());
+    if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.path().string());
     return text;
 }
 
@@ -169,11 +168,12 @@ ExitCode farm(Options& options)
     const FarmPlan plan = make_plan(options);
     options.dir = fs::absolute(options.dir).lexically_normal();
     make_folder(options.dir);
-    write_farm(options.dir, plan);
+    const Folder dir(options.dir);
+    write_farm(dir, plan);
     const std::string head =
         fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);
     if (options.backend == "slurm") {
-        const auto arrays = write_slurm_jobs(options.dir, plan, {options.sbatch});
+        const auto arrays = write_slurm_jobs(dir, plan, {options.sbatch});
         std::string text = head;
         if (options.submit) text += submit(options.dir, arrays);
         else
@@ -186,9 +186,9 @@ ExitCode farm(Options& options)
         print(head + fmt::format("  seldinger farm task {} --all\n", options.dir.string()));
         return ExitCode::Done;
     }
-    const ExitCode code = run_here(options.dir, plan, options.local);
-    const FarmReport report = look_at_farm(options.dir, plan);
-    if (!options.local.quiet) print(status_text(options.dir, plan, report));
+    const ExitCode code = run_here(dir, plan, options.local);
+    const FarmReport report = look_at_farm(dir, plan);
+    if (!options.local.quiet) print(status_text(dir, plan, report));
     if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
         throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same again to go on",
                                       report.count(TaskState::Done), plan.tasks));
@@ -200,7 +200,7 @@ ExitCode farm(Options& options)
 
 // ---------------------------------------------------------------- merge
 
-[[noreturn]] void say_missing(const fs::path& dir, const FarmPlan& plan, const std::vector<std::size_t>& tasks)
+[[noreturn]] void say_missing(const Folder& dir, const FarmPlan& plan, const std::vector<std::size_t>& tasks)
 {
     std::vector<std::size_t> items;
     for (const std::size_t t : tasks)
@@ -208,10 +208,10 @@ ExitCode farm(Options& options)
     throw Error(
         ExitCode::BadFile,
         fmt::format("{}: {} of {} tasks are missing: {} ({}s {}); do them (the same `seldinger farm` again) and merge then",
-                    dir.string(), tasks.size(), plan.tasks, list_ranges(tasks), plan.item_word(), list_ranges(items)));
+                    dir.path().string(), tasks.size(), plan.tasks, list_ranges(tasks), plan.item_word(), list_ranges(items)));
 }
 
-ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
+ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
 {
     std::string sweep_text;
     const BatchSource source = farm_source(dir, plan, sweep_text);
@@ -236,16 +236,16 @@ ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
     summary["version"] = version();
     summary["results"] = "results.csv";
     summary["farm"] = status_json(plan, look_at_farm(dir, plan));
-    write_file(dir / "scene.toml", resolved_scene(source, dir));
+    write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
     write_file(dir / "results.npz", batch_npz(source.sweep, names, rows));
     write_file(dir / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     write_file(dir / "results.csv", batch_csv(source.sweep, names, rows));
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.string(), rows.size(), stopped));
+    print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.path().string(), rows.size(), stopped));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
 }
 
-ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptions& options)
+ExitCode merge_frames(const Folder& dir, const FarmPlan& plan, const ViewOptions& options)
 {
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
@@ -253,15 +253,16 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
     std::string text =
-        fmt::format("{}: {} frames: {} to {}\n", dir.string(), plan.items, frame_file(dir, plan.first).filename().string(),
-                    frame_file(dir, plan.first + plan.items - 1).filename().string());
+        fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_name(plan.first), frame_name(plan.first + plan.items - 1));
 #ifdef SEL_WITH_VIEW
     if (!options.video.empty()) {
         FrameChoice choice;
         choice.rate = options.fps.value_or(0);
         const FrameRange range{plan.first, plan.first + plan.items - 1};
         const double rate = choice.rate > 0 ? choice.rate : film_rate(choice, read_run_folder(plan.source), range);
-        write_film_of(dir / "frame_%06d.png", plan.first, plan.items, rate, options.video);
+        FilmWriter film(options.video, rate);
+        for (std::size_t i = range.first; i <= range.last; ++i) film.add_png(read_file(dir / frame_name(i)));
+        film.finish();
         text += options.video.string() + "\n";
     }
 #endif
@@ -271,10 +272,11 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
 
 ExitCode merge(const ViewOptions& options)
 {
-    const FarmPlan plan = read_farm(options.dir);
-    if (plan.kind == FarmKind::Frames) return merge_frames(options.dir, plan, options);
+    const Folder dir(options.dir);
+    const FarmPlan plan = read_farm(dir);
+    if (plan.kind == FarmKind::Frames) return merge_frames(dir, plan, options);
     if (!options.video.empty()) throw Error(ExitCode::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
-    return merge_sweep(options.dir, plan);
+    return merge_sweep(dir, plan);
 }
 
 void add_status(CLI::App& farm_command, Command& chosen)
@@ -285,9 +287,10 @@ void add_status(CLI::App& farm_command, Command& chosen)
     command->add_flag("--json", options->json, "as one JSON object");
     command->callback([options, &chosen] {
         chosen = [options] {
-            const FarmPlan plan = read_farm(options->dir);
-            const FarmReport report = look_at_farm(options->dir, plan);
-            print(options->json ? status_json(plan, report).dump(2) + "\n" : status_text(options->dir, plan, report));
+            const Folder dir(options->dir);
+            const FarmPlan plan = read_farm(dir);
+            const FarmReport report = look_at_farm(dir, plan);
+            print(options->json ? status_json(plan, report).dump(2) + "\n" : status_text(dir, plan, report));
             return ExitCode::Done;
         };
     });
@@ -324,14 +327,15 @@ void add_task(CLI::App& farm_command, Command& chosen)
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
     command->callback([options, &chosen] {
         chosen = [options] {
-            const FarmPlan plan = read_farm(options->dir);
+            const Folder dir(options->dir);
+            const FarmPlan plan = read_farm(dir);
             if (options->all == options->task.has_value())
                 throw Error(ExitCode::BadScene, "farm task: give the number of a task, or --all");
-            if (options->all) return do_all_tasks(options->dir, plan, options->how);
+            if (options->all) return do_all_tasks(dir, plan, options->how);
             if (*options->task >= plan.tasks)
                 throw Error(ExitCode::BadScene,
                             fmt::format("task {}: the farm has tasks 0 to {}", *options->task, plan.tasks - 1));
-            return do_task(options->dir, plan, *options->task, options->how);
+            return do_task(dir, plan, *options->task, options->how);
         };
     });
 }

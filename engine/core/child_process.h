@@ -13,9 +13,10 @@ constexpr int no_descriptor = -1;
 /// Starts words[0], looked for in PATH, with words as its arguments. Signals that this process keeps off its threads (it may have one
 /// that waits for them) it hears as usual.
 /// @param input  its standard input; none: an empty one
-/// @param error  its standard error; none: that of this process
+/// @param error, output  its standard error and output; none: those of this process
 /// @return -1 where it cannot be started
-[[nodiscard]] pid_t start_program(const std::vector<std::string>& words, int input = no_descriptor, int error = no_descriptor);
+[[nodiscard]] pid_t start_program(const std::vector<std::string>& words, int input = no_descriptor, int error = no_descriptor,
+                                  int output = no_descriptor);
 
 /// What waitpid's status says, as a shell does: the exit code, or 128 + the signal that ended it.
 [[nodiscard]] int exit_code(int status);

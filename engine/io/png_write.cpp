@@ -3,29 +3,14 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "core/file_io.h"
 
 #include <png.h>
 
-#include <fstream>
 #include <string>
 
 namespace seldinger {
 namespace {
-
-void write_whole(const std::filesystem::path& path, const char* bytes, std::size_t size)
-{
-    std::filesystem::path partial = path;
-    partial += ".part";
-    std::ofstream stream(partial, std::ios::binary);
-    stream.write(bytes, static_cast<std::streamsize>(size));
-    stream.close();
-    std::error_code problem;
-    if (stream) std::filesystem::rename(partial, path, problem);
-    if (!stream || problem) {
-        std::filesystem::remove(partial, problem);
-        throw Error(ExitCode::BadFile, path.string() + ": cannot be written; is the disk full or the folder read-only?");
-    }
-}
 
 /// What libpng writes goes to the end of a string.
 void append(png_structp png, png_bytep data, png_size_t size)
@@ -67,7 +52,7 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr)) {
         throw Error(ExitCode::BadFile, path.string() + ": " + image.message);
     }
-    write_whole(path, bytes.data(), size);
+    write_file(path, {bytes.data(), size});
 }
 
 void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey)
@@ -85,7 +70,7 @@ void write_grey_png(const std::filesystem::path& path, int width, int height, co
     const bool whole = info && encode_grey(png, info, width, height, rows.data(), file);
     png_destroy_write_struct(&png, &info);
     if (!whole) throw Error(ExitCode::BadFile, path.string() + ": could not be encoded as PNG");
-    write_whole(path, file.data(), file.size());
+    write_file(path, file);
 }
 
 }  // namespace seldinger
