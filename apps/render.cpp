@@ -16,7 +16,7 @@
 #include <memory>
 
 #ifdef SEL_WITH_VIEW
-    #include "scene/scene.h"
+    #include "scene/run_scene.h"
     #include "view/model_export.h"
     #include "view/render.h"
 #endif

@@ -11,6 +11,7 @@
 
 #ifdef SEL_WITH_VIEW
     #include "fluoro_scene.h"
+    #include "scene/run_scene.h"
 #endif
 
 namespace seldinger::apps {

@@ -4,7 +4,7 @@
 #include "core/assets.h"
 #include "core/error.h"
 #include "core/file_io.h"
-#include "scene/scene.h"
+#include "scene/run_scene.h"
 #include "session/web_content.h"
 
 #include <fmt/format.h>

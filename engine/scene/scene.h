@@ -109,10 +109,6 @@ inline constexpr long steps_at_rest = 10;
 /// @throws Error BadFile (file missing), BadScene: one line, "file:line:column: key: what was expected; what to do"
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
-/// The scene.toml that a run has written into its folder, which includes nothing: a run of somebody else's does not have files from
-/// elsewhere read by an include, nor by a link. @throws Error BadFile, BadScene
-[[nodiscard]] Scene read_run_scene(const Folder& run, std::span<const std::string> overrides = {});
-
 /// The same from text; `file` names it in messages, and relative mesh paths start at its folder.
 [[nodiscard]] Scene read_scene_text(const std::string& text, const std::filesystem::path& file,
                                     std::span<const std::string> overrides = {});
