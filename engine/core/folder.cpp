@@ -132,9 +132,11 @@ bool Folder::rename(const std::string& name, const Folder& to, const std::string
 int Folder::remove(const std::string& name) const
 {
     check_name(path_, name);
-    if (::unlinkat(fd(), name.c_str(), 0) == 0 || errno == ENOENT) return 0;
-    if (errno != EISDIR && errno != EPERM) return errno;
-    return ::unlinkat(fd(), name.c_str(), AT_REMOVEDIR) == 0 ? 0 : errno;
+    struct stat status {};
+    if (::fstatat(fd(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return errno == ENOENT ? 0 : errno;
+    const bool is_folder = S_ISDIR(status.st_mode);
+    if (!is_folder && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) return EPERM;
+    return ::unlinkat(fd(), name.c_str(), is_folder ? AT_REMOVEDIR : 0) == 0 || errno == ENOENT ? 0 : errno;
 }
 
 }  // namespace seldinger
