@@ -28,6 +28,10 @@ bool draw_with(const std::string& script, const std::vector<std::string>& argume
     words.insert(words.end(), arguments.begin(), arguments.end());
     const pid_t script_run = start_program(words);
     if (script_run > 0 && wait_for_program(script_run) == 0) return true;
+    if (script_run < 0) {
+        note(fmt::format("seldinger: no pictures: {}\n", why_not_started(words.front(), "on Debian, as root: apt-get install python3-matplotlib")));
+        return false;
+    }
     note(fmt::format("seldinger: no pictures: {} failed; it needs python3-matplotlib; to draw them: {}\n", script,
                      fmt::join(words, " ")));
     return false;

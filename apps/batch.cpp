@@ -2,11 +2,11 @@
 //                 [--threads N] [--quiet] [--json]
 
 #include "batch_loop.h"
+#include "command_line.h"
 #include "commands.h"
 #include "core/parallel.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <memory>
@@ -48,10 +48,10 @@ ExitCode batch(Options& options)
 
 }  // namespace
 
-void add_batch(CLI::App& app, Command& chosen)
+void add_batch(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
+    CommandLine* command = app.add_subcommand("batch", "run a scene many times with keys varied, many wires at once");
     command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
     command->add_option("--vary", options->sweep, "sweep file: [vary] with lists (grid) and {min, max, n} (draws)")
         ->type_name("SWEEP.toml")
@@ -66,7 +66,7 @@ void add_batch(CLI::App& app, Command& chosen)
     add_limits(*command, options->run.time_limit, options->run.device);
     command->add_option("--threads", options->threads, "of the host's part (default: all cores); the results do not depend on it")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_flag("--quiet", options->run.quiet, "no progress, no summary");
     command->add_flag("--json", options->json, "print the summary as one JSON object");
     command->callback([options, &chosen] { chosen = [options] { return batch(*options); }; });

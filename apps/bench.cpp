@@ -3,6 +3,7 @@
 
 #include "assets.h"
 #include "bench_report.h"
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
@@ -11,7 +12,6 @@
 #include "stop_signal.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 #include <csignal>
@@ -133,10 +133,10 @@ ExitCode bench(const Options& options)
 
 }  // namespace
 
-void add_bench(CLI::App& app, Command& chosen)
+void add_bench(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("bench", "time an OpenCL device: its peaks, every kernel, whole scenes");
+    CommandLine* command = app.add_subcommand("bench", "time an OpenCL device: its peaks, every kernel, whole scenes");
     command
         ->add_option("-o", options->dir,
                      "folder for device.csv, kernels.csv, scenes.csv and the roofline picture (default: none is written)")
@@ -145,7 +145,7 @@ void add_bench(CLI::App& app, Command& chosen)
         ->type_name("FILE")
         ->delimiter(',');
     command->add_option("--repeat", options->repeat, "runs of each scene, of which the median counts")
-        ->check(CLI::Range(1, 99))
+        ->check(in_range(1, 99))
         ->type_name("N");
     command->add_flag("--quick", options->quick, "small loads, 600 steps of each scene, once: does it work?");
     command->add_flag("--kernels-only", options->kernels_only, "no scenes");

@@ -1,5 +1,6 @@
 // seldinger chart [--quick] [-o DIR] [--scenes NAME|FILE …] [--processor-time] [--overwrite] [--device N] [--quiet]
 
+#include "command_line.h"
 #include "study/chart.h"
 #include "assets.h"
 #include "baselines/baselines.h"
@@ -11,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 #include <chrono>
@@ -67,10 +67,10 @@ ExitCode chart(Options& options)
 
 }  // namespace
 
-void add_chart(CLI::App& app, Command& chosen)
+void add_chart(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("chart", "speed against accuracy: the same scenes under every model");
+    CommandLine* command = app.add_subcommand("chart", "speed against accuracy: the same scenes under every model");
     command->add_flag("--quick", options->chart.quick, "fewer models, shorter scenes: minutes instead of an hour");
     command
         ->add_option("-o", options->chart.dir,
@@ -88,11 +88,11 @@ void add_chart(CLI::App& app, Command& chosen)
                      "what `plan` wrote for the one scene charted: its model joins the others")
         ->type_name("FILE");
     command->add_option("--run-limit", options->chart.run_limit, "a model that takes longer is stopped (default: 60, or 10)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
     command
         ->add_option("--reference-limit", options->chart.reference_limit, "refine the reference no longer (default: 240, or 30)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
     command->add_flag("--overwrite", options->overwrite, "run everything again");
     command->add_option("--device", options->chart.device, "OpenCL device, as `seldinger devices` lists them")

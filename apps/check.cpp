@@ -1,12 +1,13 @@
 // seldinger check SCENE.toml [--set ...] [--wire NAME]: reads the scene, loads the vessel, runs nothing.
 
+#include "command_line.h"
 #include "commands.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
 #include "setup_check.h"
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 #include <optional>
@@ -26,6 +27,9 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
     text += "\n";
     for (const std::string& note : vessel.notes) text += "  vessel: " + note + "\n";
     if (const std::string thick = describe_thick_wall(setup.vessel, setup.centreline); !thick.empty()) text += "  note: " + thick + "\n";
+    if (const std::string coarse = describe_coarse_wall(expected_mechanics(setup.vessel, setup.mesh, setup.centreline), setup.vessel);
+        !coarse.empty())
+        text += "  note: " + coarse + "\n";
     for (const WireSetup& wire : setup.wires)
         if (!wire.inlet.empty())
             text += fmt::format("  {}inlet {}\n", wire.name.empty() ? "" : wire.name + ": ", wire.inlet);
@@ -35,7 +39,7 @@ std::string describe(const Scene& scene, const RepairReport& vessel, const World
 
 }  // namespace
 
-void add_check(CLI::App& app, Command& chosen)
+void add_check(CommandLine& app, Command& chosen)
 {
     struct Options {
         std::filesystem::path file;
@@ -43,7 +47,7 @@ void add_check(CLI::App& app, Command& chosen)
         std::optional<std::string> wire;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* check = app.add_subcommand("check", "say whether a scene can be run");
+    CommandLine* check = app.add_subcommand("check", "say whether a scene can be run");
     check->add_option("SCENE", options->file, "scene file (TOML)")->required();
     check->add_option("--set", options->overrides, "change a key of the scene; repeats")
         ->type_name("table.key=value")

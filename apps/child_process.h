@@ -15,7 +15,4 @@ struct ChildEnd {
 /// @param input  what it reads from stdin   @throws Error Stopped: no process could be made
 [[nodiscard]] ChildEnd run_self(const std::vector<std::string>& arguments, const std::string& input);
 
-/// Of the process so started: it ends with the one that started it, however that ends.
-void end_with_parent();
-
 }  // namespace seldinger::apps

@@ -1,16 +1,16 @@
 // seldinger devices: the OpenCL devices and their numbers for --device.
 
+#include "command_line.h"
 #include "commands.h"
 #include "engine.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 namespace seldinger::apps {
 
-void add_devices(CLI::App& app, Command& chosen)
+void add_devices(CommandLine& app, Command& chosen)
 {
-    CLI::App* devices = app.add_subcommand("devices", "list the OpenCL devices");
+    CommandLine* devices = app.add_subcommand("devices", "list the OpenCL devices");
     devices->callback([&chosen] {
         chosen = [] {
             const std::vector<DeviceInfo> list = list_devices();

@@ -3,18 +3,21 @@
 // seldinger farm status DIR · farm merge DIR [--video FILE.mp4 [--fps N]] · farm task DIR N | --all
 
 #include "batch_loop.h"
+#include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "farm_backend.h"
 #include "farm_task.h"
 #include "io/film_write.h"
 #include "render_frames.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -67,13 +70,29 @@ FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string
     return plan;
 }
 
+/// Each value in a word of its own, and paths that do not depend on where a task starts.
+std::vector<std::string> farm_words(const std::vector<std::string>& given)
+{
+    std::vector<std::string> words;
+    for (const std::string& word : given) {
+        const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+        words.push_back(word.substr(0, equals));
+        if (equals != std::string::npos) words.push_back(word.substr(equals + 1));
+    }
+    for (std::size_t k = 0; k + 1 < words.size(); ++k)
+        if (words[k] == "--views") words[k + 1] = fs::absolute(words[k + 1]).lexically_normal().string();
+        else if (words[k] == "--labels") words[k + 1] = (fs::path(words[k + 1]) / "").lexically_normal().parent_path().string();
+    return words;
+}
+
 FarmPlan plan_frames(const Options& options)
 {
 #ifdef SEL_WITH_VIEW
     FarmPlan plan;
     plan.kind = FarmKind::Frames;
     plan.source = fs::absolute(options.source).lexically_normal();
-    plan.render = options.render;
+    plan.render = farm_words(options.render);
+    plan.files = files_of_frame(plan.render);
     const std::size_t count = read_run_folder(plan.source).frames.size();
     FrameChoice choice;
     choice.first = 0, choice.last = static_cast<int>(count) - 1;
@@ -111,18 +130,23 @@ void check_words(const Options& options)
                     "farm: give either --vary SWEEP.toml (runs of a scene) or --frames A:B (pictures of a run)");
 }
 
-FarmPlan make_plan(const Options& options)
+/// Plans the farm and prepares its folder, or finds it prepared.
+std::pair<Folder, FarmPlan> make_farm(const Options& options)
 {
-    if (!options.frames.empty()) return plan_frames(options);
     std::string scene_text, sweep_text;
-    FarmPlan plan = plan_sweep(options, scene_text, sweep_text);
+    const bool frames = !options.frames.empty();
+    const FarmPlan plan = frames ? plan_frames(options) : plan_sweep(options, scene_text, sweep_text);
     make_folder(options.dir);
-    const Folder dir(options.dir);
-    if (dir.has("farm.json")) return plan;
-    if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
-    write_file(dir / "farm-scene.toml", scene_text);
-    write_file(dir / "farm-sweep.toml", sweep_text);
-    return plan;
+    Folder dir(options.dir);
+    // one after the other: a task that another command's worker has begun would be waiting once more
+    const FileLock one_at_a_time = FileLock::of_file(dir / "farm.json", FileLock::Wait::Yes);
+    if (!frames && !dir.has("farm.json")) {
+        if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
+        write_file(dir / "farm-scene.toml", scene_text);
+        write_file(dir / "farm-sweep.toml", sweep_text);
+    }
+    write_farm(dir, plan);
+    return {std::move(dir), plan};
 }
 
 std::string status_text(const Folder& dir, const FarmPlan& plan, const FarmReport& r)
@@ -165,17 +189,14 @@ ExitCode farm(Options& options)
 {
     check_words(options);
     if (options.submit) need_slurm();
-    const FarmPlan plan = make_plan(options);
     options.dir = fs::absolute(options.dir).lexically_normal();
-    make_folder(options.dir);
-    const Folder dir(options.dir);
-    write_farm(dir, plan);
+    const auto [dir, plan] = make_farm(options);
     const std::string head =
         fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);
     if (options.backend == "slurm") {
         const auto arrays = write_slurm_jobs(dir, plan, {options.sbatch});
         std::string text = head;
-        if (options.submit) text += submit(options.dir, arrays);
+        if (options.submit) text += submit(dir, arrays);
         else
             for (const auto& array : arrays) text += "  " + shell_text(array) + "\n";
         if (arrays.empty()) text += fmt::format("  all done: seldinger farm merge {}\n", options.dir.string());
@@ -253,17 +274,26 @@ ExitCode merge_frames(const Folder& dir, const FarmPlan& plan, const ViewOptions
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
     std::string text =
-        fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_name(plan.first), frame_name(plan.first + plan.items - 1));
+        fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_file(plan.files.front(), plan.first),
+                    frame_file(plan.files.front(), plan.first + plan.items - 1));
 #ifdef SEL_WITH_VIEW
     if (!options.video.empty()) {
         FrameChoice choice;
         choice.rate = options.fps.value_or(0);
         const FrameRange range{plan.first, plan.first + plan.items - 1};
         const double rate = choice.rate > 0 ? choice.rate : film_rate(choice, read_run_folder(plan.source), range);
-        FilmWriter film(options.video, rate);
-        for (std::size_t i = range.first; i <= range.last; ++i) film.add_png(read_file(dir / frame_name(i)));
-        film.finish();
-        text += options.video.string() + "\n";
+        std::vector<std::string> pictures;  // of each view
+        for (const std::string& file : plan.files)
+            if (file.starts_with("frame_") && file.ends_with(".png") && file.find('/') == std::string::npos) pictures.push_back(file);
+        for (std::size_t k = 0; k < pictures.size(); ++k) {
+            fs::path name = options.video;
+            if (pictures.size() > 1)
+                name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
+            FilmWriter film(name, rate);
+            for (std::size_t i = range.first; i <= range.last; ++i) film.add_png(read_file(dir / frame_file(pictures[k], i)));
+            film.finish();
+            text += name.string() + "\n";
+        }
     }
 #endif
     print(text);
@@ -279,10 +309,10 @@ ExitCode merge(const ViewOptions& options)
     return merge_sweep(dir, plan);
 }
 
-void add_status(CLI::App& farm_command, Command& chosen)
+void add_status(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CLI::App* command = farm_command.add_subcommand("status", "where each task stands");
+    CommandLine* command = farm_command.add_subcommand("status", "where each task stands");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_flag("--json", options->json, "as one JSON object");
     command->callback([options, &chosen] {
@@ -296,37 +326,40 @@ void add_status(CLI::App& farm_command, Command& chosen)
     });
 }
 
-void add_merge(CLI::App& farm_command, Command& chosen)
+void add_merge(CommandLine& farm_command, Command& chosen)
 {
     auto options = std::make_shared<ViewOptions>();
-    CLI::App* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
+    CommandLine* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
     command->add_option("--fps", options->fps, "of the film (default: as fast as it happened)")
-        ->check(CLI::Range(0.1, 240.0))
+        ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
 }
 
-void add_task(CLI::App& farm_command, Command& chosen)
+void add_task(CommandLine& farm_command, Command& chosen)
 {
     struct One {
         fs::path dir;
         std::optional<std::size_t> task;
         bool all = false;
+        pid_t parent = 0;
         TaskOptions how;
     };
     auto options = std::make_shared<One>();
-    CLI::App* command = farm_command.add_subcommand("task", "run one task, or all that are waiting (called by the backends)");
+    CommandLine* command = farm_command.add_subcommand("task", "run one task, or all that are waiting (called by the backends)");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("N", options->task, "task, from 0");
     command->add_flag("--all", options->all, "every task that is neither finished nor running");
     command->add_option("--threads", options->how.threads, "of the host's part (default: all cores)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
+    command->add_option("--parent", options->parent)->hidden();  // of a worker of `farm` here: ends with it, its state saved
     command->callback([options, &chosen] {
         chosen = [options] {
+            if (options->parent > 0) end_with_parent(options->parent, SIGTERM);
             const Folder dir(options->dir);
             const FarmPlan plan = read_farm(dir);
             if (options->all == options->task.has_value())
@@ -342,10 +375,10 @@ void add_task(CLI::App& farm_command, Command& chosen)
 
 }  // namespace
 
-void add_farm(CLI::App& app, Command& chosen)
+void add_farm(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("farm", "cut a batch, or a run's frames, into tasks for many machines");
+    CommandLine* command = app.add_subcommand("farm", "cut a batch, or a run's frames, into tasks for many machines");
     command->require_subcommand(0, 1);
     command->allow_extras();
     command->add_option("SOURCE", options->source, "scene file with --vary, or folder of a run with --frames");
@@ -358,15 +391,15 @@ void add_farm(CLI::App& app, Command& chosen)
         ->allow_extra_args(false);
     command->add_option("--tasks", options->tasks, "how many tasks (default: 200, or one for each run or frame)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1000000));
+        ->check(in_range(1, 1000000));
     command->add_option("--backend", options->backend, "local: here, now; slurm: array jobs")
-        ->check(CLI::IsMember({"local", "slurm"}));
+        ->check(one_of({"local", "slurm"}));
     command->add_option("--jobs", options->local.jobs, "local: tasks at a time (default 1)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--threads", options->local.threads, "local: threads of each (default: all cores)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(in_range(1, 1024));
     command->add_option("--device", options->local.device, "local: OpenCL device, as `seldinger devices` lists them")
         ->type_name("N");
     command->add_option("--sbatch", options->sbatch, "slurm: an option of the array job, e.g. --sbatch=--time=60; repeats")
@@ -379,7 +412,7 @@ void add_farm(CLI::App& app, Command& chosen)
     add_merge(*command, chosen);
     add_task(*command, chosen);
     command->callback([options, command, &chosen] {
-        if (!command->get_subcommands().empty()) return;
+        if (command->went_below()) return;
         options->render = command->remaining();
         chosen = [options] { return farm(*options); };
     });

@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 namespace seldinger::apps {
 namespace {
@@ -29,10 +30,97 @@ fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
 
 pid_t start_worker(const std::vector<std::string>& words)
 {
-    const pid_t process = start_program(words);
-    if (process < 0) throw Error(ExitCode::BadFile, words.front() + ": cannot be started as a worker");
+    const pid_t process = start_program(words, no_descriptor, no_descriptor, no_descriptor, ProcessGroup::Own);  // Ctrl-C reaches it by us alone, so once
+    if (process < 0) throw Error(ExitCode::BadFile, "a worker: " + why_not_started(words.front(), "install the program again"));
     return process;
 }
+
+/// The workers of one command, and what it shows of the farm meanwhile.
+class LocalFarm {
+public:
+    LocalFarm(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend)
+        : dir_(dir), plan_(plan), shows_(!backend.quiet && isatty(STDERR_FILENO)), quiet_(backend.quiet)
+    {
+        words_ = {this_program().string(), "farm", "task", dir.path().string(), "--all", "--parent", std::to_string(getpid())};
+        if (backend.threads > 0) words_.insert(words_.end(), {"--threads", std::to_string(backend.threads)});
+        if (backend.device >= 0) words_.insert(words_.end(), {"--device", std::to_string(backend.device)});
+    }
+    ~LocalFarm()
+    {
+        for (const pid_t worker : workers_) kill(worker, SIGTERM);
+    }
+    LocalFarm(const LocalFarm&) = delete;
+    LocalFarm& operator=(const LocalFarm&) = delete;
+
+    /// So many workers, each with every task that nobody has, until they have ended. @return the worst of their exit codes
+    int work(std::size_t workers)
+    {
+        for (std::size_t k = 0; k < workers; ++k) workers_.push_back(start_worker(words_));
+        int worst = 0;
+        while (!workers_.empty()) {
+            listen();
+            for (std::size_t k = workers_.size(); k-- > 0;) {
+                int status = 0;
+                if (waitpid(workers_[k], &status, WNOHANG) != workers_[k]) continue;
+                worst = std::max(worst, exit_code(status));
+                workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(k));
+            }
+            show();
+            if (!workers_.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(shows_ ? 200 : 5));
+        }
+        return worst;
+    }
+
+    /// Until no worker of another command has a task. @return how many are not done then; 0 once a signal asks to end
+    std::size_t wait_for_others()
+    {
+        using namespace std::chrono;
+        waited_ = false;
+        for (const auto begun = steady_clock::now(); asked_ == 0;) {
+            const std::vector<TaskState> states = task_states(dir_, plan_);
+            const auto running = static_cast<std::size_t>(std::count(states.begin(), states.end(), TaskState::Running));
+            const auto done = static_cast<std::size_t>(std::count(states.begin(), states.end(), TaskState::Done));
+            if (running == 0) return plan_.tasks - done;
+            waited_ = true;
+            if (!quiet_ && !told_ && steady_clock::now() - begun > seconds(1)) {
+                told_ = true;
+                note(fmt::format("{}: waiting for {} tasks that other workers have\n", dir_.path().string(), running));
+            }
+            // a twentieth of the wait so far, so that it costs little however long it is
+            const auto nap = duration_cast<milliseconds>(steady_clock::now() - begun) / 20;
+            for (auto left = std::clamp(nap, milliseconds(5), milliseconds(1000)); left > left.zero() && asked_ == 0; left -= milliseconds(50)) {
+                std::this_thread::sleep_for(std::min(left, milliseconds(50)));
+                listen();
+            }
+        }
+        return 0;
+    }
+
+    [[nodiscard]] bool waited() const { return waited_; }  // for others, the last time
+    [[nodiscard]] int asked() const { return asked_; }     // the signal to end, or 0
+
+private:
+    void listen()
+    {
+        const int signal = stop_asked_for();
+        if (signal == 0 || asked_ != 0) return;
+        asked_ = signal;
+        for (const pid_t worker : workers_) kill(worker, signal);
+    }
+    void show() const
+    {
+        if (!shows_) return;
+        const std::size_t done = dir_.inner("done").names().size();
+        note(fmt::format("\r\033[Ktask {} of {}{}", done, plan_.tasks, workers_.empty() ? "\r\033[K" : ""));
+    }
+
+    const Folder& dir_;
+    const FarmPlan& plan_;
+    std::vector<std::string> words_;
+    std::vector<pid_t> workers_;
+    bool shows_, quiet_, told_ = false, waited_ = false;
+    int asked_ = 0;
+};
 
 struct Said {
     int code;
@@ -43,7 +131,7 @@ Said ask(const std::string& command)
 {
     std::string text;
     std::FILE* pipe = popen((command + " 2>&1").c_str(), "re");
-    if (!pipe) return {127, {}};
+    if (!pipe) throw Error(ExitCode::BadFile, why_not_started("sh", "it is needed to ask Slurm"));
     char part[4096];
     for (std::size_t got = 0; (got = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, got);
     const int code = exit_code(pclose(pipe));
@@ -140,31 +228,16 @@ std::string shell_text(const std::vector<std::string>& words)
 ExitCode run_here(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend)
 {
     const StopSignal listening;
-    std::vector<std::string> words = {this_program().string(), "farm", "task", dir.path().string(), "--all"};
-    if (backend.threads > 0) words.insert(words.end(), {"--threads", std::to_string(backend.threads)});
-    if (backend.device >= 0) words.insert(words.end(), {"--device", std::to_string(backend.device)});
-    std::vector<pid_t> workers;
-    for (int k = 0; k < backend.jobs; ++k) workers.push_back(start_worker(words));
-    const bool shows = !backend.quiet && isatty(STDERR_FILENO);
-    int worst = 0, asked = 0;
-    while (!workers.empty()) {
-        if (const int signal = stop_asked_for(); signal != 0 && asked == 0) {
-            asked = signal;
-            for (const pid_t worker : workers) kill(worker, signal);
-        }
-        for (std::size_t k = workers.size(); k-- > 0;) {
-            int status = 0;
-            if (waitpid(workers[k], &status, WNOHANG) != workers[k]) continue;
-            worst = std::max(worst, exit_code(status));
-            workers.erase(workers.begin() + static_cast<std::ptrdiff_t>(k));
-        }
-        if (shows) {
-            const std::size_t done = dir.inner("done").names().size();
-            note(fmt::format("\r\033[Ktask {} of {}{}", done, plan.tasks, workers.empty() ? "\r\033[K" : ""));
-        }
-        if (!workers.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(shows ? 200 : 5));
-    }
-    if (asked != 0) return asked == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
+    LocalFarm farm(dir, plan, backend);
+    int worst = 0;
+    std::size_t left = plan.tasks, before = 0;
+    // again for what others have left undone; not for what failed or ended a worker here, which would do so again
+    do {
+        before = left;
+        worst = farm.work(std::min(static_cast<std::size_t>(backend.jobs), left));
+        if (worst == 0 && farm.asked() == 0) left = farm.wait_for_others();
+    } while (worst == 0 && farm.asked() == 0 && left > 0 && (left < before || farm.waited()));
+    if (farm.asked() != 0) return farm.asked() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
     return static_cast<ExitCode>(worst);
 }
 

@@ -2,6 +2,7 @@
 #include "farm_task.h"
 
 #include "batch_loop.h"
+#include "command_line.h"
 #include "core/file_io.h"
 #include "core/note.h"
 #include "core/parallel.h"
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -116,20 +116,33 @@ ExitCode work_on(TaskClaim& claim, const Folder& dir, const FarmPlan& plan, std:
     }
 }
 
-/// What a farm's pictures may be told: how they look. All else of `render` says where to write, or is given by the farm; a farm.json that
-/// somebody has altered, its key computed anew, is held against the same words.
+/// What a farm's pictures may be told: how they look and what else is known of them. All else of `render` says where to write, or is given
+/// by the farm; a farm.json that somebody has altered, its key computed anew, is held against the same words.
 constexpr const char* looks[] = {"--size",    "--camera", "--background", "--no-legend", "--wall",   "--wall-max",    "--force-max", "--view",
-                                 "--c-arm",   "--sid",    "--sod",        "--field",     "--kvp",    "--kev",         "--photons",   "--blur",
-                                 "--body",    "--seed",   "--mask",       "--no-noise",  "--log",    "--no-contrast"};
+                                 "--c-arm",   "--views",  "--sid",        "--sod",       "--field",  "--kvp",         "--kev",       "--photons",
+                                 "--blur",    "--body",   "--seed",       "--mask",      "--log",    "--no-contrast", "--no-noise",  "--labels",
+                                 "--label-vessel"};
 
 void check_render_word(const std::string& word)
 {
     const bool is_option = word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
     const std::string name = word.substr(0, word.find('='));
     if (!is_option || std::find(std::begin(looks), std::end(looks), name) != std::end(looks)) return;
-    throw Error(ExitCode::BadScene, fmt::format("{}: a farm's tasks draw numbered pictures and nothing else; leave it out (a film: farm merge DIR "
-                                                "--video FILE.mp4)",
+    throw Error(ExitCode::BadScene, fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it out (a "
+                                                "film: farm merge DIR --video FILE.mp4)",
                                                 name));
+}
+
+/// The labels' folder lies below the farm's, where --labels-in has them made through no link. In one word with its option it is none of ours.
+void check_render_words(const std::vector<std::string>& words)
+{
+    for (std::size_t k = 0; k < words.size(); ++k) {
+        check_render_word(words[k]);
+        const bool joined = words[k].starts_with("--labels=");
+        if (!joined && (words[k] != "--labels" || (k + 1 < words.size() && leads_below(words[k + 1])))) continue;
+        throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below the farm's. Fix: give a name, --labels labels",
+                                                    joined ? words[k].substr(9) : k + 1 < words.size() ? words[k + 1] : "nothing"));
+    }
 }
 
 }  // namespace
@@ -147,6 +160,8 @@ std::string frames_key(const fs::path& run, std::size_t first, std::size_t frame
 {
     std::vector<std::string> parts = {version(), read_file(run / "wire.pvd"), fmt::format("{} {}", first, frames)};
     parts.insert(parts.end(), render.begin(), render.end());
+    for (std::size_t k = 0; k + 1 < render.size(); ++k)
+        if (render[k] == "--views") parts.push_back(read_file(render[k + 1]));
     return farm_key(parts);
 }
 
@@ -161,23 +176,19 @@ BatchSource farm_source(const Folder& dir, const FarmPlan& plan, std::string& sw
 
 Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path& dir)
 {
-    CLI::App app;
+    CommandLine app("", "seldinger");
     Command chosen;
     add_render(app, chosen);
     std::vector<std::string> words = plan.render;
     for (std::string word :
          {std::string("render"), plan.source.string(), std::string("--frames"),
           fmt::format("{}:{}", plan.first + part.begin, plan.first + part.end - 1), std::string("-o"),
-          (dir / "frame.png").string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
+          (dir / "frame.png").string(), std::string("--labels-in"), dir.string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
         words.push_back(std::move(word));
     std::rotate(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(plan.render.size()), words.end());
-    std::reverse(words.begin(), words.end());  // as CLI11 wants them
-    try {
-        app.parse(words);
-    } catch (const CLI::ParseError& error) {
-        throw Error(ExitCode::BadScene, std::string(error.what()) + "; see `seldinger render --help`");
-    }
-    for (const std::string& word : plan.render) check_render_word(word);
+    if (const CommandLine::Parsed parsed = app.parse(std::move(words)); !parsed.error.empty())
+        throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
+    check_render_words(plan.render);
     return chosen;
 }
 
@@ -186,7 +197,12 @@ ExitCode do_task(const Folder& dir, const FarmPlan& plan, std::size_t task, cons
     set_thread_count(options.threads);
     reopen_if_lost(dir, plan, task);
     std::optional<TaskClaim> claim = TaskClaim::take(dir, task, farm_worker());
-    return claim ? work_on(*claim, dir, plan, task, options) : ExitCode::Done;
+    if (!claim) return ExitCode::Done;
+    if (has_result(dir, plan, task)) {  // its worker was killed after it had done it
+        claim->finish();
+        return ExitCode::Done;
+    }
+    return work_on(*claim, dir, plan, task, options);
 }
 
 ExitCode do_all_tasks(const Folder& dir, const FarmPlan& plan, const TaskOptions& options)

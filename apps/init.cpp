@@ -1,6 +1,7 @@
 // seldinger init MESH [-o scene.toml] [--units mm] [--inlet N] [--instrument NAME] [--overwrite]: a first scene for a mesh of one's
 // own, and a picture of its ways in.
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/printable.h"
@@ -8,7 +9,6 @@
 #include "scene/scene.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -125,17 +125,17 @@ ExitCode init(Options& options)
 
 }  // namespace
 
-void add_init(CLI::App& app, Command& chosen)
+void add_init(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, way in and a wire that fits");
+    CommandLine* command = app.add_subcommand("init", "write a first scene for a mesh: its unit, way in and a wire that fits");
     command->add_option("MESH", options->mesh, "mesh (STL, OBJ, PLY, VTP)")->required();
     command->add_option("-o", options->scene, "the scene to write (default: <mesh>.toml here)")->type_name("SCENE.toml");
     command->add_option("--units", options->units, "of the mesh: m, cm, mm, um, in (default: guessed from its size)")
-        ->check(CLI::IsMember({"m", "cm", "mm", "um", "in"}));
+        ->check(one_of({"m", "cm", "mm", "um", "in"}));
     command->add_option("--inlet", options->inlet, "another way in, as they are listed (default: 1)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1000));
+        ->check(in_range(1, 1000));
     command->add_option("--instrument", options->instrument, "of the catalogue (default: a guidewire that fits)")->type_name("NAME");
     command->add_flag("--overwrite", options->overwrite, "replace a scene and a picture that are there");
     command->callback([options, &chosen] { chosen = [options] { return init(*options); }; });

@@ -1,10 +1,10 @@
 // seldinger instruments: what [wire] preset may name, one line each.
 
+#include "command_line.h"
 #include "scene/instruments.h"
 #include "commands.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 
@@ -45,9 +45,9 @@ ExitCode list_instruments()
 
 }  // namespace
 
-void add_instruments(CLI::App& app, Command& chosen)
+void add_instruments(CommandLine& app, Command& chosen)
 {
-    CLI::App* command = app.add_subcommand("instruments", "wires, catheters and sheaths of the catalogue");
+    CommandLine* command = app.add_subcommand("instruments", "wires, catheters and sheaths of the catalogue");
     command->callback([&chosen] { chosen = list_instruments; });
 }
 

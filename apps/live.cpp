@@ -1,16 +1,17 @@
 // seldinger live SCENE.toml [--port 8080] [--udp 9090] [--bind 127.0.0.1] [--token T] [--rate 1000] [--record FILE] [--duration S] [--set ...]
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
 #include "core/note.h"
 #include "live_model.h"
 #include "session/session.h"
+#include "session/web_policy.h"
 #include "session/web_server.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <memory>
@@ -89,12 +90,13 @@ ExitCode live(Options& options)
     Session session(scene, std::move(setup), what, &hand);
     // the one that was played: with --set, and the model that was chosen
     write_file(beside(what.record, ".scene.toml"), write_scene(scene, std::filesystem::absolute(what.record).parent_path()));
+    if (options.web.token.empty() && !is_loopback(options.web.address) && !options.quiet && !options.json) options.web.token = make_token();
     WebServer web(options.web, scene, session);
     hand.start([&session] { return session.clock(); }, what.lockstep);
     web.start();
     session.start();
     if (!options.quiet && !options.json)
-        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", options.web.address, web.port(),
+        print(fmt::format("page http://{}:{}/{}  hand UDP {}:{}  {} steps a second\n", in_url(options.web.address), web.port(),
                           options.web.token.empty() ? "" : "?token=" + options.web.token, options.udp_address, hand.port(), what.rate));
     wait_for_end(session, what.rate);
     session.finish();
@@ -111,43 +113,43 @@ ExitCode live(Options& options)
     return signal == 0 ? ExitCode::Done : signal == SIGTERM ? ExitCode::TimeLimit : ExitCode::Interrupted;
 }
 
-void add_what(CLI::App& command, Options& options)
+void add_what(CommandLine& command, Options& options)
 {
     command.add_option("SCENE", options.scene, "scene file (TOML); its key frames give way to the hand")->required();
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
-    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(CLI::Range(1.0, 10000.0))->type_name("N");
+    command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
     command.add_option("--tolerance", options.model.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
     command.add_option("--budget", options.model.budget, "with --tolerance: wall time to choose in (default: 300)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
     command.add_flag("--lockstep", options.session.lockstep, "a step for each request of the hand, not by the clock: the same on any machine");
     command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
     command.add_option("--duration", options.session.duration, "session time to end after (default: none)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
-    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(CLI::NonNegativeNumber)->type_name("N");
+    command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(not_negative())->type_name("N");
     command.add_flag("--quiet", options.quiet, "no address, no summary");
     command.add_flag("--json", options.json, "print the summary as one JSON object");
 }
 
 }  // namespace
 
-void add_live(CLI::App& app, Command& chosen)
+void add_live(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("live", "a live session: force feedback by UDP, picture in the browser");
+    CommandLine* command = app.add_subcommand("live", "a live session: force feedback by UDP, picture in the browser");
     add_what(*command, *options);
-    const CLI::Range port(0, 65535);
+    const ArgumentCheck port = in_range(0, 65535);
     command->add_option("--port", options->web.port, "of the page; 0: any that is free (default: 8080)")->check(port)->type_name("N");
     command->add_option("--bind", options->web.address, "address of the page (default: 127.0.0.1)")->type_name("ADDRESS");
-    command->add_option("--token", options->web.token, "secret that the page's address must carry; required unless --bind is loopback")->type_name("T");
+    command->add_option("--token", options->web.token, "secret that the page's address must carry, 16 characters or more (default: made where --bind is not loopback)")->type_name("T");
     command->add_option("--udp", options->udp, "of the hand; 0: any that is free (default: 9090)")->check(port)->type_name("N");
     command->add_option("--udp-bind", options->udp_address, "address of the hand (default: 127.0.0.1); not protected by --token")->type_name("ADDRESS");
     command->add_option("--coupling-stiffness", options->session.advance.stiffness, "between hand and instrument (default: 500)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("N/m");
-    command->add_option("--coupling-damping", options->session.advance.damping, "likewise (default: 1)")->check(CLI::NonNegativeNumber)->type_name("N s/m");
+    command->add_option("--coupling-damping", options->session.advance.damping, "likewise (default: 1)")->check(not_negative())->type_name("N s/m");
     command->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
 }
 

@@ -2,7 +2,9 @@
 #include "live_model.h"
 
 #include "child_process.h"
+#include "command_line.h"
 #include "commands.h"
+#include "core/child_process.h"
 #include "core/note.h"
 #include "quantity.h"
 #include "stop_signal.h"
@@ -11,8 +13,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
+#include <csignal>
 #include <iostream>
 #include <iterator>
 #include <memory>
@@ -25,6 +27,7 @@ constexpr double enough = 0.7;  // of real time: a session whose model needs no 
 
 struct Options {
     std::filesystem::path source;
+    pid_t parent = 0;
     LiveModelWish wish;
 };
 
@@ -48,7 +51,7 @@ Plan planned(const Scene& scene, const LiveModelWish& wish)
 /// The whole of the process: scene in, model out, as JSON.
 ExitCode choose(const Options& options)
 {
-    end_with_parent();
+    end_with_parent(options.parent, SIGKILL);
     const StopSignal listening;
     const std::string text(std::istreambuf_iterator<char>(std::cin), {});
     nlohmann::json said;
@@ -73,7 +76,8 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     const std::filesystem::path source = std::filesystem::absolute(scene.source);
     std::vector<std::string> arguments = {command_name, "--source", source.string(), "--trials", wish.trials.string(),
                                           "--tolerance", wish.tolerance, "--rate", fmt::format("{}", wish.rate),
-                                          "--budget", fmt::format("{}", wish.budget), "--device", std::to_string(wish.device)};
+                                          "--budget", fmt::format("{}", wish.budget), "--device", std::to_string(wish.device),
+                                          "--parent", std::to_string(::getpid())};
     if (wish.quiet) arguments.emplace_back("--quiet");
     const ChildEnd end = run_self(arguments, write_scene(scene, source.parent_path()));
     const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, false);
@@ -91,16 +95,17 @@ Scene model_for(const Scene& scene, const LiveModelWish& wish)
     return chosen;
 }
 
-void add_choose_live_model(CLI::App& app, Command& chosen)
+void add_choose_live_model(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->group("");
+    CommandLine* command = app.add_subcommand(command_name, "what `live --tolerance` runs; scene on stdin")->hidden();
     command->add_option("--source", options->source)->required();
     command->add_option("--trials", options->wish.trials)->required();
     command->add_option("--tolerance", options->wish.tolerance)->required();
     command->add_option("--rate", options->wish.rate)->required();
     command->add_option("--budget", options->wish.budget)->required();
     command->add_option("--device", options->wish.device);
+    command->add_option("--parent", options->parent)->required();
     command->add_flag("--quiet", options->wish.quiet);
     command->callback([options, &chosen] { chosen = [options] { return choose(*options); }; });
 }

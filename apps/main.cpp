@@ -1,19 +1,24 @@
 // seldinger: the command. Reads the command line, runs one subcommand, turns every error into one line and an exit code.
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 #include "core/printable.h"
+#include "device/kernel_cache.h"
 #include "engine.h"
+#include "scene/vessel_cache.h"
 #include "stop_signal.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
@@ -37,9 +42,9 @@ int complain(std::string message, ExitCode code)
 
 int run_command_line(int argc, char** argv)
 {
-    CLI::App app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
+    CommandLine app("Guidewires pushed, pulled and turned inside blood vessels: fast, and with the error bar shown.", "seldinger");
     app.set_version_flag("--version", std::string("seldinger ") + version());
-    app.require_subcommand(1);
+    app.require_subcommand(1, 1);
     Command chosen;
     add_run(app, chosen);
     add_batch(app, chosen);
@@ -47,6 +52,7 @@ int run_command_line(int argc, char** argv)
     add_init(app, chosen);
     add_vessel(app, chosen);
     add_render(app, chosen);
+    add_labels(app, chosen);
     add_instruments(app, chosen);
     add_devices(app, chosen);
     add_chart(app, chosen);
@@ -57,22 +63,37 @@ int run_command_line(int argc, char** argv)
     add_choose_live_model(app, chosen);
     add_report(app, chosen);
     add_farm(app, chosen);
+    for (const char* command : {"run", "batch", "check", "init", "vessel", "chart", "stability", "plan", "bench", "live", "farm"})
+        app.subcommand(command)->add_flag_callback(
+            "--no-vessel-cache", [] { ::setenv("SELDINGER_VESSEL_CACHE", "off", 1); },  // for processes of its own, too
+            "prepare the vessel's mesh anew, and keep nothing of it (SELDINGER_VESSEL_CACHE=off)");
+    use_vessel_cache(true);
     const std::string first = argc > 1 ? argv[1] : "";
-    const auto known = app.get_subcommands([&](CLI::App* command) { return command->get_name() == first; });
-    if (!first.empty() && first[0] != '-' && known.empty())
+    if (!first.empty() && first[0] != '-' && !app.subcommand(first))
         return complain(fmt::format("\"{}\": unknown subcommand; see `seldinger --help`", first), ExitCode::BadScene);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return complain(std::string(error.what()) + "; see `seldinger --help`", ExitCode::BadScene);
-    }
+    const CommandLine::Parsed parsed = app.parse(argc, argv);
+    if (parsed.printed) return 0;  // --help, --version
+    if (!parsed.error.empty()) return complain(parsed.error + "; see `seldinger --help`", ExitCode::BadScene);
+    device::tell_compiling(!app.below_was_given("--quiet"));
     return static_cast<int>(chosen());
 }
 
 std::string limited(const std::exception& error)
 {
     return fmt::format("the system refuses: {}; is memory or the number of processes limited (ulimit -a)?", error.what());
+}
+
+/// Memory that a library does not get where nothing can be caught: LLVM is built without exceptions.
+[[noreturn]] void end_by_terminate()
+{
+    try {
+        if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+        say_at_once("seldinger: out of memory inside a library; is memory limited (ulimit -v)?\n");
+        ::_exit(static_cast<int>(ExitCode::BadFile));
+    } catch (...) {  // ours: a core dump tells more
+    }
+    std::abort();
 }
 
 /// Where stdin, stdout or stderr is closed, the first file that is opened would get its number, and results or an error would be
@@ -110,6 +131,7 @@ int main(int argc, char** argv)
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     apps::occupy_closed_streams();
+    std::set_terminate(apps::end_by_terminate);
     try {
         apps::watch_signals();
         return apps::run_command_line(argc, argv);

@@ -1,6 +1,7 @@
 // seldinger plan SCENE.toml --tolerance 0.2mm [--force-tolerance 5%] [--peak-force-tolerance 10%] [--rate 60] [--enough 0.5] [--budget 120]
 // [-o planned.toml] [--device N] [--json] [--quiet]
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_lock.h"
 #include "core/note.h"
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <csignal>
 #include <memory>
@@ -82,10 +82,10 @@ ExitCode plan_scene(Options& options)
 
 }  // namespace
 
-void add_plan(CLI::App& app, Command& chosen)
+void add_plan(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
+    CommandLine* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
     command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
     command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
         ->required()
@@ -98,20 +98,20 @@ void add_plan(CLI::App& app, Command& chosen)
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--rate", options->what.goals.rate, "real time: steps of at most 1/N s, each computed within that time")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("N");
     command
         ->add_option("--enough", options->what.enough,
                      "with --rate: take the first model that needs no more than this share of real time, not the cheapest")
-        ->check(CLI::Range(0.01, 1.0))
+        ->check(in_range(0.01, 1.0))
         ->type_name("SHARE");
     command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
     command->add_option("-o", options->plan, "scene file to write (default: planned.toml); trials are kept beside it")
         ->type_name("FILE");
     command->add_option("--device", options->what.device, "OpenCL device, as `seldinger devices` lists them")
-        ->check(CLI::NonNegativeNumber)
+        ->check(not_negative())
         ->type_name("N");
     command->add_flag("--json", options->json, "print the plan as one JSON object");
     command->add_flag("--quiet", options->quiet, "no progress, no report");

@@ -3,14 +3,15 @@
 //                  [--video FILE] [--size 1280x720] [--frames A:B] [--wall displacement | stress [--wall-max 1.5mm]] [--force-max
 //                  50mN]
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 #include "quantity.h"
 #include "render_fluoro.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -53,6 +54,11 @@ void set_look(const Options& options, RenderOptions& what)
     what.from = views.at(options.view);
     if (!options.camera.empty() && what.from == ViewFrom::Endoscopic)
         throw Error(ExitCode::BadScene, "--camera: the endoscopic view moves with the tip already; leave one of the two out");
+    const bool labelled = !what.labels.empty() || !what.preview.empty();
+    if (labelled && what.from == ViewFrom::Endoscopic)
+        throw Error(ExitCode::BadScene, "--labels: the endoscopic view looks out of an instrument. Fix: take another --view");
+    if (!what.preview.empty() && options.background == "transparent")
+        throw Error(ExitCode::BadScene, "--preview: a sheet is not transparent. Fix: leave out --background transparent");
     if (!options.camera.empty()) what.motion = parse_motion(options.camera);
     if (options.background == "white") what.ground = Ground::White;
     if (options.background == "transparent") what.ground = Ground::Transparent;
@@ -113,7 +119,7 @@ ExitCode render(const Options& options)
     const auto paths = render_run(options.dir, what, watch.progress());
     if (options.frames.quiet) return ExitCode::Done;
     print_paths(paths);
-    if (what.legend && !legend_fits(width, height))
+    if (what.legend && what.labels.empty() && what.preview.empty() && !legend_fits(width, height))
         note(fmt::format("seldinger: note: {}x{} has no room for scale and legend (400x288 has, or 288x360)\n", width, height));
     return ExitCode::Done;
 #else
@@ -124,10 +130,12 @@ ExitCode render(const Options& options)
 
 }  // namespace
 
-void add_render(CLI::App& app, Command& chosen)
+namespace {
+
+std::shared_ptr<Options> declare_render(CommandLine& app, CommandLine*& command)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("render", "draw the frames of a run, without a display");
+    command = app.add_subcommand("render", "draw the frames of a run, without a display");
     command->add_option("DIR", options->dir, "folder of a run")->required();
     command->add_option("--size", options->size, "picture in pixels (default 1280x720; fluoro 1024x1024)")->type_name("WxH");
     command
@@ -136,7 +144,7 @@ void add_render(CLI::App& app, Command& chosen)
                      "azimuth, elevation in degrees, zoom)")
         ->type_name("MOVE");
     command->add_option("--background", options->background, "white or transparent (default: a light shade)")
-        ->check(CLI::IsMember({"white", "transparent"}))
+        ->check(one_of({"white", "transparent"}))
         ->type_name("GROUND");
     command->add_flag("--no-legend", options->no_legend, "the picture alone");
     command->add_option("--gltf", options->gltf, "the frames as one animated model, in place of pictures: binary glTF")
@@ -144,7 +152,7 @@ void add_render(CLI::App& app, Command& chosen)
     command->add_option("--usd", options->usd, "likewise: USD")->type_name("FILE.usda");
     options->frames.declare(*command);
     command->add_option("--wall", options->wall, "colour a wall that yields, where it has moved to: displacement or stress")
-        ->check(CLI::IsMember({"displacement", "stress"}))
+        ->check(one_of({"displacement", "stress"}))
         ->type_name("WHAT");
     command->add_option("--wall-max", options->wall_max, "top of that scale; default: round, above the run's largest")
         ->type_name("1.5mm|80kPa");
@@ -156,9 +164,41 @@ void add_render(CLI::App& app, Command& chosen)
         ->add_option("--view", options->view,
                      "of the patient: front, back, left (side), right, top, bottom; endoscopic: from the tip; fluoro: an X-ray; "
                      "default: where the vessel is widest")
-        ->check(CLI::IsMember({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
+        ->check(one_of({"shaded", "front", "back", "left", "side", "right", "top", "bottom", "endoscopic", "fluoro"}))
         ->type_name("VIEW");
     options->fluoro.declare(*command);
+    return options;
+}
+
+}  // namespace
+
+std::vector<std::string> files_of_frame(const std::vector<std::string>& words)
+{
+    CommandLine app("", "seldinger");
+    CommandLine* command = nullptr;
+    const std::shared_ptr<Options> options = declare_render(app, command);
+    std::vector<std::string> all = {"render", "."};
+    all.insert(all.end(), words.begin(), words.end());
+    if (const CommandLine::Parsed parsed = app.parse(std::move(all)); !parsed.error.empty())
+        throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
+    const std::size_t views = options->view == "fluoro" ? options->fluoro.view_count() : 1;
+    const std::string labels = options->frames.labels;
+    std::vector<std::string> files;
+    for (std::size_t k = 1; k <= views; ++k) {
+        const std::string stem = views > 1 ? fmt::format("frame_v{}_######", k) : "frame_######";
+        files.push_back(stem + ".png");
+        if (labels.empty()) continue;
+        for (const char* ending : {".json", "_mask.png"}) files.push_back((std::filesystem::path(labels) / (stem + ending)).string());
+        if (options->frames.label_vessel) files.push_back((std::filesystem::path(labels) / (stem + "_lumen.png")).string());
+        if (options->view != "fluoro") files.push_back((std::filesystem::path(labels) / (stem + "_depth.npy")).string());
+    }
+    return files;
+}
+
+void add_render(CommandLine& app, Command& chosen)
+{
+    CommandLine* command = nullptr;
+    const std::shared_ptr<Options> options = declare_render(app, command);
     command->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
 }
 

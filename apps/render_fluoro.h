@@ -6,24 +6,27 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-
-namespace CLI {
-class App;
-}
+#include <vector>
 
 namespace seldinger::apps {
 
+class CommandLine;
+
 /// Absent: what the scene's [carm] says, or its defaults.
 struct FluoroArguments {
-    std::optional<std::string> c_arm, body, mask;
+    std::vector<std::string> c_arm;  // a view each
+    std::filesystem::path views;     // sweep of [carm] and [contrast], a view for each of its runs
+    std::optional<std::string> body, mask;
     std::optional<double> sid, sod, field, kvp, kev, photons, blur;
     std::optional<std::int64_t> seed;
     std::string raw, dicom;
     bool no_noise = false, no_contrast = false, logarithmic = false;
 
-    void declare(CLI::App& command);
+    void declare(CommandLine& command);
     /// The first option given that only --view fluoro takes, or empty.
     [[nodiscard]] std::string first_given() const;
+    /// How many views a frame has. @throws Error BadFile, BadScene: the sweep
+    [[nodiscard]] std::size_t view_count() const;
 };
 
 /// @param width,height  pixels. @param frames  which, and where to

@@ -1,24 +1,30 @@
 // Reads the options that every view has, and follows the frames as they are drawn.
 #include "render_frames.h"
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/note.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <csignal>
 
 namespace seldinger::apps {
 
-void FrameArguments::declare(CLI::App& command)
+void FrameArguments::declare(CommandLine& command)
 {
     command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
     command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");
     command.add_option("--video", video, "film, by ffmpeg")->type_name("FILE.mp4");
     command.add_option("--fps", fps, "frames per second of the film (default: as fast as it happened)")->type_name("N");
+    command.add_option("--labels", labels, "beside every picture what is true about it: NAME.json and NAME_mask.png, into this folder")
+        ->type_name("DIR");
+    command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
+    command.add_flag("--label-vessel", label_vessel, "with --labels: thickness of the lumen along each ray, NAME_lumen.png");
+    command.add_option("--preview", preview, "16 of the pictures with their labels drawn in, on one sheet, and nothing else")
+        ->type_name("FILE.png");
     command.add_flag("--resume", resume, "skip pictures that exist already");
     command.add_flag("--numbered", numbered, "NAME_######.png of a single frame too");
     command.add_flag("--quiet", quiet, "no names of files");
@@ -47,6 +53,16 @@ FrameChoice FrameArguments::choice() const
     if (fps && video.empty()) throw Error(ExitCode::BadScene, "--fps: of what? give --video FILE.mp4 with it");
     if (fps && !(*fps >= 0.1 && *fps <= 240))
         throw Error(ExitCode::BadScene, fmt::format("--fps: {} given, expected frames per second from 0.1 to 240", *fps));
+    if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
+    if (!preview.empty() && !video.empty())
+        throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
+    if (!labels_in.empty() && !labels.empty() && !leads_below(labels))
+        throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
+    for (const std::string& file : {preview, labels_in.empty() ? labels : std::string()})
+        if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
+            throw Error(ExitCode::BadFile, fmt::format("{}: is a {}, expected the name of a {}", file, file == labels ? "file" : "folder",
+                                                       file == labels ? "folder" : "file"));
+    choice.labels = labels, choice.labels_in = labels_in, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;
     choice.rate = fps.value_or(0);
     choice.resume = resume, choice.numbered = numbered;

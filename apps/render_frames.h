@@ -13,23 +13,25 @@
     #include "view/frame_range.h"
 #endif
 
-namespace CLI {
-class App;
-}
-
 namespace seldinger::apps {
 
-struct FrameArguments {
-    std::string frames, output, video;
-    std::optional<double> fps;
-    bool resume = false, numbered = false, quiet = false;
+class CommandLine;
 
-    void declare(CLI::App& command);
+struct FrameArguments {
+    std::string frames, output, video, labels, labels_in, preview;
+    std::optional<double> fps;
+    bool resume = false, numbered = false, quiet = false, label_vessel = false;
+
+    void declare(CommandLine& command);
 #ifdef SEL_WITH_VIEW
     /// @throws Error BadScene
     [[nodiscard]] FrameChoice choice() const;
 #endif
 };
+
+/// Files of each frame of a farm whose `render` has these further options: "frame_######.png", "labels/frame_v2_######.json".
+/// @throws Error BadFile, BadScene
+[[nodiscard]] std::vector<std::string> files_of_frame(const std::vector<std::string>& words);
 
 /// "AxB" or "A:B". @throws Error BadScene
 [[nodiscard]] std::pair<int, int> two_numbers(const std::string& text, char between, const char* option, const char* form);

@@ -1,9 +1,9 @@
 // seldinger run SCENE.toml [-o DIR] [--set ...] [--wire NAME] [--resume | --overwrite] [--time-limit S] [--device N] [--quiet] [--json]
 
+#include "command_line.h"
 #include "commands.h"
 #include "run_loop.h"
 
-#include <CLI/CLI.hpp>
 
 #include <cstdlib>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace seldinger::apps {
 
-void add_limits(CLI::App& command, double& time_limit, int& device)
+void add_limits(CommandLine& command, double& time_limit, int& device)
 {
     command.add_option("--time-limit", time_limit, "stop after so many seconds, state saved, exit 75")
         ->type_name("S")
@@ -23,7 +23,7 @@ void add_limits(CLI::App& command, double& time_limit, int& device)
         ->check([](const std::string& text) { return text.starts_with('-') ? text + " given, 0 or more expected" : ""; });
 }
 
-void add_run(CLI::App& app, Command& chosen)
+void add_run(CommandLine& app, Command& chosen)
 {
     struct Options {
         std::filesystem::path scene;
@@ -33,7 +33,7 @@ void add_run(CLI::App& app, Command& chosen)
         bool resume = false, overwrite = false, json = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* run = app.add_subcommand("run", "run a scene and record it");
+    CommandLine* run = app.add_subcommand("run", "run a scene and record it");
     run->add_option("SCENE", options->scene, "scene file (TOML)")->required();
     run->add_option("-o", options->run.dir, "folder for the results (default: <scene>-run here)")->type_name("DIR");
     run->add_option("--set", options->run.overrides, "change a key of the scene; repeats")
@@ -48,7 +48,7 @@ void add_run(CLI::App& app, Command& chosen)
     run->add_option("--error-estimate", options->estimate,
                     "what the step's length leaves in forces and tip, from windows taken again with shorter steps: auto (a tenth to a fifth "
                     "of the run's time; not for walls that yield), on, off")
-        ->check(CLI::IsMember({"auto", "on", "off"}));
+        ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");
     run->add_flag("--json", options->json, "print the summary as one JSON object");

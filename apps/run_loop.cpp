@@ -128,7 +128,7 @@ private:
             wall_was_far_ = report.flags & StepWallFar;
             const double seconds = seconds_since(start);
             if (replay_) replay_->stepped(world_);
-            world_.read(output_, recorder_.wants());
+            world_.read(output_, recorder_.wants(world_));
             recorder_.stepped(output_, report, seconds);
             if (twin_) twin_->stepped(world_, recorder_.readings(), static_cast<long>(recorder_.tally().steps));
         }

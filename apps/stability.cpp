@@ -2,6 +2,7 @@
 //                     [--cell-budget S] [--json] [--quiet]
 
 #include "assets.h"
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/file_lock.h"
@@ -9,20 +10,19 @@
 #include "stop_signal.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <csignal>
 #include <memory>
 
 namespace seldinger::apps {
 
-void add_stability(CLI::App& app, Command& chosen)
+void add_stability(CommandLine& app, Command& chosen)
 {
     struct Options : StabilityOptions {
         bool json = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
+    CommandLine* command = app.add_subcommand("stability", "where each method holds, and how it fails where it does not");
     command
         ->add_option("-o", options->dir,
                      "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
@@ -41,11 +41,11 @@ void add_stability(CLI::App& app, Command& chosen)
         ->add_option("--methods", options->methods,
                      "only these; separate by spaces, quote names; all: all of them (default: those in docs/stability.md)")
         ->type_name("NAME");
-    command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(CLI::Range(1, 1024))->type_name("N");
+    command->add_option("--jobs", options->jobs, "threads (default: one per core)")->check(in_range(1, 1024))->type_name("N");
     command
         ->add_option("--cell-budget", options->cell_limit,
                      "seconds that one cell may take (default: 30); it is then \"unfinished\"")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->type_name("S");
     command->add_flag("--quiet", options->quiet, "no progress, no summary");
     command->add_flag("--json", options->json, "print the counts as one JSON object");

@@ -36,7 +36,7 @@ sigset_t both_signals()
 /// leaves goes with the next run in its folder.
 [[noreturn]] void end_at_once(int signal)
 {
-    const auto say = [](std::string_view text) { (void)!::write(own_stderr, text.data(), text.size()); };
+    const auto say = say_at_once;
     say(signal == SIGINT ? "seldinger: interrupted" : "seldinger: stopped by a signal");
     if (listeners > 0) {
         say(" before it could save; what was saved last is there, ");
@@ -68,6 +68,8 @@ bool nobody_asks(Clock::time_point since)
 }
 
 }  // namespace
+
+void say_at_once(std::string_view text) { (void)!::write(own_stderr, text.data(), text.size()); }
 
 void watch_signals()
 {

@@ -8,11 +8,15 @@
 // driver compiles as a kernel first runs); and where no StopSignal lives and none has answered.
 
 #include <csignal>
+#include <string_view>
 
 namespace seldinger::apps {
 
 /// Keeps both signals off the calling thread and those that it starts, and starts the one that waits for them. First of all.
 void watch_signals();
+
+/// To stderr, also while a compiler is kept from it. Allocates nothing.
+void say_at_once(std::string_view text);
 
 /// A loop that asks stop_asked_for() goes on while this lives.
 class StopSignal {

@@ -1,6 +1,7 @@
 // seldinger vessel MESH --units mm | SCENE.toml [--json] [--subdivide N] [-o DIR]: what import finds and mends, and the mesh as
 // the engine sees it.
 
+#include "command_line.h"
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/printable.h"
@@ -12,7 +13,6 @@
 #include "vessel/subdivide.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -167,19 +167,19 @@ ExitCode inspect(const Options& options)
 
 }  // namespace
 
-void add_vessel(CLI::App& app, Command& chosen)
+void add_vessel(CommandLine& app, Command& chosen)
 {
     auto options = std::make_shared<Options>();
-    CLI::App* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
+    CommandLine* vessel = app.add_subcommand("vessel", "inspect a vessel mesh, or the vessel of a scene");
     vessel->add_option("INPUT", options->input, "mesh (STL, OBJ, PLY, VTP) or scene file (TOML)")
         ->type_name("MESH|SCENE.toml")
         ->required();
     vessel->add_option("--units", options->units, "of the mesh: m, cm, mm (default), um, in")
-        ->check(CLI::IsMember({"m", "cm", "mm", "um", "in"}));
+        ->check(one_of({"m", "cm", "mm", "um", "in"}));
     vessel->add_flag("--json", options->json, "print one JSON object");
     vessel->add_option("-o", options->dir, "write the cleaned mesh and the centreline there")->type_name("DIR");
     vessel->add_option("--subdivide", options->subdivide, "rounds of Loop subdivision: four times the triangles each, smooth")
-        ->check(CLI::Range(0, 6))
+        ->check(in_range(0, 6))
         ->type_name("N");
     vessel->callback([options, &chosen] { chosen = [options] { return inspect(*options); }; });
 }

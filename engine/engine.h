@@ -68,6 +68,8 @@ public:
     /// A copy. @param parts  of Output::Parts   @param into  reused: no allocation once it has held as much
     void read(Output& into, unsigned parts = Output::Everything) const;
     [[nodiscard]] Output output(unsigned parts = Output::Everything) const;
+    /// Output::Loads of one wire. Cheap enough for every step.
+    void read_loads(int wire, WireOutput& into) const;
 
     /// Freezes a system: later steps leave it out. Not part of the saved state.
     void retire(int system);

@@ -133,7 +133,7 @@ void note_yielding(World::Impl& state, MergedGroup& group, bool may_merge, NodeD
     for (const int w : group.wires()) {
         const std::vector<Vec3>& force = state.results[w].nodal_contact;
         for (std::size_t i = 0; i < n; ++i)
-            if (!force[i].isZero(0)) group.contact[i] = force[i];
+            if (!force[i].isZero()) group.contact[i] = force[i];
         if (!may_merge) continue;
         state.yielding->note_bowed(state.rods, w, state.bowed);
         for (std::size_t i = 0; i < n; ++i) group.bowed[i] |= state.bowed[i];

@@ -23,6 +23,8 @@ enum StepFlag : unsigned {
     StepBestEffort = 1u << 5,  // smallest sub-step missed the tolerance, its last accepted iterate was taken: scene.dt_s, friction
     StepEnergy = 1u << 6,      // the wire has more energy than was put in (solve/energy_balance.h), in short sub-steps too; the
                            // state before was kept: backward Euler (no integrator.beta, no gamma), scheme = "newton", scene.dt_s
+    StepContactSums = 1u << 7,  // contact samples do not add up to the forces on the nodes (contact/contact_sums.h): do not trust
+                                // readings of contact in this step, and report it
 };
 
 /// How one instrument fared in a step.
@@ -71,6 +73,7 @@ struct WireReadings {
     int nodes = 0, contacts = 0;
     double contact_length = 0;                                   // metres of wire in contact
     double normal = 0, friction = 0, sliding = 0, sticking = 0;  // sums of magnitudes [N]
+    double normal_between = 0;                                   // part of `normal`: instruments on each other [N]
     double rolling = 0;                                          // sum of |moment| [N m]
     double hand_force = 0, hand_torque = 0;  // along the wire, + pushes [N]; about it, + as `turned` [N m]
     double hand_stiffness = 0;  // how hand_force grows per length pushed in within the step, where watched [N/m] >= 0
@@ -97,7 +100,8 @@ struct WireOutput {
     // Output::Contacts; contact/contact_patch.h
     double contact_area = 0;          // sum over its contacts [m^2]
     double contact_pressure_max = 0;  // of one of them [Pa]
-    ContactAlong on_wall, on_instruments;  // contact/force_per_length.h
+    // Output::Contacts; of Output::Loads per_length_max and patch_force with their places; contact/force_per_length.h
+    ContactAlong on_wall, on_instruments;
     // Output::Shape
     std::vector<double> material_s;   // arc length from the tip along the unstressed wire [m]
     std::vector<double> radius;       // of the edge that begins there [m]
@@ -124,6 +128,7 @@ struct Output {
         Contacts = 1u << 1,
         Wall = 1u << 2,       // readings of walls that yield
         WallShape = 1u << 3,  // and where they are
+        Loads = 1u << 4,      // greatest loads of contact along each wire, without its rows; of Contacts, too
         Everything = Shape | Contacts | Wall | WallShape
     };
     double time = 0;  // [s]

@@ -1,4 +1,4 @@
-// The check stage: non-finite values, and axis points beyond the wall that detection could not see.
+// The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add up.
 
 #include "step_stages.h"
 #include "vessel/repair.h"
@@ -61,14 +61,26 @@ bool is_finite(const WireResult& r)
     return std::isfinite(all) && r.base_force.allFinite();
 }
 
+/// The samples that readings are taken from against the forces that the solver balanced (contact/contact_sums.h).
+bool samples_add_up(const World::Impl& state, int wire)
+{
+    const WireLoads &wall = state.wall_loads[wire], &others = state.instrument_loads[wire];
+    return add_up(wall.normal + others.normal, wall.friction + others.friction, wall.samples.size() + others.samples.size(),
+                  state.results[wire].contact, state.context && state.context->float32());
+}
+
 }  // namespace
 
 void check_state(World::Impl& state, double dt, StepReport& report)
 {
     state.time = *std::max_element(state.wire_time.begin(), state.wire_time.end());
+    state.loads_known = false;
+    state.gather_loads();
     for (int w = 0; w < state.wire_count(); ++w) {
         if (state.retired[w]) continue;
         if (!is_finite(state.rods.view(w)) || !is_finite(state.results[w])) note(state, report, w, StepNonFinite);
+        // what was read of a wire that failed is of another state than the one that was put back
+        if (!state.wire_reports[w].failed() && !samples_add_up(state, w)) note(state, report, w, StepContactSums);
         if (needs_audit(state, w, dt)) audit_outside(state, w);
         if (state.yielding && state.yielding->move_share(state.system_of[w]) > 1)
             note(state, report, w, StepWallFar);

@@ -6,6 +6,7 @@
 //   control   hub_requests                       of the present step
 //   output    results, wire_reports, rows        of the accepted state
 
+#include "contact/contact_sums.h"
 #include "contact/instrument_contact.h"
 #include "contact/yielding_wall.h"
 #include "device/device.h"
@@ -32,6 +33,7 @@ struct MergedGroup;     // merged.h
 /// What was read off a wire when its step was accepted.
 struct WireResult {
     ContactTotals contact;
+    double normal_between = 0;           // WireReadings::normal_between
     double overlap_share = 0;            // WireReadings::overlap_share
     Vec3 overlap_at = Vec3::Zero();      // [m]
     std::vector<Vec3> nodal_contact;  // [capacity] [N]
@@ -112,6 +114,8 @@ struct World::Impl {
     std::vector<WireResult> results;                            // per wire
     std::vector<ContactRow> rows;                               // what contacts() last returned
     std::vector<ContactAlong> on_wall, on_instruments;          // per wire: what those come to
+    std::vector<WireLoads> wall_loads, instrument_loads;        // per wire: what the samples of contact bear
+    bool loads_known = false;                                   // of the present state
     bool hand_stiffness_watched = false;
     double solve_time = 0, adapt_time = 0, terms_in_solve = 0;  // of the present step [s]
 
@@ -140,6 +144,8 @@ struct World::Impl {
     void restore_wire(int wire);
     /// @param h  of the sub-step that was taken [s], 0: an equilibrium
     void read_results(int wire, double h);
+    /// Fills wall_loads and instrument_loads, once for each state.
+    void gather_loads();
     /// After it, where hand stiffness is watched.
     void read_hand_stiffness(int wire);
     void read_merged(int wire, double h);

@@ -5,6 +5,7 @@
 #include "rod/place.h"
 #include "solve/line_holds.h"
 #include "world.h"
+#include "wall/wall_compliance.h"
 
 #include <fmt/format.h>
 
@@ -59,7 +60,7 @@ void World::Impl::read_results(int wire, double h)
     const RodView rod = rods.view(wire);
     std::fill(result.nodal_contact.begin(), result.nodal_contact.end(), Vec3::Zero());
     result.contact = {};
-    result.overlap_share = 0;
+    result.normal_between = result.overlap_share = 0;
     if (feeds[wire].on && !feeds[wire].inside) {
         result.hand_force = result.hand_torque = result.hand_stiffness = result.kinetic = result.elastic = result.gravitational = result.residual = 0;
         result.base_force = Vec3::Zero();
@@ -73,6 +74,7 @@ void World::Impl::read_results(int wire, double h)
     }
     if (instruments) {
         result.contact += instruments->totals(wire);
+        result.normal_between = instruments->totals(wire).normal;
         instruments->add_nodal_forces(wire, std::span(result.nodal_contact).first(rod.n));
     }
     const int hub = rod.n - 1;
@@ -184,6 +186,7 @@ WireReadings World::readings(int wire) const
     r.contacts = result.contact.contacts;
     r.contact_length = result.contact.length;
     r.normal = result.contact.normal;
+    r.normal_between = result.normal_between;
     r.friction = result.contact.friction;
     r.sliding = result.contact.sliding;
     r.sticking = result.contact.friction - result.contact.sliding;
@@ -209,22 +212,37 @@ WireReadings World::readings(int wire) const
 
 namespace {
 
+/// How loads along a wire are read.
+AlongSpec along_spec(const World::Impl& s, int wire)
+{
+    const double asked = s.setup.force_window, radius = s.setup.wires[static_cast<std::size_t>(wire)].wire.shaft.radius;
+    return {asked > 0 ? asked : 2 * radius, s.setup.force_patch, s.contact ? s.contact->spacing(wire) : 0};
+}
+
 /// Force per length and the like, of all wires and on each row.
 void read_rows_along(World::Impl& s)
 {
     const auto wires = static_cast<std::size_t>(s.wire_count());
     std::vector<AlongSpec> specs(wires);
-    for (std::size_t w = 0; w < wires; ++w) {
-        const double asked = s.setup.force_window, radius = s.setup.wires[w].wire.shaft.radius;
-        const double spacing = s.contact ? s.contact->spacing(static_cast<int>(w)) : 0;
-        specs[w] = {asked > 0 ? asked : 2 * radius, s.setup.force_patch, spacing};
-    }
+    for (std::size_t w = 0; w < wires; ++w) specs[w] = along_spec(s, static_cast<int>(w));
     s.on_wall.resize(wires);
     s.on_instruments.resize(wires);
     read_along(s.rows, specs, s.on_wall, s.on_instruments);
 }
 
 }  // namespace
+
+void World::Impl::gather_loads()
+{
+    if (loads_known) return;
+    loads_known = true;
+    for (auto* loads : {&wall_loads, &instrument_loads}) {
+        loads->resize(static_cast<std::size_t>(wire_count()));
+        for (WireLoads& wire : *loads) wire.clear();
+    }
+    if (contact) contact->add_loads(rods, wall_loads);
+    if (instruments) instruments->add_loads(instrument_loads);
+}
 
 const std::vector<ContactRow>& World::contacts() const
 {
@@ -332,6 +350,14 @@ void read_walls(const World::Impl& s, unsigned parts, std::vector<WallOutput>& i
 
 namespace {
 
+/// Sets a flag where a load is more than all that the wire bears.
+void check_loads(const World::Impl& s, int wire, WireOutput& into)
+{
+    const auto w = static_cast<std::size_t>(wire);
+    if (!within_sum(into.on_wall, s.wall_loads[w]) || !within_sum(into.on_instruments, s.instrument_loads[w]))
+        into.report.flags |= StepContactSums;
+}
+
 void read_contacts(const World& world, Output& into)
 {
     into.contacts = world.contacts();
@@ -340,6 +366,7 @@ void read_contacts(const World& world, Output& into)
         wire.contact_area = wire.contact_pressure_max = 0;
         wire.on_wall = world.impl().on_wall[w];
         wire.on_instruments = world.impl().on_instruments[w];
+        check_loads(world.impl(), static_cast<int>(w), wire);
     }
     for (const ContactRow& row : into.contacts) {
         WireOutput& wire = into.wires[static_cast<std::size_t>(row.a.body)];
@@ -349,6 +376,17 @@ void read_contacts(const World& world, Output& into)
 }
 
 }  // namespace
+
+void World::read_loads(int wire, WireOutput& into) const
+{
+    const auto w = static_cast<std::size_t>(wire);
+    impl_->gather_loads();
+    AlongSpec spec = along_spec(*impl_, wire);
+    into.on_wall = greatest_loads(impl_->wall_loads[w].samples, spec);
+    spec.spacing = 0;  // a cell says which part of it touches
+    into.on_instruments = greatest_loads(impl_->instrument_loads[w].samples, spec);
+    check_loads(*impl_, wire, into);
+}
 
 void World::read(Output& into, unsigned parts) const
 {
@@ -367,7 +405,12 @@ void World::read(Output& into, unsigned parts) const
         if (parts & Output::Shape)
             read_shape(rod(w), impl_->merged_of[w] >= 0 ? nodal_contact_force(w) : impl_->results[w].nodal_contact, wire);
     }
-    if (parts & Output::Contacts) read_contacts(*this, into);
+    if (parts & Output::Contacts) {
+        impl_->gather_loads();
+        read_contacts(*this, into);
+    }
+    for (int w = 0; w < wire_count() && (parts & (Output::Contacts | Output::Loads)) == Output::Loads; ++w)
+        read_loads(w, into.wires[static_cast<std::size_t>(w)]);
     if ((parts & Output::WallShape) && impl_->yielding && !impl_->wall_shape)
         impl_->wall_shape = std::make_unique<WallShape>(*impl_->elastic_wall, impl_->setup.mesh);
     if (!(parts & (Output::Wall | Output::WallShape))) return;

@@ -104,6 +104,7 @@ void take_state(World::Impl& s, const std::vector<std::uint8_t>& bytes, Origin o
 {
     const std::uint8_t* at = bytes.data();
     const std::uint8_t* end = at + bytes.size();
+    s.loads_known = false;
     take_bytes(at, end, &s.time, 1);
     std::int64_t steps = 0;
     take_bytes(at, end, &steps, 1);
@@ -154,6 +155,7 @@ void take_system(World::Impl& s, int system, const std::vector<std::uint8_t>& by
 {
     const std::uint8_t* at = bytes.data();
     const std::uint8_t* end = at + bytes.size();
+    s.loads_known = false;
     for (const int w : s.wires_of(system)) {
         s.take_wire(at, end, w);
         if (origin == Origin::File) check_saved_wire(s, w);

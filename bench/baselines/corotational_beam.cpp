@@ -1,33 +1,34 @@
 // Corotational Euler-Bernoulli beams: frame and stiffness of an element, assembly, one or several Newton iterations of a step.
 #include "baselines/corotational_beam.h"
 
+#include "math/eigen.h"
+
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger::baselines {
 namespace {
 
-using Mat3 = Eigen::Matrix3d;
-
 constexpr double tolerance = 1e-6;  // of the load
 
 Mat3 rotation(const Vec3& vector)
 {
     const double angle = vector.norm();
-    return angle < 1e-300 ? Mat3::Identity() : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+    return angle < 1e-300 ? Mat3::Identity() : mat3(Eigen::AngleAxisd(angle, eigen(vector) / angle).toRotationMatrix());
 }
 
 Vec3 rotation_vector(const Mat3& r)
 {
-    const Eigen::AngleAxisd turn(r);
-    return turn.angle() * turn.axis();
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d{eigen(r)});
+    return vec3(turn.angle() * turn.axis());
 }
 
 /// The element's frame: half-way between its ends' frames, tilted by the least rotation so that its first axis is the chord.
 Mat3 element_frame(const Mat3& a, const Mat3& b, const Vec3& chord)
 {
     const Mat3 between = a * rotation(rotation_vector(a.transpose() * b) / 2);
-    return Eigen::Quaterniond::FromTwoVectors(Vec3(between.col(0)), chord).toRotationMatrix() * between;
+    return mat3(Eigen::Quaterniond::FromTwoVectors(eigen(between.col(0)), eigen(chord)).toRotationMatrix()) * between;
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ CorotationalBeam::Element CorotationalBeam::element(int j) const
         change(end + 2, 1) = 1 / length, change(end + 2, 7) = -1 / length;
     }
     Eigen::Matrix<double, 7, 1> deformation;
-    deformation << extension, a, b;
+    deformation << extension, eigen(a), eigen(b);
     const Eigen::Matrix<double, 7, 1> force = stiffness * deformation;
     Eigen::Matrix<double, 12, 1> gradient = change.transpose() * force;
     Eigen::Matrix<double, 12, 12> tangent = change.transpose() * stiffness * change;
@@ -81,7 +82,7 @@ CorotationalBeam::Element CorotationalBeam::element(int j) const
         tangent(k, k + 6) -= g, tangent(k + 6, k) -= g;
     }
     Mat6 to_world = Mat6::Zero();
-    to_world.topLeftCorner<3, 3>() = to_world.bottomRightCorner<3, 3>() = turn;
+    to_world.topLeftCorner<3, 3>() = to_world.bottomRightCorner<3, 3>() = eigen(turn);
     Element e;
     e.gradient_a = to_world * gradient.head<6>();
     e.gradient_b = to_world * gradient.tail<6>();
@@ -99,12 +100,14 @@ void CorotationalBeam::assemble(double dt)
     for (int i = 0; i < free; ++i) {
         const double m = wire_.node_mass(i), spin = wire_.spin_inertia * m / wire_.mass;
         const Vec3 v = (position_[i] - position_t0_[i]) / dt, w = rotation_vector(frame_[i] * frame_t0_[i].transpose()) / dt;
-        residual_[i].head<3>() = m * ((v - velocity_[i]) / dt + wire_.damping * v - wire_.gravity);
-        residual_[i].tail<3>() = spin * ((w - spin_[i]) / dt + wire_.damping * w);
+        const Vec3 force = m * ((v - velocity_[i]) / dt + wire_.damping * v - wire_.gravity);
+        const Vec3 moment = spin * ((w - spin_[i]) / dt + wire_.damping * w);
+        residual_[i] << eigen(force), eigen(moment);
         diagonal_[i].setZero();
-        diagonal_[i].diagonal() << Vec3::Constant(m * inertia), Vec3::Constant(spin * inertia);
+        diagonal_[i].diagonal() << Eigen::Vector3d::Constant(m * inertia), Eigen::Vector3d::Constant(spin * inertia);
     }
-    residual_[0].head<3>() -= wire_.tip_force(time_);
+    const Vec3 pull = wire_.tip_force(time_);
+    residual_[0].head<3>() -= eigen(pull);
     for (int j = 0; j < free; ++j) {
         const Element e = element(j);
         residual_[j] += e.gradient_a;
@@ -114,7 +117,7 @@ void CorotationalBeam::assemble(double dt)
             residual_[j + 1] += e.gradient_b;
             diagonal_[j + 1] += e.bb;
         } else {
-            base_force_ = e.gradient_b.head<3>() - wire_.mass / 2 * wire_.gravity;
+            base_force_ = vec3(e.gradient_b.head<3>()) - wire_.mass / 2 * wire_.gravity;
         }
     }
 }
@@ -141,8 +144,8 @@ void CorotationalBeam::solve_and_move()
     for (int i = free - 1; i >= 0; --i) {
         const Vec6 right = i + 1 < free ? Vec6(residual_[i] - upper_[i] * behind) : residual_[i];
         behind = pivots[i].solve(right);
-        position_[i] -= behind.head<3>();
-        frame_[i] = rotation(-behind.tail<3>()) * frame_[i];
+        position_[i] -= vec3(behind.head<3>());
+        frame_[i] = rotation(-vec3(behind.tail<3>())) * frame_[i];
     }
 }
 

@@ -4,7 +4,7 @@
 
 #include "baselines/baselines.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 namespace seldinger::baselines {
 
@@ -24,7 +24,6 @@ public:
     [[nodiscard]] std::vector<ForceAt> contact_forces() const override { return {}; }
 
 private:
-    using Mat3 = Eigen::Matrix3d;
     using Vec6 = Eigen::Matrix<double, 6, 1>;
     using Mat6 = Eigen::Matrix<double, 6, 6>;
     struct Element {  // forces and stiffness on its two nodes, world axes

@@ -240,7 +240,12 @@ double CapsuleContact::stored_energy(int wire) const
 void CapsuleContact::commit(std::span<const std::uint8_t> active)
 {
     if (barrier_) barrier_->commit(quadrature_, active);
-    states_.commit(active);
+    const ActiveList& list = active_.all();
+    states_.commit(active, [&](std::size_t w) {
+        const std::uint32_t first = list.edge_first[static_cast<std::size_t>(sums_.wire_edges[w])],
+                            end = list.edge_first[static_cast<std::size_t>(sums_.wire_edges[w + 1])];
+        return std::span(list.points).subspan(first, end - first);
+    });
 }
 
 void CapsuleContact::save(std::vector<std::uint8_t>& bytes)

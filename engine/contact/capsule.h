@@ -39,6 +39,7 @@ public:
         quadrature_.wires[wire].exposed = exposed;
     }
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods) override;
+    void add_loads(RodArrays& rods, std::span<WireLoads> loads) override;  // cheap enough for every step
     [[nodiscard]] double spacing(int wire) const override { return quadrature_.wires[static_cast<std::size_t>(wire)].spacing; }
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> describe() const override;
     void save(std::vector<std::uint8_t>& bytes) override;

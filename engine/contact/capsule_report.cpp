@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace seldinger {
@@ -32,24 +33,32 @@ ContactRow CapsuleContact::row_of(int wire, int edge, int point, const ContactSt
 
 std::vector<ContactRow> CapsuleContact::rows(RodArrays& rods)
 {
-    const std::vector<ContactState> states = states_.living(0, rods.wire_count());
     std::vector<ContactRow> rows;
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireQuadrature& wire = quadrature_.wires[w];
         const RodView rod = rods.view(w);  // whose nodes may be others than those of the step
         int edge = 0;
-        // by the records, not by `live`: in the last sub-step this wire may have had no part
-        for (int k = 0; k < wire.capacity; ++k) {
-            const int s = wire.begin + k;
-            while (edge < rod.n - 2 && wire.s[k] - wire.offset > rod.material_s[edge + 1]) ++edge;
-            for (int side = 0; side < 2; ++side)
-                if (states[2 * s + side].flags & SEL_CONTACT_ACTIVE) rows.push_back(row_of(w, edge, s, states[2 * s + side]));
-        }
+        states_.for_each_contact(w, [&](int point, const ContactState& state) {
+            while (edge < rod.n - 2 && wire.s[point - wire.begin] - wire.offset > rod.material_s[edge + 1]) ++edge;
+            rows.push_back(row_of(w, edge, point, state));
+        });
     }
     std::stable_sort(rows.begin(), rows.end(), [](const ContactRow& x, const ContactRow& y) {
         return std::tie(x.a.body, x.a.element, x.b.element) < std::tie(y.a.body, y.a.element, y.b.element);
     });
     return rows;
+}
+
+void CapsuleContact::add_loads(RodArrays& rods, std::span<WireLoads> loads)
+{
+    for (int w = 0; w < rods.wire_count(); ++w) {
+        const WireQuadrature& wire = quadrature_.wires[w];
+        states_.for_each_contact(w, [&](int point, const ContactState& state) {
+            const double* f = state.friction;
+            loads[static_cast<std::size_t>(w)].add(
+                {wire.s[point - wire.begin], quadrature_.models[point].length, state.normal_force}, std::hypot(f[0], f[1], f[2]));
+        });
+    }
 }
 
 std::string CapsuleContact::describe_law(const QuadratureModel& m) const

@@ -34,7 +34,7 @@ void CoaxialFriction::add(CoaxialGroup& group, const CoaxialFrictionSpec& spec, 
             pair.cell = cell;
             const double length = group.rod.instrument[outer].spec->length;
             const auto cells = static_cast<std::size_t>(std::ceil(length / cell)) + 1;
-            pair.elastic.assign(cells, Eigen::Vector2d::Zero());
+            pair.elastic.assign(cells, Vec2::Zero());
             pair.slid.assign(cells, 0);
             pair.pressing.assign(spec.pressed() ? cells : 0, 0.0);
             pair.off.assign(spec.pressed() ? cells : 0, LumenPress::Complex(0));
@@ -132,7 +132,7 @@ void CoaxialFriction::evaluate(const Group& group, Pair& pair, const TrialState&
         double angle = -part.start;
         for (int a = 0; a < part.count; ++a)
             angle += pair.weights[part.first + a] * (inner[part.edge + a] - outer[part.edge + a]);
-        const Eigen::Vector2d slip(along, part.radius * angle);
+        const Vec2 slip(along, part.radius * angle);
         if (spec.pressed())
             law.limit = spec.drag + (pair.slid[part.cell] ? spec.mu_sliding : spec.mu_static) * pair.pressing[part.cell];
         const SlipPerLength now = slip_per_length(law, pair.elastic[part.cell], slip, rate, stuck_);
@@ -240,7 +240,7 @@ void CoaxialFriction::commit(std::span<const std::uint8_t> active)
     for (Group& group : groups_) {
         if (!active[group.shared->line()]) continue;
         for (Pair& pair : group.pairs) {
-            std::fill(pair.elastic.begin(), pair.elastic.end(), Eigen::Vector2d::Zero());
+            std::fill(pair.elastic.begin(), pair.elastic.end(), Vec2::Zero());
             std::fill(pair.slid.begin(), pair.slid.end(), std::uint8_t{0});
             for (const Part& part : pair.parts) {
                 pair.elastic[part.cell] = part.elastic;
@@ -276,7 +276,7 @@ void CoaxialFriction::restore_wire(const std::uint8_t*& bytes, const std::uint8_
     for (const double force : group.outside) need(std::abs(force) <= 1e18);
     for (Pair& pair : group.pairs) {
         take_bytes(bytes, end, reinterpret_cast<double*>(pair.elastic.data()), 2 * pair.elastic.size());
-        for (const Eigen::Vector2d& slip : pair.elastic) need(slip.cwiseAbs().maxCoeff() <= 1e4);  // [m]; false for NaN
+        for (const Vec2& slip : pair.elastic) need(std::abs(slip.x()) <= 1e4 && std::abs(slip.y()) <= 1e4);  // [m]; false for NaN
         if (!group.spec.pressed()) continue;
         take_bytes(bytes, end, pair.slid.data(), pair.slid.size());
         take_bytes(bytes, end, pair.pressing.data(), pair.pressing.size());

@@ -82,7 +82,7 @@ private:
         std::size_t first = 0;          // in `weights`: its edges, consecutive from `edge` on
         int edge = 0, count = 0;
         // of the last evaluation
-        Eigen::Vector2d elastic = Eigen::Vector2d::Zero();
+        Vec2 elastic = Vec2::Zero();
         double along = 0;              // on the inner one [N]
         double couple = 0, slope = 0;  // on the inner one [N m], its fall with the angle [N m]
         bool slides = false;
@@ -92,7 +92,7 @@ private:
         double cell = 0;           // [m]
         // accepted, [cells]: elastic slip, whether the last step slid; force that presses [N/m] and where that leaves the inner one
         // at the cell's tip end (LumenPress::off), both where mu is not 0
-        std::vector<Eigen::Vector2d> elastic;
+        std::vector<Vec2> elastic;
         std::vector<std::uint8_t> slid;
         std::vector<double> pressing;
         std::vector<LumenPress::Complex> off;

@@ -10,7 +10,7 @@
 // gives way elastically by y before it does, and resistance c of a film. Backward Euler: f holds at the end of the step.
 // It takes -f . u = k e.u + c u.u/h, never less than 1/2 k (|e|^2 - |e_0|^2): nothing comes out of it but what was stored.
 
-#include <Eigen/Core>
+#include "math/vec3.h"
 
 #include <algorithm>
 
@@ -24,23 +24,22 @@ struct SlipLawPerLength {
 };
 
 struct SlipPerLength {
-    Eigen::Vector2d force = Eigen::Vector2d::Zero();    // on the inner one, along and around [N/m]
-    Eigen::Vector2d elastic = Eigen::Vector2d::Zero();  // e [m]
+    Vec2 force = Vec2::Zero();    // on the inner one, along and around [N/m]
+    Vec2 elastic = Vec2::Zero();  // e [m]
     double slope = 0;                                   // -d(force around)/d(slip around), >= 0 [N/m^2]
     bool slides = false;
 };
 
 /// @param start  e_0     @param slip  u, of which the first is known     @param rate  1/h [1/s]; 0: at rest
 /// @param stuck  q is not looked at
-[[nodiscard]] inline SlipPerLength slip_per_length(const SlipLawPerLength& law, const Eigen::Vector2d& start,
-                                                   const Eigen::Vector2d& slip, double rate, bool stuck = false)
+[[nodiscard]] inline SlipPerLength slip_per_length(const SlipLawPerLength& law, const Vec2& start, const Vec2& slip, double rate, bool stuck = false)
 {
     SlipPerLength out;
     if (law.limit > 0) {
-        const Eigen::Vector2d trial = start + slip;
+        const Vec2 trial = start + slip;
         const double size = trial.norm(), give = law.limit / law.stiffness;
         out.slides = size > give && !stuck;
-        out.elastic = out.slides ? Eigen::Vector2d((give / size) * trial) : trial;
+        out.elastic = out.slides ? Vec2((give / size) * trial) : trial;
         const double along = out.slides ? trial.x() / size : 1.0;
         out.slope = (out.slides ? law.limit / size : law.stiffness) * along * along;
         out.force = -law.stiffness * out.elastic;

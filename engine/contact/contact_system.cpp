@@ -40,4 +40,10 @@ void ContactMethod::evaluate_start(const TrialState& start, const TrialState& be
     params_.known = 0;
 }
 
+void ContactMethod::add_loads(RodArrays& rods, std::span<WireLoads> loads)
+{
+    for (const ContactRow& row : rows(rods))
+        loads[static_cast<std::size_t>(row.a.body)].add({row.along_a, row.length, row.normal_force}, row.friction.norm());
+}
+
 }  // namespace seldinger

@@ -10,6 +10,7 @@
 #include "contact/contact_setup.h"
 #include "contact/device_views.h"
 #include "contact/edge_sums.h"
+#include "contact/force_per_length.h"
 #include "contact/quadrature.h"
 #include "core/stage_times.h"
 #include "device/device.h"
@@ -72,6 +73,8 @@ public:
     /// Of a wire that shares its nodes with others: see WireQuadrature. Before begin_step and again before prepare.
     virtual void set_exposure(int /*wire*/, double /*offset*/, double /*exposed*/) {}
     [[nodiscard]] virtual std::vector<ContactRow> rows(RodArrays& rods) = 0;
+    /// What these rows bear, in their order. @param loads  [wires], to which it is added
+    virtual void add_loads(RodArrays& rods, std::span<WireLoads> loads);
     /// Of a wire's samples [m]; 0: its contacts stand for no length.
     [[nodiscard]] virtual double spacing(int /*wire*/) const { return 0; }
     /// Choices of this method, "name", "value (reason)", for summary.json.

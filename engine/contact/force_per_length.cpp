@@ -7,6 +7,19 @@
 
 namespace seldinger {
 
+void WireLoads::add(const LoadSample& sample, double rubs)
+{
+    samples.push_back(sample);
+    normal += sample.force;
+    friction += rubs;
+}
+
+void WireLoads::clear()
+{
+    samples.clear();
+    normal = friction = 0;
+}
+
 LoadAlong::LoadAlong(std::span<const LoadSample> samples)
 {
     struct Change {
@@ -43,8 +56,13 @@ LoadAlong::LoadAlong(std::span<const LoadSample> samples)
 double LoadAlong::upto(double x, bool closed) const
 {
     const auto after = std::upper_bound(knots_.begin(), knots_.end(), x, [](double at, const Knot& knot) { return at < knot.s; });
-    if (after == knots_.begin()) return 0;
-    const Knot& knot = *(after - 1);
+    return upto(x, closed, static_cast<std::size_t>(after - knots_.begin()));
+}
+
+double LoadAlong::upto(double x, bool closed, std::size_t after) const
+{
+    if (after == 0) return 0;
+    const Knot& knot = knots_[after - 1];
     if (knot.s == x) return knot.before + (closed ? knot.jump : 0);
     return knot.before + knot.jump + knot.slope * (x - knot.s);
 }
@@ -53,12 +71,18 @@ double LoadAlong::upto(double x, bool closed) const
 LoadAlong::Place LoadAlong::most_on(double length) const
 {
     Place most;
-    for (const Knot& knot : knots_)
-        for (const double from : {knot.s, knot.s - length}) {
-            // each end is the knot itself: what a point bears there counts
-            const double borne = from == knot.s ? on(knot.s, knot.s + length) : upto(knot.s, true) - upto(from, false);
-            if (borne > most.value) most = {borne, from + length / 2};
-        }
+    const auto consider = [&](double borne, double from) {
+        if (borne > most.value) most = {borne, from + length / 2};
+    };
+    std::size_t ahead = 0, behind = 0;  // the first knots beyond the other ends, which go along with the knot
+    for (std::size_t k = 0; k < knots_.size(); ++k) {
+        // each end is the knot itself: what a point bears there counts
+        const double here = knots_[k].s;
+        while (ahead < knots_.size() && knots_[ahead].s <= here + length) ++ahead;
+        while (behind < knots_.size() && knots_[behind].s <= here - length) ++behind;
+        consider(upto(here + length, true, ahead) - upto(here, false, k + 1), here);
+        consider(upto(here, true, k + 1) - upto(here - length, false, behind), here - length);
+    }
     return most;
 }
 
@@ -85,23 +109,29 @@ struct Touch {
     ContactRow* row;  // whose reading it is; null: side b, told of by side a
 };
 
-ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
+ContactAlong greatest(const LoadAlong& load, const AlongSpec& spec)
 {
     ContactAlong along;
     along.patch = spec.patch;
     along.window = std::max(spec.window, 2 * spec.spacing);
     along.widened = along.window > 1.01 * spec.window;  // a wire is divided into whole samples: a spacing of r is r to 0.1 %
+    const LoadAlong::Place peak = load.most_on(along.window), patch = load.most_on(spec.patch);
+    along.per_length_max = peak.value / along.window;
+    along.per_length_at = peak.at;
+    along.patch_force = patch.value;
+    along.patch_at = patch.at;
+    return along;
+}
+
+ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
+{
     std::vector<LoadSample> samples, areas;
     for (const Touch& touch : touches) {
         samples.push_back(touch.sample);
         areas.push_back({touch.sample.s, touch.sample.length, touch.area});
     }
     const LoadAlong load(samples), area(areas);
-    const LoadAlong::Place peak = load.most_on(along.window), patch = load.most_on(spec.patch);
-    along.per_length_max = peak.value / along.window;
-    along.per_length_at = peak.at;
-    along.patch_force = patch.value;
-    along.patch_at = patch.at;
+    ContactAlong along = greatest(load, spec);
     const std::vector<ContactRegion> regions = contact_regions(samples, along.window);
     along.regions = static_cast<int>(regions.size());
     for (const ContactRegion& region : regions) along.extent += region.end - region.begin;
@@ -119,6 +149,8 @@ ContactAlong read_wire(std::span<const Touch> touches, const AlongSpec& spec)
 }
 
 }  // namespace
+
+ContactAlong greatest_loads(std::span<const LoadSample> samples, const AlongSpec& spec) { return greatest(LoadAlong(samples), spec); }
 
 void read_along(std::span<ContactRow> rows, std::span<const AlongSpec> specs, std::span<ContactAlong> wall,
                 std::span<ContactAlong> instruments)

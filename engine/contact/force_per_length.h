@@ -44,6 +44,14 @@ struct LoadSample {
     double force = 0;   // [N]
 };
 
+/// The samples of one wire, and sums of the magnitudes of their forces as ContactTotals has them.
+struct WireLoads {
+    std::vector<LoadSample> samples;
+    double normal = 0, friction = 0;  // [N]
+    void add(const LoadSample& sample, double rubs);
+    void clear();
+};
+
 /// The load that samples put on a wire.
 class LoadAlong {
 public:
@@ -60,7 +68,8 @@ public:
     [[nodiscard]] Place most_on(double length) const;
 
 private:
-    /// Load up to x, with what is borne at x itself or without it [N].
+    /// Load up to x, with what is borne at x itself or without it [N]. @param after  the first knot beyond x
+    [[nodiscard]] double upto(double x, bool closed, std::size_t after) const;
     [[nodiscard]] double upto(double x, bool closed) const;
     struct Knot {
         double s;       // where the load per metre changes or a point bears some
@@ -83,6 +92,9 @@ struct AlongSpec {
     double patch = 0;    // [m]
     double spacing = 0;  // of its samples against the wall [m]; 0: they stand for no length
 };
+
+/// The greatest force per length and on a patch with their places, and the lengths that they are taken over.
+[[nodiscard]] ContactAlong greatest_loads(std::span<const LoadSample> samples, const AlongSpec& spec);
 
 /// Readings of all wires, and `per_length`, `pressure` and `region` of every row: of rows between instruments those of body a.
 /// @param specs, wall, instruments  [wires]

@@ -105,8 +105,11 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
       surfaces_(filled(context, cells_.surfaces)),
       rod_of_(filled(context, cells_.rod_of)),
       slots_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentSlot)),
-      states_t0_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState)),
-      states_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(InstrumentState)),
+      host_t0_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
+      host_(host_t0_.size()),
+      touching_(setup.wires.size()),
+      states_t0_(context, host_t0_.data(), host_t0_.size() * sizeof(InstrumentState)),
+      states_(context, host_.data(), host_.size() * sizeof(InstrumentState)),
       list_buffer_(context, cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS * sizeof(std::uint32_t)),
       slots_host_(cells_.surfaces.size() * SEL_INSTRUMENT_SLOTS),
       no_states_(slots_host_.size())
@@ -122,6 +125,8 @@ InstrumentContact::InstrumentContact(device::Context& context, const InstrumentS
     cleared_position_ = nodes_.position;
     written_.assign(systems, 0);
     with_states_.assign(setup.system_of.size(), 0);
+    for (std::size_t w = 0; w < touching_.size(); ++w)
+        touching_[w].reserve(static_cast<std::size_t>(cells_.of_wire[w + 1] - cells_.of_wire[w]));
     std::memset(no_states_.data(), 0, no_states_.size() * sizeof(InstrumentState));
     double least = cells_.surfaces.front().radius;
     for (const InstrumentSurface& surface : cells_.surfaces) least = std::min(least, surface.radius);
@@ -360,7 +365,11 @@ void InstrumentContact::pick(std::span<const std::uint8_t> active)
         sums_[s].clear();
         for (int w = first_wire_[s]; w < first_wire_[s + 1] && cleared_[s]; ++w) measure_moves(w);
         for (std::size_t k = found_of_[s]; k < found_of_[s + 1]; ++k) {
-            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) continue;
+            if (cleared_[s] && clear_[k] > 0 && most_moved(near_nodes_[k].a) + most_moved(near_nodes_[k].b) < clear_[k]) {
+                // a trial before this one may have touched here: its record must not pass for the last one's, and follow() writes another
+                touches_[k] = 0;
+                continue;
+            }
             picked_.push_back(found_[k]);
             place_.push_back(static_cast<std::uint32_t>(k));
         }
@@ -478,6 +487,7 @@ void InstrumentContact::couple(const SystemUnknowns& system, std::span<double> /
 void InstrumentContact::commit(std::span<const std::uint8_t> active)
 {
     const auto start = Clock::now();
+    note_touching(active);
     follow(active);
     context_.enter(device::Queue::Inline);
     for (int w = 0; w < rods_.wire_count(); ++w)
@@ -488,6 +498,7 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
     // records of earlier steps that stay where nothing is found are known by their epoch
     if (std::all_of(active.begin(), active.begin() + rods_.wire_count(), [](std::uint8_t on) { return on != 0; })) {
         std::swap(states_, states_t0_);
+        host_.swap(host_t0_);
     } else {
         for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
             if (!active[wire]) return;
@@ -499,6 +510,17 @@ void InstrumentContact::commit(std::span<const std::uint8_t> active)
     for (std::size_t s = 0; s < written_.size(); ++s)
         if (active[first_wire_[s]]) written_[s] = 0;
     times_.detect += since(start);
+}
+
+/// Whose states are contacts of the step that is taken.
+void InstrumentContact::note_touching(std::span<const std::uint8_t> active)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        if (active[w]) touching_[static_cast<std::size_t>(w)].clear();
+    for (std::size_t k = 0; k < found_.size(); ++k) {
+        const uint wire = cells_.rod_of[found_[k] / SEL_INSTRUMENT_SLOTS];
+        if (touches_[k] && active[wire]) touching_[wire].push_back(found_[k]);
+    }
 }
 
 /// States of what is near and does not touch, of which trials write none.

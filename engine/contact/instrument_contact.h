@@ -15,6 +15,7 @@
 // lumen.
 
 #include "contact/contact_row.h"
+#include "contact/force_per_length.h"
 #include "contact/instrument_cells.h"
 #include "contact/instrument_sums.h"
 #include "device/device.h"
@@ -60,6 +61,8 @@ public:
     void add_nodal_forces(int wire, std::span<Vec3> forces) const { sums_of(wire).add_nodal_forces(wire, forces); }
     /// Contacts of the accepted state.
     [[nodiscard]] std::vector<ContactRow> rows(RodArrays& rods);
+    /// What these rows bear, on both of their instruments: cheap enough for every step. @param loads  [wires]
+    void add_loads(std::span<WireLoads> loads);
 
 private:
     /// Nodes of all rods on host and device.
@@ -107,6 +110,9 @@ private:
     void provide_records(std::size_t slots);
     void take_records();
     [[nodiscard]] std::vector<InstrumentState> living(int wire);
+    void note_touching(std::span<const std::uint8_t> active);
+    template <class F>
+    void for_each_contact(int wire, const F& f);
 
     device::Context& context_;
     RodArrays& rods_;
@@ -116,7 +122,11 @@ private:
     device::Kernel find_, evaluate_, evaluate_self_;
     Nodes nodes_, nodes_t0_;
     device::Buffer rods_buffer_, pairs_, surfaces_, rod_of_;
-    device::Buffer slots_, states_t0_, states_, list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
+    device::Buffer slots_;
+    std::vector<InstrumentState> host_t0_, host_;       // the memory of the next two on a CPU
+    std::vector<std::vector<std::uint32_t>> touching_;  // [wires] slots whose cells exerted something at the end of the last step
+    device::Buffer states_t0_, states_;
+    device::Buffer list_buffer_, forces_buffer_, points_buffer_, followed_buffer_;
     InstrumentParams params_{};
     std::vector<std::uint8_t> searching_;    // [systems] that are searched
     std::vector<CellRange> searched_;        // what has been, launch by launch

@@ -67,6 +67,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
     const auto size = static_cast<std::size_t>(SEL_INSTRUMENT_SLOTS * cells_.of_wire[wire + 1]) - first;
     std::vector<InstrumentState> states(no_states_.begin(), no_states_.begin() + static_cast<std::ptrdiff_t>(size));
     std::uint32_t count = 0;
+    touching_[static_cast<std::size_t>(wire)].clear();
     take_bytes(bytes, end, &cells_.rods[wire].epoch, 1);
     take_bytes(bytes, end, &count, 1);
     if (count > size) throw Error(ExitCode::BadFile, "the saved state has more contacts than this scene can have");
@@ -82,6 +83,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
         if (!(std::abs(states[place].along_a) <= farthest && std::abs(states[place].along_b) <= farthest))
             throw Error(ExitCode::BadFile, "the saved state has a contact that lies on no instrument");
         states[place].pair += cells_.rods[wire].pair;
+        if (states[place].contact.flags & SEL_CONTACT_ACTIVE) touching_[static_cast<std::size_t>(wire)].push_back(static_cast<std::uint32_t>(first) + place);
     }
     with_states_[wire] = cells_.of_wire[wire + 1] - cells_.of_wire[wire];
     context_.enter(device::Queue::Inline);
@@ -103,14 +105,42 @@ const InstrumentSurface& surface_at(const InstrumentCells& cells, int wire, doub
 
 }  // namespace
 
+/// Calls f(state) with each contact of the last step, in the order of its cells.
+template <class F>
+void InstrumentContact::for_each_contact(int wire, const F& f)
+{
+    const std::vector<std::uint32_t>& slots = touching_[static_cast<std::size_t>(wire)];
+    if (slots.empty()) return;
+    const std::size_t first = slots.front(), count = slots.back() + 1 - first;
+    context_.enter(device::Queue::Inline);
+    context_.read(device::Queue::Inline, states_t0_, host_t0_.data() + first, count * sizeof(InstrumentState), first * sizeof(InstrumentState));
+    for (const std::uint32_t slot : slots) {
+        const InstrumentState& state = host_t0_[slot];
+        if (state.contact.epoch + 1 == cells_.rods[wire].epoch && (state.contact.flags & SEL_CONTACT_ACTIVE)) f(state);
+    }
+}
+
+void InstrumentContact::add_loads(std::span<WireLoads> loads)
+{
+    for (int w = 0; w < rods_.wire_count(); ++w)
+        for_each_contact(w, [&](const InstrumentState& state) {
+            const double *f = state.contact.friction, rubs = std::hypot(f[0], f[1], f[2]);
+            const uint other = cells_.pairs[state.pair].b;
+            loads[static_cast<std::size_t>(w)].add({state.along_a, state.length, state.contact.normal_force}, rubs);
+            const LoadSample there{state.along_b, state.length, state.contact.normal_force};
+            // a wire that touches itself bears it on both strands, and its sums count it once
+            if (other == static_cast<uint>(w)) loads[other].samples.push_back(there);
+            else loads[other].add(there, rubs);
+        });
+}
+
 std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
 {
     std::vector<ContactRow> list;
     for (int w = 0; w < rods.wire_count(); ++w) {
         const RodView rod = rods.view(w);
-        for (const InstrumentState& state : living(w)) {
+        for_each_contact(w, [&](const InstrumentState& state) {
             const ContactState& contact = state.contact;
-            if (!(contact.flags & SEL_CONTACT_ACTIVE)) continue;
             const auto edge = std::upper_bound(rod.material_s.begin(), rod.material_s.begin() + rod.n - 1, state.along_a);
             ContactRow row;
             row.a = {BodyKind::Rod, w, std::max(0, static_cast<int>(edge - rod.material_s.begin()) - 1)};
@@ -128,7 +158,7 @@ std::vector<ContactRow> InstrumentContact::rows(RodArrays& rods)
             const InstrumentSurface &a = surface_at(cells_, w, row.along_a), &b = surface_at(cells_, row.b.body, row.along_b);
             row.area = overlap_width(-row.gap, a.radius, inside ? b.lumen : b.radius, inside) * row.length;
             list.push_back(row);
-        }
+        });
     }
     return list;
 }

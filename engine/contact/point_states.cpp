@@ -14,14 +14,29 @@
 
 namespace seldinger {
 
+namespace {
+
+/// Where the host's records are the device's own, they are read at no cost.
+device::Buffer records(device::Context& context, std::vector<ContactState>& host, std::size_t count)
+{
+    if (context.float32()) return device::Buffer(context, count * device_size<ContactState>(context));
+    return device::Buffer(context, host.data(), count * sizeof(ContactState));
+}
+
+}  // namespace
+
 PointStates::PointStates(device::Context& context, QuadratureSet& quadrature)
     : context_(context),
       quadrature_(quadrature),
+      host_t0_(2 * quadrature.models.size()),
+      host_(context.float32() ? 0 : host_t0_.size()),
+      evaluated_(quadrature.wires.size()),
       models_(context, quadrature.models.size() * device_size<QuadratureModel>(context)),
       places_(context, quadrature.models.size() * device_size<QuadraturePlace>(context)),
-      states_t0_(context, 2 * quadrature.models.size() * device_size<ContactState>(context)),
-      states_(context, 2 * quadrature.models.size() * device_size<ContactState>(context))
+      states_t0_(records(context, host_t0_, host_t0_.size())),
+      states_(records(context, host_, host_t0_.size()))
 {
+    for (std::size_t w = 0; w < evaluated_.size(); ++w) evaluated_[w].reserve(static_cast<std::size_t>(quadrature.wires[w].capacity));
     write_records(context_, device::Queue::Inline, models_, quadrature.models, narrow_);
     context_.finish(device::Queue::Inline);
 }
@@ -44,6 +59,7 @@ void PointStates::commit(std::span<const std::uint8_t> active)
 {
     if (std::all_of(active.begin(), active.end(), [](std::uint8_t on) { return on != 0; })) {
         std::swap(states_t0_, states_);
+        if (!context_.float32()) host_t0_.swap(host_);
     } else {
         context_.enter(device::Queue::Inline);
         const std::size_t record = 2 * device_size<ContactState>(context_);
@@ -73,6 +89,26 @@ std::vector<ContactState> PointStates::living(int first_wire, int end_wire)
             if (states[k].epoch + 1 != wire.epoch) std::memset(&states[k], 0, sizeof states[k]);
     }
     return states;
+}
+
+/// Brings the records of points [first, end) into host_t0_.
+void PointStates::fetch(std::uint32_t first, std::uint32_t end)
+{
+    context_.enter(device::Queue::Inline);
+    read_records(context_, device::Queue::Inline, states_t0_, host_t0_.data() + 2 * first, 2 * std::size_t{end - first}, 2 * first, narrow_);
+}
+
+/// Of a state that is restored. @param states  two records for each point of wires [first, end)
+void PointStates::note_living(int first_wire, int end_wire, std::span<const ContactState> states)
+{
+    std::size_t at = 0;
+    for (int w = first_wire; w < end_wire; ++w) {
+        const WireQuadrature& wire = quadrature_.wires[w];
+        std::vector<std::uint32_t>& list = evaluated_[static_cast<std::size_t>(w)];
+        list.clear();
+        for (int k = wire.begin; k < wire.begin + wire.capacity; ++k, at += 2)
+            if ((states[at].flags | states[at + 1].flags) & SEL_CONTACT_ACTIVE) list.push_back(static_cast<std::uint32_t>(k));
+    }
 }
 
 void PointStates::save(std::vector<std::uint8_t>& bytes)
@@ -107,6 +143,7 @@ void PointStates::restore(const std::uint8_t*& bytes, const std::uint8_t* end, s
     take_bytes(bytes, end, states.data(), states.size());
     check_contact_states(states, triangles);
     for (WireQuadrature& wire : quadrature_.wires) take_bytes(bytes, end, &wire.epoch, 1);
+    note_living(0, static_cast<int>(quadrature_.wires.size()), states);
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_);
     context_.finish(device::Queue::Inline);
@@ -119,6 +156,7 @@ void PointStates::restore_wire(const std::uint8_t*& bytes, const std::uint8_t* e
     take_bytes(bytes, end, states.data(), states.size());
     check_contact_states(states, triangles);
     take_bytes(bytes, end, &own.epoch, 1);
+    note_living(wire, wire + 1, states);
     context_.enter(device::Queue::Inline);
     write_records(context_, device::Queue::Inline, states_t0_, states, narrow_, 2 * static_cast<std::size_t>(own.begin));
     context_.finish(device::Queue::Inline);

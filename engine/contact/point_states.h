@@ -22,10 +22,34 @@ public:
     void write_places(device::Queue queue);
     void upload_places();
     /// What the last evaluation wrote is the state of wires with active[w] != 0.
-    void commit(std::span<const std::uint8_t> active);
+    /// @param evaluated  f(w): the points that were
+    template <class F>
+    void commit(std::span<const std::uint8_t> active, const F& evaluated)
+    {
+        for (std::size_t w = 0; w < active.size(); ++w)
+            if (active[w]) {
+                const std::span<const std::uint32_t> points = evaluated(w);
+                evaluated_[w].assign(points.begin(), points.end());
+            }
+        commit(active);
+    }
     /// Two records for each point of wires [first, end). Those that no contact of the last step wrote are zeros: leftovers have
     /// no say in what comes, nor may they in the bytes saved.
     [[nodiscard]] std::vector<ContactState> living(int first_wire, int end_wire);
+    /// Calls f(point, state) with each record of a wire that a contact of the last step wrote, in the order of its points.
+    template <class F>
+    void for_each_contact(int wire, const F& f)
+    {
+        const std::vector<std::uint32_t>& points = evaluated_[static_cast<std::size_t>(wire)];
+        if (points.empty()) return;
+        fetch(points.front(), points.back() + 1);
+        for (const std::uint32_t point : points)
+            for (std::uint32_t side = 0; side < 2; ++side) {
+                const ContactState& state = host_t0_[2 * point + side];
+                if (state.epoch + 1 == quadrature_.wires[static_cast<std::size_t>(wire)].epoch && (state.flags & SEL_CONTACT_ACTIVE))
+                    f(static_cast<int>(point), state);
+            }
+    }
     void save(std::vector<std::uint8_t>& bytes);
     void save_wire(std::vector<std::uint8_t>& bytes, int wire);
     /// @param triangles  of the wall. @throws Error BadFile: the bytes hold what is none of its contacts
@@ -38,8 +62,14 @@ public:
     [[nodiscard]] const device::Buffer& states() const { return states_; }        // [points][2]
 
 private:
+    void commit(std::span<const std::uint8_t> active);
+    void fetch(std::uint32_t first, std::uint32_t end);
+    void note_living(int first_wire, int end_wire, std::span<const ContactState> states);
+
     device::Context& context_;
     QuadratureSet& quadrature_;
+    std::vector<ContactState> host_t0_, host_;           // the memory of states_t0_ and states_ on a CPU in double precision
+    std::vector<std::vector<std::uint32_t>> evaluated_;  // [wires] points that the last step has evaluated
     device::Buffer models_, places_, states_t0_, states_;
     std::vector<std::uint32_t> narrow_places_, narrow_;  // scratch of a float32 context (device_records.h)
 };

@@ -87,7 +87,7 @@ WallStations::Under WallStations::under(const LoopFoot& foot, const Vec3& y, con
     const double det = uu * vv - uv * uv;
     const Vec3 dual_u = (vv * foot.tangent_u - uv * foot.tangent_v) / det,
                dual_v = (uu * foot.tangent_v - uv * foot.tangent_u) / det;
-    at.slope = at.share * (along_u * dual_u.transpose() + along_v * dual_v.transpose());
+    at.slope = at.share * (outer(along_u, dual_u) + outer(along_v, dual_v));
     if (const double size = at.slope.norm(); size > steepest) at.slope *= steepest / size;
     return at;
 }

@@ -51,7 +51,7 @@ struct YieldingWall::System {
     {
         const WallStation& station = stations[node];
         if (!station.near) return x;
-        const Vec3 u = station.row >= 0 ? Vec3(Eigen::Map<const Vec3>(&trial().u[3 * station.row])) : station.start;
+        const Vec3 u = station.row >= 0 ? Vec3(&trial().u[3 * station.row]) : station.start;
         return station.at - station.start + station.shift + station.back * ((x - station.at) - (u - station.start));
     }
     /// Where the accepted state's feet carried a wire's nodes, now at `rod`. @param first  of them among the system's

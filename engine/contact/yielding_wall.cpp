@@ -58,8 +58,8 @@ NodeJoint joint_of(const BandMatrix& t, int i, int j, bool has_spin, const Mat3&
     joint.on = block_of(t, b, a);
     if (has_spin)
         for (int c = 0; c < 3; ++c) joint.of_spin[c] = t.at(a + c, spin), joint.on_spin[c] = t.at(spin, a + c);
-    joint.spins = !joint.of_spin.isZero(0) || !joint.on_spin.isZero(0);
-    joint.any = joint.spins || !joint.of.isZero(0) || !joint.on.isZero(0);
+    joint.spins = !joint.of_spin.isZero() || !joint.on_spin.isZero();
+    joint.any = joint.spins || !joint.of.isZero() || !joint.on.isZero();
     if (!joint.any) return joint;
     joint.of = back_i.transpose() * joint.of * back_j;
     joint.on = back_j.transpose() * joint.on * back_i;
@@ -156,7 +156,7 @@ void YieldingWall::foresee(System& system, const TrialState& trial) const
     if (!base) {
         now.u.resize(3 * system.rows.size());
         for (std::size_t k = 0; k < system.rows.size(); ++k)
-            Eigen::Map<Vec3>(&now.u[3 * k]) = system.stations[system.rows[k]].start;
+            system.stations[system.rows[k]].start.store(&now.u[3 * k]);
         return;
     }
     const std::size_t m = base->u.size();
@@ -183,7 +183,7 @@ void YieldingWall::carry_trial(System& system, const TrialState& trial, TrialSta
             const Vec3 x(trial.x[at], trial.y[at], trial.z[at]);
             const Vec3 y = system.carry(static_cast<int>(own), x);
             to.x[at] = y.x(), to.y[at] = y.y(), to.z[at] = y.z(), to.theta[at] = trial.theta[at];
-            Eigen::Map<Vec3>(&now.y[3 * own]) = y;
+            y.store(&now.y[3 * own]);
         }
 }
 
@@ -213,8 +213,8 @@ bool YieldingWall::take_forces(System& system) const
         for (int i = 0; i < rods_.node_count(w); ++i) {
             const int node = rods_.node_begin(w) - system.first_node + i, row = system.row_of(node);
             if (row < 0) continue;
-            const Eigen::Map<const Vec3> own(&residuals_[w][RodDofs::position(i)]);
-            Eigen::Map<Vec3>(&now.force[3 * row]) = -(system.back(node).transpose() * own);
+            const Vec3 own(&residuals_[w][RodDofs::position(i)]);
+            Vec3(-(system.back(node).transpose() * own)).store(&now.force[3 * row]);
         }
     linearise(system, nullptr, now.linear);
     now.rho.resize(m);
@@ -265,7 +265,7 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
     contact_.add(wire, own, tangent ? &tangents_[wire] : nullptr, symmetric);
     for (int i = 0; i < n; ++i) {
         const int at = RodDofs::position(i);
-        Eigen::Map<Vec3>(&residual[at]) += system.back(first + i).transpose() * Eigen::Map<const Vec3>(&own[at]);
+        add_to(&residual[at], system.back(first + i).transpose() * Vec3(&own[at]));
         residual[at + RodDofs::spin_place] += own[at + RodDofs::spin_place];
     }
     if (!tangent) return;
@@ -276,7 +276,7 @@ void YieldingWall::add(int wire, std::span<double> residual, BandRows* tangent, 
         for (int j = std::max(0, i - 1); j <= std::min(n - 1, i + 1); ++j) {
             const int b = RodDofs::position(j);
             Mat3 block = block_of(t, a, b);
-            if (!block.isZero(0)) {
+            if (!block.isZero()) {
                 block = seen_i.transpose() * block * system.back(first + j);
                 for (int r = 0; r < 3; ++r)
                     for (int c = 0; c < 3; ++c) tangent->add(a + r, b + c, block(r, c));
@@ -330,7 +330,7 @@ double YieldingWall::open_way(const System& system, int wire) const
     double most2 = 0;
     const int first = rods_.node_begin(wire) - system.first_node;
     for (int i = first; i < first + rods_.node_count(wire); ++i)
-        most2 = std::max(most2, (Eigen::Map<const Vec3>(&to[3 * i]) - Eigen::Map<const Vec3>(&from[3 * i])).squaredNorm());
+        most2 = std::max(most2, (Vec3(&to[3 * i]) - Vec3(&from[3 * i])).squaredNorm());
     const double share = limit / std::sqrt(most2);
     return share < 1 - 1e-6 ? share : 1;
 }

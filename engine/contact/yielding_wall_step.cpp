@@ -53,7 +53,7 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 /// Of the node that was at x; births and merges have renumbered it. Null: there was none.
 const WallEnd* YieldingWall::System::end_of(int first, int count, int node, const Vec3& x) const
 {
-    const auto is = [&](int i) { return i >= 0 && i < count && Eigen::Map<const Vec3>(ends[first + i].x) == x; };
+    const auto is = [&](int i) { return i >= 0 && i < count && Vec3(ends[first + i].x) == x; };
     for (int k = 0; k <= most_renumbered; ++k)
         for (const int i : {node - k, node + k})
             if (is(i)) return &ends[first + i];
@@ -70,9 +70,9 @@ void YieldingWall::System::find_before(int first, const RodView& rod)
         std::optional<Vec3>& y = before[first + i];
         y.reset();
         if (end[i]) {
-            y = Eigen::Map<const Vec3>(end[i]->y);
+            y = Vec3(end[i]->y);
         } else if (i > 0 && i + 1 < rod.n && end[i - 1] && end[i + 1]) {  // born between two, where y was linear
-            const Eigen::Map<const Vec3> xa(end[i - 1]->x), xb(end[i + 1]->x), ya(end[i - 1]->y), yb(end[i + 1]->y);
+            const Vec3 xa(end[i - 1]->x), xb(end[i + 1]->x), ya(end[i - 1]->y), yb(end[i + 1]->y);
             const Vec3 x = rod.pos(i);
             const double t = std::clamp((x - xa).dot(xb - xa) / (xb - xa).squaredNorm(), 0.0, 1.0);
             y = x + (1 - t) * (ya - xa) + t * (yb - xb);
@@ -106,7 +106,7 @@ void YieldingWall::note_bowed(RodArrays& rods, int wire, std::vector<std::uint8_
     const RodView rod = rods.view(wire);
     const auto moved = [&](int i) -> Vec3 {
         const WallEnd& end = system.ends[rods.node_begin(wire) - system.first_node + i];
-        const Eigen::Map<const Vec3> x(end.x), y(end.y);
+        const Vec3 x(end.x), y(end.y);
         return x == rod.pos(i) ? Vec3(x - y) : Vec3::Zero();
     };
     bowed.assign(static_cast<std::size_t>(rod.n), 0);
@@ -143,7 +143,7 @@ void YieldingWall::place_and_copy(RodArrays& rods, int wire)
         system.keep_carried(first + i, rod.pos(i), radius);
         const WallStation& station = system.stations[first + i];
         if (station.near) carried.set_pos(i, rod.pos(i) - station.start + station.shift);
-        Eigen::Map<Vec3>(&system.y_start[3 * static_cast<std::size_t>(first + i)]) = carried.pos(i);
+        carried.pos(i).store(&system.y_start[3 * static_cast<std::size_t>(first + i)]);
     }
     system.stations.forget(first + n, first + rods.capacity(wire));
 }
@@ -247,8 +247,8 @@ double YieldingWall::work_from_outside(int wire) const
     double sum = 0;
     for (std::size_t k = 0; k < system.rows.size(); ++k) {
         if (system.wire_of_row[k] != wire) continue;
-        const Vec3 move = Eigen::Map<const Vec3>(&now.u[3 * k]) - system.stations[system.rows[k]].start;
-        sum += Eigen::Map<const Vec3>(&now.force[3 * k]).dot(move);
+        const Vec3 move = Vec3(&now.u[3 * k]) - system.stations[system.rows[k]].start;
+        sum += Vec3(&now.force[3 * k]).dot(move);
     }
     return sum;
 }
@@ -269,13 +269,13 @@ void YieldingWall::commit(std::span<const std::uint8_t> active)
         system.pushed.clear();
         double farthest = 0;
         for (std::size_t k = 0; k < system.rows.size(); ++k) {
-            const Vec3 f = -Eigen::Map<const Vec3>(&now.force[3 * k]);
-            farthest = std::max(farthest, Eigen::Map<const Vec3>(&now.u[3 * k]).norm());
-            if (f.isZero(0)) continue;
+            const Vec3 f = -Vec3(&now.force[3 * k]);
+            farthest = std::max(farthest, Vec3(&now.u[3 * k]).norm());
+            if (f.isZero()) continue;
             const WallStation& station = system.stations[system.rows[k]];
             for (int a = 0; a < station.weights.size; ++a)
                 system.pushed.push_back({station.weights.vertex[a], station.weights.n[a] * f});
-            const Vec3 end = Eigen::Map<const Vec3>(&system.u_free[3 * k]) - Eigen::Map<const Vec3>(&given[3 * k]);
+            const Vec3 end = Vec3(&system.u_free[3 * k]) - Vec3(&given[3 * k]);
             system.dynamics.work += f.dot(end - station.start);
         }
         system.dynamics.end_step(system.pushed, farthest);
@@ -294,7 +294,7 @@ double YieldingWall::move_share(int system) const
     const System& s = *systems_[system];
     for (std::size_t k = 0; 3 * k < s.trial().u.size() && k < s.rows.size(); ++k)
         most = std::max(most,
-                        Eigen::Map<const Vec3>(&s.trial().u[3 * k]).norm() / wall_.largest_move(s.stations[s.rows[k]].weights));
+                        Vec3(&s.trial().u[3 * k]).norm() / wall_.largest_move(s.stations[s.rows[k]].weights));
     return most;
 }
 

@@ -2,12 +2,15 @@
 #include "core/child_process.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
+#include <cstring>
 
 extern char** environ;
 
@@ -35,7 +38,7 @@ struct HowToStart {
 
 }  // namespace
 
-pid_t start_program(const std::vector<std::string>& words, int input, int error, int output)
+pid_t start_program(const std::vector<std::string>& words, int input, int error, int output, ProcessGroup group)
 {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -47,10 +50,25 @@ pid_t start_program(const std::vector<std::string>& words, int input, int error,
     if (output >= 0) posix_spawn_file_actions_adddup2(&how.files, output, STDOUT_FILENO);
     sigset_t none;
     sigemptyset(&none);
-    posix_spawnattr_setflags(&how.attributes, POSIX_SPAWN_SETSIGMASK);
+    const int own_group = group == ProcessGroup::Own ? POSIX_SPAWN_SETPGROUP : 0;
+    posix_spawnattr_setflags(&how.attributes, static_cast<short>(POSIX_SPAWN_SETSIGMASK | own_group));
     posix_spawnattr_setsigmask(&how.attributes, &none);
     pid_t process = -1;
-    return posix_spawnp(&process, arguments[0], &how.files, &how.attributes, arguments.data(), environ) == 0 ? process : -1;
+    errno = posix_spawnp(&process, arguments[0], &how.files, &how.attributes, arguments.data(), environ);
+    return errno == 0 ? process : -1;
+}
+
+void end_with_parent(pid_t parent, int signal)
+{
+    (void)::prctl(PR_SET_PDEATHSIG, signal);
+    if (::getppid() != parent) ::kill(::getpid(), signal);  // ended before it could be asked for
+}
+
+std::string why_not_started(const std::string& program, const std::string& advice)
+{
+    if (errno == ENOENT) return program + " is not installed; " + advice;
+    const char* fix = errno == EAGAIN || errno == ENOMEM ? "; is memory or the number of processes limited (ulimit -a)?" : "";
+    return fmt::format("{} cannot be started: {}{}", program, std::strerror(errno), fix);
 }
 
 int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }

@@ -10,13 +10,22 @@ namespace seldinger {
 
 constexpr int no_descriptor = -1;
 
+/// Whether the terminal's Ctrl-C reaches a program beside this one, or only through this one.
+enum class ProcessGroup { Shared, Own };
+
 /// Starts words[0], looked for in PATH, with words as its arguments. Signals that this process keeps off its threads (it may have one
 /// that waits for them) it hears as usual.
 /// @param input  its standard input; none: an empty one
 /// @param error, output  its standard error and output; none: those of this process
-/// @return -1 where it cannot be started
+/// @return -1 where it cannot be started; errno says why: ENOENT where it is not installed, EAGAIN where no process is left
 [[nodiscard]] pid_t start_program(const std::vector<std::string>& words, int input = no_descriptor, int error = no_descriptor,
-                                  int output = no_descriptor);
+                                  int output = no_descriptor, ProcessGroup group = ProcessGroup::Shared);
+
+/// Of a process that `parent` started: it gets `signal` when `parent` ends, however that ends, and at once where it has ended.
+void end_with_parent(pid_t parent, int signal);
+
+/// Why a program could not be started, and what to do, from errno. @param advice  where it is not installed
+[[nodiscard]] std::string why_not_started(const std::string& program, const std::string& advice);
 
 /// What waitpid's status says, as a shell does: the exit code, or 128 + the signal that ended it.
 [[nodiscard]] int exit_code(int status);

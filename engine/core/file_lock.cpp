@@ -57,7 +57,7 @@ long holder(int fd)
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks
-int take(const fs::path& what, const FilePlace& lock)
+int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
 {
     for (;;) {
         const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -71,7 +71,7 @@ int take(const fs::path& what, const FilePlace& lock)
             ::close(fd);
             refuse(lock);
         }
-        if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        if (::flock(fd, wait == FileLock::Wait::Yes ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
             const int error = errno;
             ::close(fd);
             if (error == EINTR) continue;
@@ -100,9 +100,9 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(const fs::path& what, FilePlace lock) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait) : lock_(std::move(lock))
 {
-    fd_ = take(what, lock_);
+    fd_ = take(what, lock_, wait);
     if (fd_ < 0) return;
     const std::string pid = fmt::format("{}\n", ::getpid());
     // whom to name is a help and no more: a full disk may leave it out
@@ -131,10 +131,11 @@ FileLock FileLock::of_folder(const Folder& folder)
     return lock;
 }
 
-FileLock FileLock::of_file(const fs::path& file)
+FileLock FileLock::of_file(const FilePlace& file, Wait wait)
 {
-    if (file.has_parent_path()) make_folder(file.parent_path());
-    return {file, file.string() + ".lock"};
+    const fs::path& path = file.path();
+    if (file.start() == AT_FDCWD && path.has_parent_path()) make_folder(path.parent_path());
+    return {path, file.beside(path.filename().string() + ".lock"), wait};
 }
 
 FileLock::~FileLock()

@@ -19,8 +19,9 @@ public:
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
     /// The same of a folder that is open.
     [[nodiscard]] static FileLock of_folder(const Folder& folder);
+    enum class Wait { No, Yes };  // for another process to end its writing
     /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
-    [[nodiscard]] static FileLock of_file(const std::filesystem::path& file);
+    [[nodiscard]] static FileLock of_file(const FilePlace& file, Wait wait = Wait::No);
     ~FileLock();
     FileLock(const FileLock&) = delete;
     FileLock& operator=(const FileLock&) = delete;
@@ -32,7 +33,7 @@ public:
     }
 
 private:
-    FileLock(const std::filesystem::path& what, FilePlace lock);
+    FileLock(const std::filesystem::path& what, FilePlace lock, Wait wait = Wait::No);
     void swap(FileLock& other) noexcept;
 
     FilePlace lock_{""};

@@ -41,6 +41,11 @@ std::shared_ptr<const int> handle_of(int fd)
 
 }  // namespace
 
+bool leads_below(const fs::path& path)
+{
+    return !path.empty() && std::all_of(path.begin(), path.end(), [](const fs::path& part) { return part != "/" && is_name(part.string()); });
+}
+
 int FilePlace::start() const { return handle_ ? *handle_ : AT_FDCWD; }
 int FilePlace::read_flags() const { return handle_ ? O_NOFOLLOW : 0; }
 
@@ -102,6 +107,16 @@ bool Folder::has(const std::string& name) const
 {
     struct stat status {};
     return is_name(name) && ::fstatat(fd(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0;
+}
+
+bool Folder::has_below(const fs::path& file) const
+{
+    Folder at = *this;
+    for (const fs::path& part : file.parent_path()) {
+        if (!at.has(part.string())) return false;
+        at = at.inner(part.string());
+    }
+    return at.has(file.filename().string());
 }
 
 std::vector<std::string> Folder::names() const

@@ -36,6 +36,9 @@ private:
     std::filesystem::path path_;
 };
 
+/// Whether a path is one of names, which leads from a folder to something below it.
+[[nodiscard]] bool leads_below(const std::filesystem::path& path);
+
 /// Names are of files: none with a "/" in it, nor "..". @throws Error BadFile otherwise
 class Folder {
 public:
@@ -55,6 +58,8 @@ public:
 
     /// Whether anything has that name, a link that leads nowhere too.
     [[nodiscard]] bool has(const std::string& name) const;
+    /// The same of a path of names; without a link on the way. @throws Error BadFile: a link in the place of a folder
+    [[nodiscard]] bool has_below(const std::filesystem::path& file) const;
     /// What is in it, in the order of the names. @throws Error BadFile
     [[nodiscard]] std::vector<std::string> names() const;
     /// Into another folder or under another name; of a link the link itself. @return false: there is no `name` (any more)

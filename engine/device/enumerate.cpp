@@ -2,6 +2,7 @@
 #include "device/enumerate.h"
 
 #include "core/error.h"
+#include "core/system_needs.h"
 #include "device/device_info.h"
 #include "device/kernel_cache.h"
 
@@ -13,10 +14,19 @@
 
 namespace seldinger::device {
 
+namespace {
+
+/// PoCL 3.1 with LLVM 14: 650 MB while a kernel is compiled, a thread for each core, and two processes that link it. Without them it
+/// ends the process by a signal.
+SystemNeeds needs_of_opencl() { return {"OpenCL", std::size_t{700} << 20, library_threads("POCL_MAX_PTHREAD_COUNT") + 2}; }
+
+}  // namespace
+
 std::vector<cl_device_id> all_devices()
 {
     static std::once_flag once;
     std::call_once(once, [] {
+        try_system_needs(needs_of_opencl());
         setenv("POCL_DEVICES", "basic pthread", 0);
         setenv("POCL_SIGFPE_HANDLER", "0", 0);  // else an integer division by zero in our own code would go unseen
     });

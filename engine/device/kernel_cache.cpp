@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstdint>
@@ -126,7 +127,53 @@ bool make_own_folder()
     return false;
 }
 
+std::atomic<bool> telling = false;
+
+/// Says so once in a process. A build that may not be said, or was, asks for nothing of the folder.
+void tell()
+{
+    if (!telling.exchange(false)) return;
+    note(fmt::format("seldinger: compiling OpenCL kernels for this processor, up to half a minute; kept in {}\n",
+                     printable(kernel_cache_folder().string())));
+}
+
+/// Whether the folder has a program that the compiler finished at `since` or later; any at all without it.
+bool has_program(const fs::path& dir, const timespec* since)
+{
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) {
+        if (at->path().filename() != "program.bc") continue;  // in DIR/two letters/hash of source and options
+        struct stat status {};
+        if (!since) return true;
+        if (::stat(at->path().c_str(), &status) != 0) continue;
+        const timespec& made = status.st_mtim;
+        if (made.tv_sec != since->tv_sec ? made.tv_sec > since->tv_sec : made.tv_nsec >= since->tv_nsec) return true;
+        if (at.depth() > 1) at.pop(error);  // its kernels tell nothing more
+    }
+    return false;
+}
+
 }  // namespace
+
+void tell_compiling(bool on) { telling = on; }
+
+CompilerCall::CompilerCall()
+{
+    if (!telling) return;
+    // the clock that files are dated by, which stands for some milliseconds at a time
+    ::clock_gettime(CLOCK_REALTIME_COARSE, &begun_);
+    if (!has_program(kernel_cache_folder(), nullptr)) tell();
+}
+
+CompilerCall::~CompilerCall()
+{
+    if (!telling || begun_.tv_sec == 0) return;
+    timespec now{};
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    constexpr double shortest = 0.1;  // [s] a program that is in the cache takes half of it; no compiler takes as little
+    const double took = static_cast<double>(now.tv_sec - begun_.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - begun_.tv_nsec);
+    if (took >= shortest && has_program(kernel_cache_folder(), &begun_)) tell();
+}
 
 fs::path kernel_cache_folder()
 {

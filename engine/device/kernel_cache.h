@@ -2,6 +2,7 @@
 // The folder where PoCL keeps compiled kernels: whether it can be written to, and whether what is in it is whole. PoCL itself ends
 // in "does not build", in no device at all, or by a signal where it is not.
 
+#include <ctime>
 #include <filesystem>
 #include <string>
 
@@ -13,6 +14,22 @@ void prepare_kernel_cache();
 
 /// What PoCL uses, by its own rules: POCL_CACHE_DIR, else pocl/kcache in XDG_CACHE_HOME or ~/.cache.
 [[nodiscard]] std::filesystem::path kernel_cache_folder();
+
+/// Whether this process says on stderr, once, that kernels are being compiled (some 20 s at a first start). Off until asked for.
+void tell_compiling(bool on);
+
+/// Around one call of the compiler. Says so before it where no kernel is in the cache, and after it where the compiler has just
+/// written one: later ones follow. What is in the cache is read in milliseconds, and nothing is said.
+class CompilerCall {
+public:
+    CompilerCall();
+    ~CompilerCall();
+    CompilerCall(const CompilerCall&) = delete;
+    CompilerCall& operator=(const CompilerCall&) = delete;
+
+private:
+    timespec begun_{};
+};
 
 /// For the line of a build that failed: the folder, and what to do about it.
 [[nodiscard]] std::string kernel_cache_advice();

@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -106,6 +107,8 @@ cl_program SharedContext::build(const std::string& file, const std::string& text
     cl_program built = clCreateProgramWithSource(context_, 1, &source, &length, &status);
     check(status, "clCreateProgramWithSource");
     {
+        std::optional<CompilerCall> said;  // what others compile, and where they keep it, is not known
+        if (device_text(devices_.front(), CL_DEVICE_VERSION).find("PoCL") != std::string::npos) said.emplace();
         const QuietStderr quiet;
         const Building building;
         status = clBuildProgram(built, static_cast<cl_uint>(devices_.size()), devices_.data(), options.c_str(), nullptr, nullptr);

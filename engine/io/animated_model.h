@@ -3,8 +3,6 @@
 
 #include "math/vec3.h"
 
-#include <Eigen/Geometry>
-
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -18,8 +16,8 @@ struct AnimatedTube {
     std::string name;
     std::vector<double> radius;  // [M] stations, tip to hub [m]
     struct Pose {
-        Vec3 place = Vec3::Zero();            // [m]
-        Eigen::Quaterniond turn{1, 0, 0, 0};  // takes z to the tube's axis; of a station's turns in time, neighbours are near
+        Vec3 place = Vec3::Zero();                   // [m]
+        std::array<double, 4> turn = {0, 0, 0, 1};  // unit quaternion x, y, z, w: takes z to the tube's axis; near its neighbours in time
     };
     std::vector<std::vector<Pose>> poses;  // [F][M]
 };

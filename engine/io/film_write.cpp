@@ -53,13 +53,14 @@ std::string first_line(int& said)
     return all.substr(0, all.find('\n'));
 }
 
-/// @param input, said, output  its standard input, error and output. @throws Error BadFile: there is no ffmpeg
+/// @param input, said, output  its standard input, error and output. @throws Error BadFile: there is no ffmpeg, or no process for it
 pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said, int output)
 {
     const pid_t process = start_program(words, input, said, output);
     if (process < 0)
         throw Error(ExitCode::BadFile,
-                    film.string() + ": a film needs ffmpeg, which is not installed (Debian: apt-get install ffmpeg)");
+                    fmt::format("{}: a film needs ffmpeg: {}", film.string(),
+                                why_not_started("ffmpeg", "on Debian, as root: apt-get install ffmpeg")));
     return process;
 }
 

@@ -2,9 +2,11 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/animated_model.h"
+#include "math/eigen.h"
 
 #include <nlohmann/json.hpp>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -24,7 +26,7 @@ public:
     explicit Gltf(const AnimatedModel& model) : model_(model)
     {
         const Vec3 front = -model.back;
-        axes_ << model.left.transpose(), model.head.transpose(), front.transpose();
+        axes_ = Mat3::rows(model.left, model.head, front);
         json_["asset"] = {{"version", "2.0"}, {"generator", "seldinger"}};
         json_["scene"] = 0;
         json_["scenes"] = {{{"nodes", Json::array()}}};
@@ -166,14 +168,14 @@ private:
     void add_tube(const AnimatedTube& tube)
     {
         const int mesh = tube_mesh(tube);
-        const Eigen::Quaterniond axes(axes_);
+        const Eigen::Quaterniond axes(Eigen::Matrix3d{eigen(axes_)});
         std::vector<int> joints;
         Json& animation = json_["animations"][0];
         for (std::size_t i = 0; i < tube.radius.size(); ++i) {
             Floats places, turns;
             for (const auto& pose : tube.poses) {
                 put(places, turned(pose[i].place));
-                const Eigen::Quaterniond q = axes * pose[i].turn;
+                const Eigen::Quaterniond q = axes * Eigen::Quaterniond(pose[i].turn.data());
                 for (const double c : {q.x(), q.y(), q.z(), q.w()}) turns.push_back(static_cast<float>(c));
             }
             Json node;

@@ -177,9 +177,14 @@ double metres_per_unit(const std::string& units)
 
 WallMesh read_mesh(const std::filesystem::path& path, const std::string& units, long* triangles_read, double* rounding)
 {
+    return parse_mesh(read_mesh_bytes(path, units), path, units, triangles_read, rounding);
+}
+
+std::string read_mesh_bytes(const std::filesystem::path& path, const std::string& units)
+{
     (void)metres_per_unit(units);
     require_known(path);
-    return parse_mesh(read_file(path), path, units, triangles_read, rounding);
+    return read_file(path);
 }
 
 WallMesh parse_mesh(const std::string& bytes, const std::filesystem::path& path, const std::string& units, long* triangles_read,

@@ -6,6 +6,7 @@
 #include "core/file_io.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <string>
 
@@ -18,22 +19,45 @@ void append(png_structp png, png_bytep data, png_size_t size)
     static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
 }
 
+/// Grey pixels as bytes, 16-bit ones big-endian.
+struct GreyRows {
+    int width, height, bits;
+    const png_byte* rows;
+    int significant;  // bits that count; 0: all of them, which is not said
+    bool long_runs;   // of the same value
+};
+
 /// libpng leaves by longjmp: nothing in here has a destructor. @return false: it has given up
-bool encode_grey(png_structp png, png_infop info, int width, int height, const png_byte* rows, std::string& file)
+bool encode_grey(png_structp png, png_infop info, const GreyRows& grey, std::string& file)
 {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, &file, append, nullptr);
     png_set_compression_level(png, 1);  // noise does not compress: more takes time, not bytes
-    png_set_filter(png, 0, PNG_FILTER_SUB);
-    png_set_IHDR(png, info, width, height, 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+    if (grey.long_runs) png_set_compression_strategy(png, Z_RLE);
+    png_set_filter(png, 0, grey.bits == 16 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
+    png_set_IHDR(png, info, grey.width, grey.height, grey.bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
-    png_color_8 bits{};
-    bits.gray = 12;
-    png_set_sBIT(png, info, &bits);
+    if (grey.significant > 0) {
+        png_color_8 bits{};
+        bits.gray = static_cast<png_byte>(grey.significant);
+        png_set_sBIT(png, info, &bits);
+    }
     png_write_info(png, info);
-    for (int row = 0; row < height; ++row) png_write_row(png, rows + 2 * static_cast<std::size_t>(row) * width);
+    const std::size_t row_bytes = static_cast<std::size_t>(grey.width) * grey.bits / 8;
+    for (int row = 0; row < grey.height; ++row) png_write_row(png, grey.rows + row * row_bytes);
     png_write_end(png, info);
     return true;
+}
+
+void write_grey(const FilePlace& place, const GreyRows& grey)
+{
+    std::string file;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png ? png_create_info_struct(png) : nullptr;
+    const bool whole = info && encode_grey(png, info, grey, file);
+    png_destroy_write_struct(&png, &info);
+    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": could not be encoded as PNG");
+    write_file(place, file);
 }
 
 }  // namespace
@@ -64,13 +88,22 @@ void write_grey_png(const std::filesystem::path& path, int width, int height, co
         rows.push_back(static_cast<png_byte>(g >> 4));
         rows.push_back(static_cast<png_byte>((g & 15) << 4 | g >> 8));
     }
-    std::string file;
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-    png_infop info = png ? png_create_info_struct(png) : nullptr;
-    const bool whole = info && encode_grey(png, info, width, height, rows.data(), file);
-    png_destroy_write_struct(&png, &info);
-    if (!whole) throw Error(ExitCode::BadFile, path.string() + ": could not be encoded as PNG");
-    write_file(path, file);
+    write_grey(path, {width, height, 16, rows.data(), 12, false});
+}
+
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels)
+{
+    SEL_ASSERT(labels.size() == static_cast<std::size_t>(width) * height);
+    write_grey(place, {width, height, 8, labels.data(), 0, true});
+}
+
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values)
+{
+    SEL_ASSERT(values.size() == static_cast<std::size_t>(width) * height);
+    std::vector<png_byte> rows;
+    rows.reserve(2 * values.size());
+    for (const std::uint16_t v : values) rows.push_back(static_cast<png_byte>(v >> 8)), rows.push_back(static_cast<png_byte>(v & 255));
+    write_grey(place, {width, height, 16, rows.data(), 0, false});
 }
 
 }  // namespace seldinger

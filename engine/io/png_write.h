@@ -1,8 +1,11 @@
 #pragma once
 // Pictures to PNG files.
 
+#include "core/folder.h"
+
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace seldinger {
@@ -15,5 +18,10 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
 /// bits repeated below), and sBIT says that 12 bits count. The file appears under its name only when it is complete.
 /// @throws Error BadFile
 void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey);
+
+/// Numbers, not shades: 8 or 16 bits a pixel as they are, rows from the top. The file appears under its name only when it is complete.
+/// @throws Error BadFile
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels);
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values);
 
 }  // namespace seldinger

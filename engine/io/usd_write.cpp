@@ -16,7 +16,7 @@ class Usd {
 public:
     explicit Usd(const AnimatedModel& model) : model_(model)
     {
-        axes_ << model.left.transpose(), model.back.transpose(), model.head.transpose();
+        axes_ = Mat3::rows(model.left, model.back, model.head);
     }
 
     std::string file()

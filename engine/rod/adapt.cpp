@@ -114,7 +114,7 @@ void NodePlanner::note_touching(const RodView& rod, const NodeDemands& demands)
     std::fill(touching_.begin(), touching_.end(), std::numeric_limits<double>::infinity());
     const int n = std::min(rod.n, static_cast<int>(demands.contact.size()));
     for (int i = 0; i < n && std::isfinite(demands.touching_edge); ++i)
-        if (!demands.contact[i].isZero(0)) touching_[i] = demands.touching_edge;
+        if (!demands.contact[i].isZero()) touching_[i] = demands.touching_edge;
 }
 
 std::span<const double> NodePlanner::longest_edges(const RodView& rod, const WireSpec& spec, const NodeDemands& demands)

@@ -73,7 +73,7 @@ double clamp_energy(const RodView& rod, const RodClamp& clamp, const ClampSide& 
         const Pair& pair = side.pair;
         double squared = squared_curvature(pair.q, pair.chi, pair.kb);  // of kappa - rest_kappa
         if (side.material)
-            squared = (kappa_in(pair, side.rest.n1) - Eigen::Vector2d(side.rest.kappa1, side.rest.kappa2)).squaredNorm();
+            squared = (kappa_in(pair, side.rest.n1) - Vec2(side.rest.kappa1, side.rest.kappa2)).squaredNorm();
         energy += rod.bend_stiffness[clamp.node] / (2 * side.half) * squared;
     }
     if (clamp.spin) {

@@ -37,7 +37,7 @@ CoaxialShare share_in(const CoaxialRod& rod, const CoaxialPiece& piece, const Co
         if (!section) continue;
         const bool own = k >= from && k < until;
         (own ? share.stiffness : share.others) += section->bend_stiffness;
-        if (section->rest_curvature.isZero(0)) continue;
+        if (section->rest_curvature.isZero()) continue;
         const Complex natural(section->rest_curvature[0], section->rest_curvature[1]);
         const Complex turned = section->bend_stiffness * std::polar(1.0, trial.theta[k][j] - moments.parallel[j]) * natural;
         wanted += turned;

@@ -18,7 +18,7 @@ using namespace coaxial;
 
 namespace {
 
-Complex complex(const Eigen::Vector2d& v) { return {v[0], v[1]}; }
+Complex complex(const Vec2& v) { return {v[0], v[1]}; }
 /// conj(a) b's real part is the scalar product.
 double dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
 

@@ -39,11 +39,9 @@
 #include "rod/elastic.h"
 #include "rod/transport.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 
 namespace seldinger {
-
 
 /// Two unit tangents that meet. An inverse length of 0 marks a clamp: a tangent that does not move.
 struct Pair {
@@ -65,11 +63,8 @@ struct PairTerms {
 
 inline Mat3 skew(const Vec3& v)
 {
-    Mat3 m;
-    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return m;
+    return Mat3::rows({0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0});
 }
-inline Mat3 outer(const Vec3& a, const Vec3& b) { return a * b.transpose(); }
 /// a b^T + b a^T
 inline Mat3 both(const Vec3& a, const Vec3& b)
 {
@@ -85,7 +80,7 @@ struct RestBend {
 };
 
 /// Curvature's components in the frame whose first director, at te, is n1.
-inline Eigen::Vector2d kappa_in(const Pair& pair, const Vec3& n1)
+inline Vec2 kappa_in(const Pair& pair, const Vec3& n1)
 {
     const Vec3 curvature = curvature_factor(pair.q, pair.chi) * pair.kb;
     return {curvature.dot(pair.te.cross(n1)), -curvature.dot(n1)};
@@ -225,7 +220,7 @@ inline void add_bend(const Pair& p, double stiffness, const RestBend& rest, Hess
     if (mode != HessianMode::Projected) return;
     if (straight) return add_bend_hessian_safe(p, stiffness, 1, 1, out);
 
-    const Eigen::Vector2d kappa = kappa_in(p, rest.n1);
+    const Vec2 kappa = kappa_in(p, rest.n1);
     const double square = kappa.squaredNorm(), dot = kappa[0] * rest.kappa1 + kappa[1] * rest.kappa2;
     const double s = square > 0 ? std::clamp(1 - dot / square, 0.0, 1.0) : 0.0;
     const double share = rest.mu == 0 ? 1 : 2 - 2 / p.chi, ca = 0.5 - rest.mu, cb = 0.5 + rest.mu;

@@ -34,7 +34,7 @@ void for_each_piece(const WireSpec& spec, double begin, double end, Visit visit)
 
 struct CellIntegrals {
     double bend_compliance = 0, twist_compliance = 0, mass = 0;  // int ds/B, int ds/C, [kg]
-    Eigen::Vector2d rest_kappa = Eigen::Vector2d::Zero();
+    Vec2 rest_kappa = Vec2::Zero();
 };
 
 CellIntegrals integrate_cell(const WireSpec& spec, double begin, double end)

@@ -20,7 +20,7 @@ struct WireSection {
     double poisson = 0.3;                                      // [-]
     double mu_static = 0.12;                                   // [-]
     double mu_sliding = 0.10;                                  // [-]
-    Eigen::Vector2d rest_curvature = Eigen::Vector2d::Zero();  // about the two directors [1/m]
+    Vec2 rest_curvature = Vec2::Zero();  // about the two directors [1/m]
 
     [[nodiscard]] bool operator==(const WireSection&) const = default;
 };

@@ -66,6 +66,8 @@ constexpr std::int64_t most_steps = std::int64_t{1} << 53;
 
 bool is_time(double seconds) { return seconds >= 0 && seconds < 1e12; }
 
+bool is_place(const double* at) { return std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]); }
+
 }  // namespace
 
 namespace {
@@ -80,7 +82,6 @@ bool is_sound(const LoadTally& t)
 
 bool is_sound(const ExitTally& t)
 {
-    const auto is_place = [](const double* at) { return std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]); };
     if (t.count < 0 || t.count > ExitTally::most_exits) return false;
     for (int w = 0; w < ExitTally::most_wires; ++w)
         if (t.seen[w] > 1 || !is_place(t.tip[w]) || (t.seen[w] == 0 && (t.tip[w][0] != 0 || t.tip[w][1] != 0 || t.tip[w][2] != 0)))
@@ -100,16 +101,16 @@ bool is_sound(const ExitTally& t)
 bool is_sound(const RunTally& t, std::int64_t most)
 {
     const auto counts = {t.steps,   t.contacts_max, t.newton_max, t.halved_steps, t.outside_steps, t.non_finite, t.resumes,
-                         t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps};
-    const auto values = {t.friction_max,  t.overlap_max,      t.outside_max,         t.wall_move_max,
-                         t.wall_stress_max, t.contact_area_max, t.contact_pressure_max, t.hand_force_max,
-                         t.overlap_share};
+                         t.rest_steps, t.far_steps, t.row_newton, t.row_flags,    t.row_steps,     t.unequal_steps};
+    const auto values = {t.friction_max,     t.overlap_max,          t.outside_max,    t.wall_move.value, t.wall_stress.value,
+                         t.contact_area_max, t.contact_pressure_max, t.hand_force_max, t.overlap_share};
+    const auto is_set = [](const Greatest& g) { return is_time(g.time) && is_place(g.at); };
     static_assert(sizeof(StageTimes) % sizeof(double) == 0);
     const std::span<const double> stages(reinterpret_cast<const double*>(&t.stages), sizeof t.stages / sizeof(double));
     return std::all_of(counts.begin(), counts.end(), [](std::int64_t n) { return n >= 0 && n <= most_steps; }) &&
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value) && value >= 0; }) &&
            std::all_of(stages.begin(), stages.end(), is_time) && is_time(t.wall) && is_time(t.record) && is_time(t.row_time) &&
-           is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
+           is_set(t.wall_move) && is_set(t.wall_stress) && is_time(t.hand_force_time) && is_time(t.overlap_time) && std::all_of(std::begin(t.overlap_at), std::end(t.overlap_at), [](double x) { return std::isfinite(x); }) &&
            is_sound(t.on_wall) && is_sound(t.on_instruments) && is_sound(t.exits) && t.steps <= most && t.rest_steps <= t.steps && t.row_steps <= t.steps;
 }
 

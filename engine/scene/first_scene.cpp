@@ -37,7 +37,7 @@ double median_lumen(const LoadedVessel& vessel)
 
 double extent_of(const WallMesh& mesh)
 {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }

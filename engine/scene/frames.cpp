@@ -35,7 +35,7 @@ std::string contacts_vtp(std::span<const ContactRow> rows)
     using Place = std::tuple<int, BodyKind, int>;
     std::vector<Place> places;
     std::vector<Vec3> points, normal, friction;
-    std::vector<double> force, gap, stuck, per_length, along, length, place;
+    std::vector<double> force, gap, stuck, per_length, along, length, place, body_a, body_b;
     for (const ContactRow& row : rows) {
         points.push_back(row.point);
         normal.push_back(row.normal);
@@ -46,6 +46,8 @@ std::string contacts_vtp(std::span<const ContactRow> rows)
         per_length.push_back(row.per_length);
         along.push_back(row.along_a);
         length.push_back(row.length);
+        body_a.push_back(row.a.body);
+        body_b.push_back(row.b.kind == BodyKind::Wall ? -1 : row.b.body);
         // of whatever it is that lies on whatever: two instruments on the wall side by side are two places
         const auto found = std::find(places.begin(), places.end(), Place{row.a.body, row.b.kind, row.region});
         place.push_back(static_cast<double>(1 + (found - places.begin())));
@@ -62,6 +64,8 @@ std::string contacts_vtp(std::span<const ContactRow> rows)
     out.add_point_data("along", 1, along);
     out.add_point_data("length", 1, length);
     out.add_point_data("place", 1, place);
+    out.add_point_data("body_a", 1, body_a);
+    out.add_point_data("body_b", 1, body_b);
     return out.bytes();
 }
 

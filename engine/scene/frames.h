@@ -21,7 +21,8 @@ struct Scene;
 /// @param wire  with Output::Shape
 [[nodiscard]] std::string wire_vtp(const WireOutput& wire);
 
-/// Points on the wall. Point data: normal_n [N], normal (unit, into the lumen), gap [m], friction [N], stuck (0/1).
+/// Points on the wall. Point data: normal_n [N], normal (unit, into the lumen), gap [m], friction [N], stuck (0/1),
+/// body_a and body_b (indices of instruments, -1: the wall).
 [[nodiscard]] std::string contacts_vtp(std::span<const ContactRow> rows);
 
 /// The wall in metres, triangles facing the lumen.

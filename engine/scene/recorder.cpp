@@ -188,6 +188,7 @@ void Recorder::take_in(const Output& now, const StepReport& report)
         tally_.overlap_time = now.time;
         for (int k = 0; k < 3; ++k) tally_.overlap_at[k] = readings_.overlap_at[k];
     }
+    if (std::abs(readings_.hand_force) > tally_.hand_force_max) tally_.hand_force_time = now.time;
     watch_exits(tally_.exits, now.wires, vessel_.loops, mesh_, now.time);
     tally_.take_in(readings_, report.flags, report.newton_iterations);
     tally_.stages += report.times;
@@ -195,10 +196,27 @@ void Recorder::take_in(const Output& now, const StepReport& report)
     tally_.row_flags |= report.flags;
 }
 
+/// The greatest loads and moves of what was read, and flags that only reading shows.
+void Recorder::take_greatest(const Output& now)
+{
+    unsigned seen = 0;
+    for (const WireOutput& wire : now.wires) seen |= wire.report.flags;
+    tally_.note_read(seen);
+    if (now.parts & (Output::Contacts | Output::Loads)) {
+        tally_.on_wall.take_in(joint_along(now.wires, &WireOutput::on_wall), now.time);
+        tally_.on_instruments.take_in(joint_along(now.wires, &WireOutput::on_instruments), now.time);
+    }
+    if (now.walls.empty() || !(now.parts & (Output::Wall | Output::WallShape))) return;
+    const WallReadings& wall = now.walls[0].readings;
+    tally_.wall_move.take_in(wall.move_max, wall.move_at, now.time);
+    tally_.wall_stress.take_in(wall.stress_max, wall.stress_at, now.time);
+}
+
 void Recorder::settled(const Output& now, const StepReport& report)
 {
     const Stopwatch watch(tally_.record);
     take_in(now, report);
+    take_greatest(now);
     write_row(now);
     if (scene_.wire_every > 0) write_wire_frame(now);
     if (scene_.contacts_every > 0) write_contact_frame(now);
@@ -212,13 +230,24 @@ unsigned Recorder::frame_parts() const
     return yields_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
 }
 
-unsigned Recorder::wants() const
+/// In most steps less is borne in all than was read before, and the load along the wires is not looked at.
+bool Recorder::may_bear_most(const World& world) const
+{
+    for (int w = 0; w < world.wire_count(); ++w) {
+        const WireReadings r = world.readings(w);
+        if (tally_.on_wall.may_rise(r.normal - r.normal_between) || tally_.on_instruments.may_rise(r.normal_between)) return true;
+    }
+    return false;
+}
+
+unsigned Recorder::wants(const World& world) const
 {
     const std::int64_t next = tally_.steps + 1;
     const unsigned contacts = yields_ ? Output::Contacts | Output::WallShape : Output::Contacts;
     return (due(next, scene_.wire_every) ? Output::Shape : Output::Numbers) |
            (has_wall_ && due(next, scene_.contacts_every) ? contacts : Output::Numbers) |
            (due(next, scene_.record_every) ? Output::Contacts : Output::Numbers) |
+           (may_bear_most(world) ? Output::Loads : Output::Numbers) |
            (yields_ && due(next, scene_.record_every) ? Output::Wall : Output::Numbers);
 }
 
@@ -229,6 +258,7 @@ void Recorder::stepped(const Output& now, const StepReport& report, double secon
     tally_.row_steps++;
     tally_.row_time += seconds;
     take_in(now, report);
+    take_greatest(now);
     const bool at_rest = std::all_of(now.wires.begin(), now.wires.end(), [](const WireOutput& wire) { return wire.at_rest; });
     tally_.rest_steps = at_rest ? tally_.rest_steps + 1 : 0;
     if (due(tally_.steps, scene_.record_every)) write_row(now);
@@ -297,6 +327,7 @@ std::string Recorder::finish(const World& world, RunStatus status, double wall)
         const Stopwatch watch(tally_.record);
         const bool ended = !goes_on && tally_.steps > 0;
         const Output now = world.output(frame_parts());
+        if (tally_.steps > 0) take_greatest(now);
         if (ended && !due(tally_.steps, scene_.record_every)) write_row(now);
         if (ended && scene_.wire_every > 0 && !due(tally_.steps, scene_.wire_every)) write_wire_frame(now);
         if (ended && scene_.contacts_every > 0 && !due(tally_.steps, scene_.contacts_every)) write_contact_frame(now);

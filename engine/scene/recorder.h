@@ -39,8 +39,8 @@ public:
 
     /// After settle(): takes its readings in, and writes row 0. @param now  Output::Everything
     void settled(const Output& now, const StepReport& report);
-    /// What the next step's record needs, of Output::Parts.
-    [[nodiscard]] unsigned wants() const;
+    /// What the record of the step that the world has just taken needs, of Output::Parts.
+    [[nodiscard]] unsigned wants(const World& world) const;
     /// After an accepted step. @param now  of the parts that were wanted  @param seconds  that the step took
     void stepped(const Output& now, const StepReport& report, double seconds);
 
@@ -57,6 +57,8 @@ public:
 private:
     void forget_lost_frames();
     void take_in(const Output& now, const StepReport& report);
+    [[nodiscard]] bool may_bear_most(const World& world) const;
+    void take_greatest(const Output& now);
     void begin_traces(const std::vector<std::uint64_t>& kept);
     void write_row(const Output& now);
     [[nodiscard]] std::string row_of(const WireReadings& r, const WireOutput& wire, const Output& now,

@@ -50,7 +50,6 @@ void Recorder::begin_traces(const std::vector<std::uint64_t>& kept)
 
 void Recorder::write_row(const Output& now)
 {
-    tally_.note_wall(now.wires[0].report.flags);
     double area = 0, pressure = 0;
     for (const WireOutput& wire : now.wires) {
         area += wire.contact_area;
@@ -60,8 +59,6 @@ void Recorder::write_row(const Output& now)
     tally_.contact_pressure_max = std::max(tally_.contact_pressure_max, pressure);
     const ContactAlong wall = joint_along(now.wires, &WireOutput::on_wall);
     const ContactAlong instruments = joint_along(now.wires, &WireOutput::on_instruments);
-    tally_.on_wall.take_in(wall, now.time);
-    tally_.on_instruments.take_in(instruments, now.time);
     traces_[0].append(row_of(readings_, now.wires[0], now, patch_fields(area, pressure) + along_fields(wall, instruments)));
     for (std::size_t k = 1; k < traces_.size(); ++k) {
         const WireOutput& wire = now.wires[k - 1];
@@ -93,8 +90,6 @@ std::string Recorder::row_of(const WireReadings& r, const WireOutput& wire, cons
 std::string Recorder::wall_fields(const Output& now)
 {
     const WallReadings w = now.walls.empty() ? WallReadings{} : now.walls[0].readings;
-    tally_.wall_move_max = std::max(tally_.wall_move_max, w.move_max);
-    tally_.wall_stress_max = std::max(tally_.wall_stress_max, w.stress_max);
     return fmt::format(",{},{},{},{}", csv(w.move_max), csv(w.energy), csv(w.loss), csv(w.stress_max));
 }
 

@@ -70,7 +70,7 @@ void read_section(const toml::table& table, const std::string& path, WireSpec& w
         for (std::size_t i = 0; i < 2; ++i) {
             const auto value = k && k->size() == 2 && (*k)[i].is_number() ? (*k)[i].value<double>() : std::nullopt;
             if (!value || !std::isfinite(*value)) t.fail("rest_curvature_1_m", "expected two numbers [k1, k2] in 1/m");
-            range.section.rest_curvature[static_cast<Eigen::Index>(i)] = *value;
+            range.section.rest_curvature[i] = *value;
         }
     }
     order_friction(range.section.mu_static, range.section.mu_sliding, path, scene);

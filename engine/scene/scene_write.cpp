@@ -282,7 +282,7 @@ void write_wall_loads(std::string& out, const VesselSpec& vessel)
     for (const WallLoad& load : vessel.loads) {
         TableText t(out, "[[wall_load]]");
         t.num("pressure_pa", load.pressure);
-        if (!load.force.isZero(0)) t.vector("at", load.at).vector("force_n", load.force);
+        if (!load.force.isZero()) t.vector("at", load.at).vector("force_n", load.force);
     }
 }
 

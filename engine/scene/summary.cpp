@@ -120,6 +120,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("friction_max_n", tally.friction_max);
     number.set("hand_force_n", r.hand_force);
     number.set("hand_force_max_n", tally.hand_force_max);
+    number.set("hand_force_max_at_s", tally.hand_force_time);
     number.set("hand_torque_nm", r.hand_torque);
     out["base_force_n"] = {r.base_force.x(), r.base_force.y(), r.base_force.z()};  // the JSON writer makes null of NaN
     number.set("remesh_energy_j", r.remesh_energy);
@@ -129,7 +130,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("contact_area_max_m2", tally.contact_area_max);
     number.set("contact_pressure_max_pa", tally.contact_pressure_max);
     set_loads(number, out, "", tally.on_wall);
-    if (tally.on_instruments.regions > 0) set_loads(number, out, "instruments_", tally.on_instruments);
+    if (tally.on_instruments.patch_force > 0) set_loads(number, out, "instruments_", tally.on_instruments);
     out["newton_max"] = tally.newton_max;
     for (const EnergyEntry& entry : energy_entries(r.energy)) number.set(entry.name, entry.value);
     number.set("energy_j", r.kinetic + r.elastic + r.gravitational);
@@ -146,12 +147,19 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     const WallReadings now = world.wall_readings();
     out["wall_vertices"] = made.vertices;
     number.set("wall_edge_m", made.edge);
+    number.set("wall_decay_m", made.decay);
     number.set("wall_made_s", made.made_in);
     number.set("wall_factor_s", made.factor);
     out["wall_columns"] = made.columns;
     number.set("wall_memory_mb", 1e-6 * static_cast<double>(made.bytes));
-    number.set("wall_move_max_m", std::max(tally.wall_move_max, now.move_max));
-    number.set("wall_stress_max_pa", std::max(tally.wall_stress_max, now.stress_max));
+    const auto set_greatest = [&](const std::string& name, const std::string& unit, Greatest most, double value, const double (&at)[3]) {
+        most.take_in(value, at, world.time());
+        number.set(name + "_max_" + unit, most.value);
+        out[name + "_max_at_m"] = {most.at[0], most.at[1], most.at[2]};
+        number.set(name + "_max_at_s", most.time);
+    };
+    set_greatest("wall_move", "m", tally.wall_move, now.move_max, now.move_at);
+    set_greatest("wall_stress", "pa", tally.wall_stress, now.stress_max, now.stress_at);
     number.set("wall_energy_j", now.energy);
     number.set("wall_loss_j", now.loss);
     out["wall_far_steps"] = tally.far_steps;
@@ -208,6 +216,12 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                         1e3 * tally.outside_max));
     if (const std::string thick = describe_thick_wall(world.setup().vessel, world.setup().centreline); !thick.empty())
         list.push_back(thick);
+    if (const std::string coarse = describe_coarse_wall(world.wall_mechanics(), world.setup().vessel); !coarse.empty())
+        list.push_back(coarse);
+    if (tally.unequal_steps > 0)
+        list.push_back(share(tally.unequal_steps) +
+                       " have contact samples that do not add up to the forces on the nodes: do not trust readings of contact in this "
+                       "run, and report it with the scene");
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
                        " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
@@ -240,11 +254,20 @@ void RunTally::take_in(const WireReadings& readings, unsigned flags, int newton_
     newton_max = std::max<std::int64_t>(newton_max, newton_iterations);
     halved_steps += (flags & StepHalved) != 0;
     far_steps += (flags & StepWallFar) != 0;
+    unequal_steps += (flags & StepContactSums) != 0;
     outside_steps += (flags & StepWallPenetration) != 0;
     friction_max = std::max(friction_max, readings.friction);
     hand_force_max = std::max(hand_force_max, std::abs(readings.hand_force));
     overlap_max = std::max(overlap_max, readings.overlap);
     outside_max = std::max(outside_max, readings.outside);
+}
+
+void Greatest::take_in(double now, const double (&where)[3], double when)
+{
+    if (!(now > value)) return;
+    value = now;
+    std::copy(std::begin(where), std::end(where), at);
+    time = when;
 }
 
 void LoadTally::take_in(const ContactAlong& now, double time)
@@ -266,11 +289,12 @@ void LoadTally::take_in(const ContactAlong& now, double time)
     widened |= now.widened ? 1 : 0;
 }
 
-void RunTally::note_wall(unsigned flags)
+void RunTally::note_read(unsigned flags)
 {
-    if (!(flags & ~row_flags & StepWallFar)) return;
-    row_flags |= StepWallFar;
-    ++far_steps;
+    const unsigned fresh = flags & ~static_cast<unsigned>(row_flags);
+    far_steps += (fresh & StepWallFar) != 0;
+    unequal_steps += (fresh & StepContactSums) != 0;
+    row_flags |= fresh & (StepWallFar | StepContactSums);
 }
 
 const char* status_word(RunStatus status)
@@ -375,7 +399,7 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir)
     if (s.contains("model") && s.at("model").contains("inlet"))
         text += "  entered at " + s.at("model").at("inlet").get<std::string>() + "\n";
     if (s.contains("error_estimate")) text += estimate_for_people(s.at("error_estimate"));
-    if (number("contact_regions_max") > 0)
+    if (number("patch_force_max_n") > 0)
         text += fmt::format("  on the wall: at most {:.4g} N/m (over {:.3g} mm), {:.4g} N on {:.3g} mm of wire; {:.4g} mm in contact "
                             "at most, in {} places at most\n",
                             number("force_per_length_max_n_per_m"), 1e3 * number("force_window_m"), number("patch_force_max_n"),

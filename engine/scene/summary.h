@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "scene/step_twin.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +21,8 @@ namespace seldinger {
 enum class RunStatus : std::int32_t { Running, Done, TimeLimit, Interrupted, Stopped };
 [[nodiscard]] const char* status_word(RunStatus status);  // "done", "time-limit", ...
 
-/// The most of what contacts along the wire came to (contact/force_per_length.h), over the rows of trace.csv.
+/// The most of what contacts along the wire came to (contact/force_per_length.h): forces over every step, places and extent over the
+/// rows of trace.csv.
 struct LoadTally {
     double per_length = 0, per_length_at = 0, per_length_time = 0;  // [N/m], from the tip [m], [s]
     double patch_force = 0, patch_at = 0, patch_time = 0;           // [N], from the tip [m], [s]
@@ -30,6 +32,15 @@ struct LoadTally {
     std::uint8_t widened = 0;      // 0 or 1: a file may hold anything, which a bool may not
     std::uint8_t unused[7] = {};   // a checkpoint has no bytes that nobody sets
     void take_in(const ContactAlong& now, double time);
+    /// Whether contacts of this sum of normal forces [N] can bear more: no stretch of a wire bears more than all of them, but for
+    /// rounding (contact/contact_sums.h).
+    [[nodiscard]] bool may_rise(double normal) const { return (1 + 1e-9) * normal > std::min(patch_force, per_length * window); }
+};
+
+/// The greatest value of a reading of the wall, where on the wall that has not moved, and when.
+struct Greatest {
+    double value = 0, at[3] = {}, time = 0;  // [m], [s]
+    void take_in(double now, const double (&where)[3], double when);
 };
 
 /// Everything that is counted over a run. Plain bytes, so that a checkpoint carries it as it is.
@@ -43,10 +54,11 @@ struct RunTally {
     std::int64_t rest_steps = 0;                                // steps in a row that World::at_rest() held
     double friction_max = 0, overlap_max = 0, outside_max = 0;  // over every step [N], [m], [m]
     std::int64_t far_steps = 0;                                 // StepWallFar
-    double wall_move_max = 0, wall_stress_max = 0;              // over the rows of trace.csv [m], [Pa]
+    std::int64_t unequal_steps = 0;                             // StepContactSums
+    Greatest wall_move, wall_stress;                            // over the rows of trace.csv [m], [Pa]
     double contact_area_max = 0, contact_pressure_max = 0;      // likewise [m^2], [Pa]
-    LoadTally on_wall, on_instruments;                          // likewise
-    double hand_force_max = 0;                                  // over every step, of |hand force| [N]
+    LoadTally on_wall, on_instruments;                          // per_length and patch_force over every step, the others over rows
+    double hand_force_max = 0, hand_force_time = 0;             // over every step, of |hand force| [N], [s]
     double overlap_share = 0, overlap_time = 0, overlap_at[3] = {};  // of the radius, at the worst step [-], [s], [m]
     ExitTally exits;
     double wall = 0;    // the loop with writing, earlier parts of a resumed run included [s]
@@ -58,8 +70,8 @@ struct RunTally {
 
     /// What one wire's step adds to the counts and maxima; `steps` and times are the caller's.
     void take_in(const WireReadings& readings, unsigned flags, int newton_iterations);
-    /// What is seen only where the whole wall is read, for a row: StepWallFar, counted unless a step of the row has said so.
-    void note_wall(unsigned flags);
+    /// Flags that are seen only where a state is read (WireOutput::report), counted unless a step of the row has said so.
+    void note_read(unsigned flags);
 };
 static_assert(std::is_trivially_copyable_v<RunTally>);
 

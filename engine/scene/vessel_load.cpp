@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "engine.h"
 #include "io/mesh_file.h"
+#include "scene/vessel_cache.h"
 #include "vessel/aortic_arch.h"
 #include "vessel/extract_centreline.h"
 #include "vessel/repair.h"
@@ -12,6 +13,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace seldinger {
 namespace {
@@ -34,11 +38,12 @@ std::string describe_rounding(double rounding)
         1e6 * rounding);
 }
 
-LoadedVessel from_file(const VesselSpec& spec)
+LoadedVessel prepare(const VesselSpec& spec, std::string bytes)
 {
     LoadedVessel vessel;
     double rounding = 0;
-    vessel.mesh = read_mesh(spec.mesh, spec.units, nullptr, &rounding);
+    vessel.mesh = parse_mesh(bytes, spec.mesh, spec.units, nullptr, &rounding);
+    bytes = {};  // as much memory as the mesh
     try {
         vessel.report = repair(vessel.mesh);
         if (rounding > felt_rounding) vessel.report.notes.push_back(describe_rounding(rounding));
@@ -48,9 +53,25 @@ LoadedVessel from_file(const VesselSpec& spec)
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", spec.mesh.string(), error.what()));
     }
-    // a file's centreline is in the mesh's unit: the two come from one pipeline
-    if (!spec.centreline.empty()) vessel.centreline = read_centreline_vtp(spec.centreline, spec.units);
     return vessel;
+}
+
+LoadedVessel from_file(const VesselSpec& spec)
+{
+    std::string bytes = read_mesh_bytes(spec.mesh, spec.units);
+    std::string key;
+    std::optional<LoadedVessel> vessel;
+    if (vessel_cache_limit() > 0) {
+        key = vessel_key(bytes, spec.mesh.extension().string(), spec.units, spec.centreline.empty());
+        vessel = find_prepared(key);
+    }
+    if (!vessel) {
+        vessel = prepare(spec, std::move(bytes));
+        keep_prepared(key, *vessel);
+    }
+    // a file's centreline is in the mesh's unit: the two come from one pipeline
+    if (!spec.centreline.empty()) vessel->centreline = read_centreline_vtp(spec.centreline, spec.units);
+    return std::move(*vessel);
 }
 
 }  // namespace
@@ -83,6 +104,20 @@ std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centre
                        "thin shell, and a wire cannot force it open there; make vessel.thickness_m smaller, or set vessel.wall = "
                        "\"rigid\"",
                        1e3 * *narrowest, at.x(), at.y(), at.z(), 1e3 * spec.thickness);
+}
+
+std::string describe_coarse_wall(const WallMechanics& wall, const VesselSpec& spec)
+{
+    if (wall.vertices == 0 || !(wall.edge > wall.decay)) return {};
+    const double ratio = wall.edge / wall.decay;
+    const double low = std::min(90.0, 2.6 * ratio * ratio);  // [%]
+    const std::string stress = ratio < 2 ? fmt::format("about {:.0f} %", 35 * ratio) : "more than two thirds";
+    const double fine = 0.5 * wall.decay, finer = wall.edge / fine;
+    return fmt::format("vessel.wall_edge_m: got control edges of {:.3g} mm, {:.2g} decay lengths; expected at most one decay length of "
+                       "{:.3g} mm. On a plane displacement then reads about {:.0f} % too low and stress {} too low, in a tube up to "
+                       "three times as much. Fix: vessel.wall_edge_m = {:.2g} (about {:.0f} vertices){}",
+                       1e3 * wall.edge, ratio, 1e3 * wall.decay, low, stress, fine, static_cast<double>(wall.vertices) * finer * finer,
+                       spec.shape == VesselShape::Plane ? ", or a smaller vessel.size_m" : "");
 }
 
 void load_vessel(WorldSetup& setup)

@@ -38,6 +38,11 @@ sockaddr_in address_of(const std::string& text, int port)
     return address;
 }
 
+double seconds_of_the_clock()
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 std::uint64_t number_of(const sockaddr_in& sender)
 {
     return static_cast<std::uint64_t>(sender.sin_addr.s_addr) << 16 | sender.sin_port;
@@ -94,7 +99,8 @@ void HandChannel::listen(const std::function<double()>& clock)
         const ssize_t got = recvfrom(socket_, bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&sender), &size);
         if (got < 0) continue;
         SelHandRequest request;
-        const auto verdict = gate_.take(bytes, static_cast<std::size_t>(got), number_of(sender), clock(), request);
+        const HandGate::Now now(clock(), seconds_of_the_clock());
+        const auto verdict = gate_.take(bytes, static_cast<std::size_t>(got), number_of(sender), now, request);
         auto& counter = counts_[static_cast<std::size_t>(verdict)];
         counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
         if (verdict != HandGate::Verdict::Accepted) continue;

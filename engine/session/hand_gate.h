@@ -1,8 +1,8 @@
 #pragma once
 // Which of the datagrams that arrive are a hand's: everything else is counted and ignored. Knows packets and times, no sockets.
 //
-// A device, told apart by its address, owns an instrument while it is heard; another one may take over after a silence. Sequence
-// numbers of the owner rise. A hand goes no faster than speed_limit on the whole: each instrument has an allowance of travel, filled at
+// A device, told apart by its address, owns an instrument while it is heard. After a silence another device may take over, and so may
+// the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC 1982, 3.2]. A hand goes no faster than speed_limit on the whole: each instrument has an allowance of travel, filled at
 // that speed up to allowance_time's worth, that every move is taken off; so late packets in a bunch are as good as prompt ones, and a jump is
 // not.
 
@@ -27,16 +27,24 @@ class HandGate {
 public:
     static constexpr double speed_limit = 1.0, turn_speed_limit = 100.0;  // [m/s], [rad/s]
     static constexpr double allowance_time = 0.25;                        // [s]
-    static constexpr double silence = 0.1;                                // after which another device may take over [s]
+    static constexpr double silence = 0.1;  // without an accepted request, after which an instrument has no owner [s]
 
     enum class Verdict { Accepted, Malformed, Instrument, NotFinite, NotOwner, Sequence, Jump };
     static constexpr int verdict_count = 7;
 
     explicit HandGate(int instruments) : instruments_(instruments) {}
 
-    /// @param sender  any number that tells devices apart    @param now  [s], rising
+    /// When a datagram came [s], both rising. In lockstep session time stands still while requests are refused, so that silence is
+    /// measured by the clock.
+    struct Now {
+        double session, clock;
+        Now(double both) : session(both), clock(both) {}  // NOLINT(google-explicit-constructor)
+        Now(double session_time, double clock_time) : session(session_time), clock(clock_time) {}
+    };
+
+    /// @param sender  any number that tells devices apart
     /// @param out     the request, where it was accepted
-    Verdict take(const unsigned char* bytes, std::size_t size, std::uint64_t sender, double now, SelHandRequest& out);
+    Verdict take(const unsigned char* bytes, std::size_t size, std::uint64_t sender, Now now, SelHandRequest& out);
 
     [[nodiscard]] const HandState& hand(int instrument) const { return owners_[static_cast<std::size_t>(instrument)].hand; }
     [[nodiscard]] std::uint64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
@@ -45,10 +53,11 @@ private:
     struct Owner {
         HandState hand;
         std::uint64_t sender = 0, sequence = 0;
+        double heard_at = 0;                     // by the clock [s]
         double advance_zero = 0, turn_zero = 0;  // what the device's own zero is here
         double travel = speed_limit * allowance_time, turning = turn_speed_limit * allowance_time;  // allowances left
     };
-    [[nodiscard]] Verdict judge(const SelHandRequest& request, std::uint64_t sender, double now);
+    [[nodiscard]] Verdict judge(const SelHandRequest& request, std::uint64_t sender, Now now);
     [[nodiscard]] static bool within(Owner& owner, const HandState& to, double now);
 
     int instruments_;

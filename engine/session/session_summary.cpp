@@ -86,7 +86,8 @@ std::string score_page(const Scene& scene, const ScoreNumbers& s)
     rows += row("Contrast", fmt::format("{:.1f} ml", s.contrast));
     rows += row("Target", s.reached ? "reached" : s.distance < 0 ? "none" : fmt::format("{:.1f} mm away", 1e3 * s.distance));
     return fmt::format(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta http-equiv=\"Content-Security-Policy\" "
+        "content=\"default-src 'none'; style-src 'unsafe-inline'\"><meta name=\"viewport\" content=\"width=device-width\">"
         "<title>{0}: {1}</title><style>:root{{color-scheme:light dark}}body{{font:16px system-ui,sans-serif;max-width:40rem;"
         "margin:2rem auto;padding:0 1rem}}th,td{{text-align:left;padding:.3rem 1rem .3rem 0;font-weight:normal}}"
         "td{{font-variant-numeric:tabular-nums}}</style><h1>{0}: {1}</h1><p>{2}</p><table>\n{3}</table></html>\n",

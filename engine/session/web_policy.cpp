@@ -1,9 +1,14 @@
 // Token, origin and host of a web request.
 #include "session/web_policy.h"
 
+#include "core/error.h"
+
 #include <arpa/inet.h>
+#include <fmt/format.h>
+#include <sys/random.h>
 
 #include <algorithm>
+#include <array>
 
 namespace seldinger {
 
@@ -49,6 +54,27 @@ bool same_secret(std::string_view a, std::string_view b)
     return differ == 0;
 }
 
+bool is_token(std::string_view text)
+{
+    constexpr std::string_view unreserved = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+    return text.size() >= least_token && text.find_first_not_of(unreserved) == std::string_view::npos;
+}
+
+std::string make_token()
+{
+    std::array<unsigned char, 16> random{};
+    if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
+        throw Error(ExitCode::BadFile, "the system gave no random numbers for a token; give one with --token");
+    std::string text;
+    for (const unsigned char byte : random) text += fmt::format("{:02x}", byte);
+    return text;
+}
+
+std::string in_url(const std::string& address)
+{
+    return address.find(':') == std::string::npos || address.starts_with('[') ? address : "[" + address + "]";
+}
+
 std::string query_value(std::string_view target, std::string_view name)
 {
     const std::size_t question = target.find('?');
@@ -60,7 +86,7 @@ std::string cookie_value(std::string_view cookies, std::string_view name) { retu
 Admission admit(const WebRequest& request, std::string_view bound_to, std::string_view token)
 {
     const std::string_view host = without_port(request.host);
-    const bool own_name = is_loopback(host) || host == bound_to;
+    const bool own_name = is_loopback(host) || host == in_url(std::string(bound_to));
     if (!own_name && token.empty()) return Admission::WrongHost;
     if (!request.origin.empty()) {
         const std::size_t scheme = request.origin.find("://");
@@ -69,6 +95,19 @@ Admission admit(const WebRequest& request, std::string_view bound_to, std::strin
     if (token.empty()) return Admission::Welcome;
     const std::string given = query_value(request.target, "token"), kept = cookie_value(request.cookie, "seldinger_token");
     return same_secret(given, token) || same_secret(kept, token) ? Admission::Welcome : Admission::WrongToken;
+}
+
+bool WrongTokens::may_try(const std::string& address, double now)
+{
+    const auto known = of_.find(address);
+    return known == of_.end() || known->second.is_left(now);
+}
+
+void WrongTokens::count(const std::string& address, double now)
+{
+    if (of_.size() >= most_addresses && !of_.contains(address))
+        of_.erase(std::min_element(of_.begin(), of_.end(), [](const auto& a, const auto& b) { return a.second.last() < b.second.last(); }));
+    (void)of_.try_emplace(address, per_second, at_once, now).first->second.allow(now);
 }
 
 }  // namespace seldinger

@@ -12,7 +12,10 @@
 #include <boost/beast.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <list>
+#include <map>
 #include <optional>
 #include <set>
 #include <thread>
@@ -29,15 +32,29 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::size_t most_connections = 64, most_sockets = 8;
 constexpr double messages_per_second = 120;
 constexpr auto frame_period = std::chrono::milliseconds(25);
 constexpr auto request_time = std::chrono::seconds(10);
 constexpr double wish_time = 0.3;  // a push lasts so long unless it is said again [s]
 
+double seconds_of_the_clock()
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Whom a connection is counted for: an address of version 4, or a network of version 6, of which one machine has all addresses.
+std::string who_is(const asio::ip::address& address)
+{
+    if (address.is_v4()) return address.to_string();
+    if (address.to_v6().is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
+    const auto bytes = address.to_v6().to_bytes();
+    return {bytes.begin(), bytes.begin() + 8};
+}
+
 using Frame = std::shared_ptr<const std::string>;
 using Files = std::map<std::string, WebFile, std::less<>>;
 
+class Connection;
 class Socket;
 
 /// What the connections share; one thread.
@@ -47,7 +64,10 @@ struct Hub {
     WebOptions options;
     WebCounts counts;
     std::set<Socket*> sockets;
+    std::map<std::string, std::size_t> connections_of;  // by who_is()
     std::size_t connections = 0;
+    std::list<Connection*> waiting;  // for a request, the longest first
+    WrongTokens wrong_tokens;
     PageWish wish;
 
     [[nodiscard]] Admission admitted(const http::request<http::empty_body>& request) const
@@ -60,6 +80,11 @@ struct Hub {
         return admit({{target.data(), target.size()}, text(http::field::host), text(http::field::origin), text(http::field::cookie)},
                      options.address, options.token);
     }
+
+    /// Whether `who` may have another connection. Where there are as many as may be, who has waited longest without a whole request
+    /// gives way: a page's comes at once.
+    bool make_room(const std::string& who);
+    bool give_way(const std::string* of);
 
     void take(std::string_view message)
     {
@@ -74,15 +99,35 @@ struct Hub {
     }
 };
 
+/// A connection's place among those that there may be.
+class Place {
+public:
+    Place(Hub& hub, std::string who) : hub_(hub), who_(std::move(who)) { ++hub_.connections, ++hub_.connections_of[who_]; }
+    ~Place()
+    {
+        --hub_.connections;
+        if (--hub_.connections_of[who_] == 0) hub_.connections_of.erase(who_);
+    }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+    [[nodiscard]] const std::string& who() const { return who_; }
+
+private:
+    Hub& hub_;
+    std::string who_;
+};
+
 /// One WebSocket.
 class Socket : public std::enable_shared_from_this<Socket> {
 public:
-    Socket(beast::tcp_stream stream, Hub& hub) : stream_(std::move(stream)), hub_(hub) {}
-    ~Socket() { hub_.sockets.erase(this), --hub_.connections; }
+    Socket(beast::tcp_stream stream, Hub& hub, std::unique_ptr<Place> place)
+        : stream_(std::move(stream)), hub_(hub), place_(std::move(place))
+    {
+    }
+    ~Socket() { hub_.sockets.erase(this); }
 
     void accept(http::request<http::empty_body> request)
     {
-        ++hub_.connections;
         hub_.sockets.insert(this);
         request_ = std::move(request);
         stream_.set_option(websocket::stream_base::timeout{request_time, std::chrono::seconds(20), true});
@@ -130,7 +175,7 @@ private:
     void take()
     {
         const auto data = buffer_.cdata();
-        if (!rate_.allow(hub_.session.clock())) {  // more than any page sends
+        if (!rate_.allow(seconds_of_the_clock())) {  // more than any page sends
             ++hub_.counts.malformed;
             open_ = false;
             return close();
@@ -141,8 +186,9 @@ private:
         read();
     }
 
-    websocket::stream<beast::tcp_stream> stream_;
+    websocket::stream<beast::tcp_stream, false> stream_;  // without compression, which nobody asks for: half of what this file takes to compile
     Hub& hub_;
+    std::unique_ptr<Place> place_;
     http::request<http::empty_body> request_;
     beast::flat_buffer buffer_{most_message_bytes};
     RateLimit rate_{messages_per_second};
@@ -153,8 +199,18 @@ private:
 /// One HTTP connection, until it becomes a WebSocket.
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
-    Connection(tcp::socket socket, Hub& hub) : stream_(std::move(socket)), hub_(hub) { ++hub_.connections; }
-    ~Connection() { --hub_.connections; }
+    Connection(tcp::socket socket, Hub& hub, std::string who)
+        : stream_(std::move(socket)), hub_(hub), place_(std::make_unique<Place>(hub, std::move(who))), turn_(hub.waiting.end())
+    {
+    }
+    ~Connection() { stop_waiting(); }
+    [[nodiscard]] const std::string& who() const { return place_->who(); }
+    void give_way()
+    {
+        stop_waiting();
+        place_.reset();
+        stream_.close();
+    }
 
     void read()
     {
@@ -162,7 +218,10 @@ public:
         parser_->header_limit(most_header_bytes);
         parser_->body_limit(0);
         stream_.expires_after(request_time);
+        turn_ = hub_.waiting.insert(hub_.waiting.end(), this);
         http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+            self->stop_waiting();
+            if (!self->place_) return;  // it gave way
             if (error == http::error::end_of_stream) return self->close();
             if (error) {
                 ++self->hub_.counts.malformed;
@@ -173,10 +232,24 @@ public:
     }
 
 private:
+    void stop_waiting()
+    {
+        if (turn_ != hub_.waiting.end()) hub_.waiting.erase(std::exchange(turn_, hub_.waiting.end()));
+    }
+
     void answer(http::request<http::empty_body> request)
     {
         ++hub_.counts.requests;
+        if (request.count(http::field::host) != 1 || request.count(http::field::origin) > 1) {  // [RFC 9112, 3.2]
+            ++hub_.counts.refused;
+            return refuse(request, http::status::bad_request, "expected one Host, and one Origin at most");
+        }
+        if (!hub_.wrong_tokens.may_try(who(), seconds_of_the_clock())) {
+            ++hub_.counts.refused;
+            return refuse(request, http::status::too_many_requests, "too many wrong tokens came from this address; wait a second");
+        }
         const Admission admission = hub_.admitted(request);
+        if (admission == Admission::WrongToken) hub_.wrong_tokens.count(who(), seconds_of_the_clock());
         if (admission != Admission::Welcome) {
             ++hub_.counts.refused;
             static constexpr const char* why[] = {"", "this name is not the session's", "a page of another site asks",
@@ -201,7 +274,7 @@ private:
             return refuse(request, http::status::service_unavailable, "as many watch as can");
         }
         stream_.expires_never();
-        std::make_shared<Socket>(std::move(stream_), hub_)->accept(std::move(request));
+        std::make_shared<Socket>(std::move(stream_), hub_, std::move(place_))->accept(std::move(request));
     }
 
     void refuse(const http::request<http::empty_body>& request, http::status status, const char* why)
@@ -224,7 +297,7 @@ private:
         response_.set("Referrer-Policy", "no-referrer");
         const auto target = request.target();
         const std::string token = query_value({target.data(), target.size()}, "token");
-        if (status == http::status::ok && !token.empty() && token == hub_.options.token)  // another's text is no cookie of ours
+        if (status == http::status::ok && !token.empty() && same_secret(token, hub_.options.token))  // another's text is no cookie of ours
             response_.set(http::field::set_cookie, "seldinger_token=" + token + "; HttpOnly; SameSite=Strict; Path=/");
         response_.content_length(file.body.size());
         if (request.method() != http::verb::head) response_.body() = {file.body.data(), file.body.size()};
@@ -243,17 +316,36 @@ private:
 
     beast::tcp_stream stream_;
     Hub& hub_;
+    std::unique_ptr<Place> place_;
+    std::list<Connection*>::iterator turn_;  // among those that wait
     beast::flat_buffer buffer_{most_header_bytes};
     std::optional<http::request_parser<http::empty_body>> parser_;
     http::response<http::span_body<const char>> response_;
     WebFile refusal_;  // kept while it is sent; the other files are the hub's
 };
 
+bool Hub::make_room(const std::string& who)
+{
+    const auto of_one = connections_of.find(who);
+    if (of_one != connections_of.end() && of_one->second >= most_connections_of_one) return give_way(&who);
+    return connections < most_connections || give_way(nullptr);
+}
+
+/// @param of  whose connection; none: anybody's
+bool Hub::give_way(const std::string* of)
+{
+    const auto found = std::find_if(waiting.begin(), waiting.end(), [&](const Connection* c) { return !of || c->who() == *of; });
+    if (found == waiting.end()) return false;
+    ++counts.gave_way;
+    (*found)->give_way();
+    return true;
+}
+
 }  // namespace
 
 struct WebServer::Impl {
     Impl(const WebOptions& options, const Scene& scene, Session& session)
-        : hub{session, web_files(scene, session.world().setup(), session.scorer(), 1 / session.step_length()), options, {}, {}, 0, {}}
+        : hub{session, web_files(scene, session.world().setup(), session.scorer(), 1 / session.step_length()), options, {}, {}, {}, 0, {}, {}, {}}
     {
     }
 
@@ -262,7 +354,9 @@ struct WebServer::Impl {
         acceptor.async_accept([this](error_code error, tcp::socket socket) {
             if (!acceptor.is_open()) return;
             if (error) return listen_later();
-            if (hub.connections < most_connections) std::make_shared<Connection>(std::move(socket), hub)->read();
+            error_code gone;
+            const std::string who = who_is(socket.remote_endpoint(gone).address());
+            if (!gone && hub.make_room(who)) std::make_shared<Connection>(std::move(socket), hub, who)->read();
             else ++hub.counts.refused;
             listen();
         });
@@ -301,14 +395,21 @@ struct WebServer::Impl {
     int port = 0;
 };
 
-WebServer::WebServer(const WebOptions& options, const Scene& scene, Session& session)
+WebServer::WebServer(const WebOptions& given, const Scene& scene, Session& session)
 {
+    WebOptions options = given;
+    if (options.address.starts_with('[') && options.address.ends_with(']')) options.address = options.address.substr(1, options.address.size() - 2);
     error_code error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error)
         throw Error(ExitCode::BadScene, fmt::format("--bind: \"{}\": expected an address such as 127.0.0.1 or 0.0.0.0", options.address));
     if (!address.is_loopback() && options.token.empty())
         throw Error(ExitCode::BadScene, fmt::format("--bind {}: others can reach this address; give a token with --token", options.address));
+    if (!options.token.empty() && !is_token(options.token))
+        throw Error(ExitCode::BadScene,
+                    fmt::format("--token: got {} characters; expected at least {} of A-Z a-z 0-9 - . _ ~ and no others. Fix: leave --token "
+                                "out, and one is made where others can reach the page",
+                                options.token.size(), least_token));
     impl_ = std::make_unique<Impl>(options, scene, session);
     tcp::acceptor& acceptor = impl_->acceptor;
     const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));

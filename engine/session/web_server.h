@@ -19,12 +19,13 @@ struct WebOptions {
 /// What has come and gone.
 struct WebCounts {
     std::uint64_t requests = 0, refused = 0, malformed = 0, sockets = 0, frames = 0, frames_dropped = 0;
+    std::uint64_t gave_way = 0;      // connections that were closed for newer ones
     std::uint64_t not_accepted = 0;  // looks at a connection that there was no descriptor for
 };
 
 class WebServer {
 public:
-    /// Opens the port and reads the page. @throws Error BadScene: an address that others reach without a token; BadFile: port in use,
+    /// Opens the port and reads the page. @throws Error BadScene: an address that others reach without a token, a weak token; BadFile: port in use,
     /// the page's files missing
     WebServer(const WebOptions& options, const Scene& scene, Session& session);
     ~WebServer();

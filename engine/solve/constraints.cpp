@@ -3,9 +3,9 @@
 #include "solve/constraints.h"
 
 #include "core/error.h"
+#include "rod/transport.h"
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -39,9 +39,6 @@ Vec3 displacement(const HoldSpec& hold, double t)
 double ramp_factor(const LoadSpec& load, double t) { return load.ramp > 0 ? std::clamp(t / load.ramp, 0.0, 1.0) : 1.0; }
 
 constexpr int most_clamps = 12;  // RodFrames has room for 16; feeding and rings add their own
-
-/// Parallel transport of v from unit vector a to unit vector b.
-Vec3 transport(const Vec3& v, const Vec3& a, const Vec3& b) { return Eigen::Quaterniond::FromTwoVectors(a, b) * v; }
 
 Vec3 material_director(const RodView& rod, int edge)
 {
@@ -88,11 +85,12 @@ NodeFrame node_frame(const RodView& rod, int node)
         tangent = 1.5 * rod.tangent(after) - 0.5 * rod.tangent(neighbour);
     }
     tangent.normalize();
-    Vec3 director = transport(material_director(rod, before), rod.tangent(before), tangent) +
-                    transport(material_director(rod, after), rod.tangent(after), tangent);
+    Vec3 director = Vec3::Zero();
+    for (const int edge : {before, after})
+        director += parallel_transport(material_director(rod, edge), rod.tangent(edge), tangent, one_plus_cos(rod.tangent(edge), tangent));
     director -= director.dot(tangent) * tangent;
     director.normalize();
-    if (before == after) director = Eigen::AngleAxisd(twist_to_end(rod, node), tangent) * director;
+    if (before == after) director = turned(director, tangent, twist_to_end(rod, node));
     return {tangent, director};
 }
 
@@ -204,9 +202,9 @@ void WireHolds::fill(double t, const RodView& rod, WireConstraints& out) const
             for (int c = 0; c < 3; ++c) out.prescribed.emplace_back(RodDofs::position(at_node, c), position[c]);
         }
         if (hold.spec.direction || hold.spec.spin) {
-            const double turned = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
-            const Vec3 director = Eigen::AngleAxisd(turned, hold.tangent) * hold.director;
-            out.clamps.push_back({at_node, hold.spec.direction, hold.spec.spin, hold.tangent, director, turned});
+            const double angle = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
+            const Vec3 director = turned(hold.director, hold.tangent, angle);
+            out.clamps.push_back({at_node, hold.spec.direction, hold.spec.spin, hold.tangent, director, angle});
         }
     }
     add_loads(t, rod, 0, 0, out);
@@ -245,9 +243,9 @@ void WireHolds::add_line_holds(double t, const RodView& line, double offset, Wir
         const double s = hold.material_s - offset;
         // of one that gets ahead of the line within a step the tip is beyond the first node, by less than its edge
         if (!(s > -line.rest_length[0] && s < line.material_s[line.n - 1])) continue;
-        const double turned = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
+        const double angle = 0.0 - interpolate(hold.spec.turn, t)[0];  // about the tangent, which points against insertion
         out.line_holds.push_back({static_cast<int>(k), s, hold.spec.position, hold.spec.direction, hold.spec.spin,
-                                  hold.position + displacement(hold.spec, t), hold.tangent, hold.director, turned});
+                                  hold.position + displacement(hold.spec, t), hold.tangent, hold.director, angle});
     }
 }
 

@@ -69,6 +69,6 @@ private:
 };
 
 /// A stiffness between the ends of edge j: K (dx_{j+1} - dx_j) is the force on node j + 1, and its opposite that on node j.
-void add_edge_block(BandRows& matrix, int j, const Eigen::Matrix3d& k);
+void add_edge_block(BandRows& matrix, int j, const Mat3& k);
 
 }  // namespace seldinger

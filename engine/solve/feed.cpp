@@ -3,8 +3,8 @@
 #include "solve/feed.h"
 
 #include "core/check.h"
+#include "rod/transport.h"
 
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ constexpr double surplus_time = 0.025;
 // the force; longer, and so would the polygon's error.
 constexpr double base_born = 0.005;
 
-Vec3 turned_director(const FeedState& state) { return Eigen::AngleAxisd(state.turn, state.direction) * state.director; }
+Vec3 turned_director(const FeedState& state) { return turned(state.director, state.direction, state.turn); }
 
 // The piece of wire in the introducer: two nodes, half an edge long, its tip `advance` beyond the inlet.
 void place_in_introducer(const FeedState& state, const WireSpec& wire, RodArrays& rods, int index, double speed, double spin)

@@ -19,6 +19,14 @@ constexpr double least_share = 0.005;    // of l/B: what a clamp in an edge's mi
 constexpr double miss_allowed = 1e-7;    // of an edge's length
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
+/// Adds to the rows from `row` and the columns from `column`.
+template <class Matrix>
+void add_block(Matrix& to, int row, int column, const Mat3& m)
+{
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) to[row + i][column + j] += m(i, j);
+}
+
 Vec3 place_in(const TrialState& trial, int at) { return {trial.x[at], trial.y[at], trial.z[at]}; }
 
 double mean_edge(const RodView& line) { return line.material_s[line.n - 1] / (line.n - 1); }
@@ -176,8 +184,8 @@ void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Ac
 {
     const RodView line = rods_.view(of.group->line()), own = rods_.view(wire);
     const int first_node = rods_.node_begin(of.group->line());
-    active.gradient.setZero();
-    active.hessian.setZero();
+    active.gradient = {};
+    active.hessian = {};
     active.along = 0;
     const EdgeState edges[2] = {edge_state(of, trial, active.side[0].edge), edge_state(of, trial, active.side[1].edge)};
     if (active.hold.position) add_position(line, trial, first_node, active);
@@ -187,7 +195,7 @@ void LineHolds::evaluate(const OfWire& of, int wire, const TrialState& trial, Ac
     active.work = 0;
     for (int p = 0; p < nodes && active.node + p < line.n; ++p) {
         const Vec3 moved = place_in(trial, first_node + active.node + p) - line.pos(active.node + p);
-        active.work -= active.gradient.segment<3>(3 * p).dot(moved);
+        active.work -= Vec3(&active.gradient[3 * p]).dot(moved);
     }
     for (int k = 0; k < 2; ++k) {
         const int edge = active.side[k].edge;
@@ -204,9 +212,9 @@ void LineHolds::add_position(const RodView& line, const TrialState& trial, int b
     active.force = active.multiplier + active.stiffness * active.miss;
     const int first = 3 * (active.edge - active.node);
     for (int p = 0; p < 2; ++p) {
-        active.gradient.segment<3>(first + 3 * p) -= weight[p] * active.force;
+        add_to(&active.gradient[first + 3 * p], -(weight[p] * active.force));
         for (int q = 0; q < 2; ++q)
-            active.hessian.block<3, 3>(first + 3 * p, first + 3 * q).diagonal().array() += active.stiffness * weight[p] * weight[q];
+            for (int c = 0; c < 3; ++c) active.hessian[first + 3 * p + c][first + 3 * q + c] += active.stiffness * weight[p] * weight[q];
     }
     active.along += active.force.dot(a - b) / line.rest_length[active.edge];
 }
@@ -228,7 +236,7 @@ void LineHolds::add_direction(const EdgeState* edges, Active& active)
     const auto add = [&](int j, int k, const Mat3& m) {
         const int from = 3 * active.side[j].first, to = 3 * active.side[k].first;
         for (int p = 0; p < 2; ++p)
-            for (int q = 0; q < 2; ++q) active.hessian.block<3, 3>(from + 3 * p, to + 3 * q) += (p == q ? 1 : -1) * m;
+            for (int q = 0; q < 2; ++q) add_block(active.hessian, from + 3 * p, to + 3 * q, (p == q ? 1 : -1) * m);
     };
     Mat3 normal[2];
     for (int k = 0; k < 2; ++k)
@@ -238,8 +246,8 @@ void LineHolds::add_direction(const EdgeState* edges, Active& active)
         if (side.edge < 0 || edges[j].inverse == 0) continue;
         const Vec3 turn = normal[j] * off, &t = edges[j].tangent;
         const Vec3 slope = (-side.weight * inv) * turn;
-        active.gradient.segment<3>(3 * side.first) -= slope;
-        active.gradient.segment<3>(3 * side.first + 3) += slope;
+        add_to(&active.gradient[3 * side.first], -slope);
+        add_to(&active.gradient[3 * side.first + 3], slope);
         add(j, j, (side.weight * inv * edges[j].inverse) * Mat3(both(turn, t) + off.dot(t) * normal[j]));
         for (int k = 0; k < 2; ++k)
             if (active.side[k].edge >= 0 && edges[k].inverse != 0)
@@ -252,7 +260,7 @@ void LineHolds::add_direction(const EdgeState* edges, Active& active)
 void LineHolds::add_spin(const EdgeState* edges, const TrialState& trial, int begin, Active& active) const
 {
     double psi = 0, change = 0;
-    Vector slope = Vector::Zero();
+    Vector slope{};
     PairTerms curved[2];
     const int first = active.ends ? 1 : 0;
     for (int k = first; k < 2; ++k) {
@@ -271,18 +279,20 @@ void LineHolds::add_spin(const EdgeState* edges, const TrialState& trial, int be
         const Vec3 turn = (0.5 * weight * pair.inv_f) * pair.kb;
         slope[3 * nodes + k] += weight;
         if (pair.inv_f == 0) continue;
-        slope.segment<3>(3 * side.first) -= turn;
-        slope.segment<3>(3 * side.first + 3) += turn;
+        add_to(&slope[3 * side.first], -turn);
+        add_to(&slope[3 * side.first + 3], turn);
         add_twist_curvature(pair, weight, curved[k]);
     }
     if (active.ends) change = 0;
     const double inv = 1 / active.twist, torque = inv * psi;
-    active.gradient += torque * slope;
-    active.hessian += inv * slope * slope.transpose();
+    for (int i = 0; i < unknowns; ++i) {
+        active.gradient[i] += torque * slope[i];
+        for (int j = 0; j < unknowns; ++j) active.hessian[i][j] += inv * slope[i] * slope[j];
+    }
     for (int k = first; k < 2; ++k) {
         const int from = 3 * active.side[k].first;
         for (int p = 0; p < 2 && edges[k].inverse != 0; ++p)
-            for (int q = 0; q < 2; ++q) active.hessian.block<3, 3>(from + 3 * p, from + 3 * q) += (p == q ? torque : -torque) * curved[k].ff;
+            for (int q = 0; q < 2; ++q) add_block(active.hessian, from + 3 * p, from + 3 * q, (p == q ? torque : -torque) * curved[k].ff);
     }
     active.along += torque * change / active.length - 0.5 * torque * torque * active.twist_rate;
 }
@@ -298,7 +308,7 @@ void LineHolds::add(int wire, std::span<double> residual, BandRows* tangent, boo
         for (int i = 0; i < unknowns; ++i) {
             if (active.gradient[i] != 0) residual[unknown(active, i)] += active.gradient[i];
             for (int j = 0; tangent && j < unknowns; ++j)
-                if (active.hessian(i, j) != 0) tangent->add(unknown(active, i), unknown(active, j), active.hessian(i, j));
+                if (active.hessian[i][j] != 0) tangent->add(unknown(active, i), unknown(active, j), active.hessian[i][j]);
         }
 }
 

@@ -66,8 +66,8 @@ public:
 
 private:
     static constexpr int nodes = 3, unknowns = 3 * nodes + 2;  // of a cell: positions, then angles of edges a and b
-    using Vector = Eigen::Matrix<double, unknowns, 1>;
-    using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
+    using Vector = std::array<double, unknowns>;
+    using Matrix = std::array<Vector, unknowns>;
 
     /// What is remembered of a hold.
     struct Memory {
@@ -97,8 +97,8 @@ private:
         double stiffness = 0;     // K [N/m]
         Vec3 multiplier = Vec3::Zero(), miss = Vec3::Zero(), force = Vec3::Zero();
         // of the last evaluation
-        Vector gradient;
-        Matrix hessian;
+        Vector gradient{};
+        Matrix hessian{};
         double along = 0, work = 0;
     };
     struct OfWire {

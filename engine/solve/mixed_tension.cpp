@@ -81,17 +81,17 @@ void MixedTension::change_tangent(const EdgeStretch& now, HessianMode mode, bool
         const double tension = std::max(predicted_[j], least), at_end = now.frames.edge_length[j];
         if (!now.conserving) {
             const double change = (tension - std::max(now.tension(j), least)) / at_end;
-            add_edge_block(tangent, j, change * (Mat3::Identity() - t * t.transpose()));
+            add_edge_block(tangent, j, change * (Mat3::Identity() - outer(t, t)));
             continue;
         }
         const double axial = rod.stretch_stiffness[j] / rod.rest_length[j], sideways = tension / now.length(j);
         const double strained = rod.stretch_stiffness[j] * (at_end / rod.rest_length[j] - 1);
         const double there = std::max(strained, least) / at_end;
-        Mat3 mean = now.direction(j) * t.transpose();
-        if (symmetric) mean = 0.5 * (mean + mean.transpose().eval());
+        Mat3 mean = outer(now.direction(j), t);
+        if (symmetric) mean = 0.5 * (mean + mean.transpose());
         add_edge_block(
             tangent, j,
-            0.5 * ((axial - sideways) * mean - (axial - there) * t * t.transpose() + (sideways - there) * Mat3::Identity()));
+            0.5 * ((axial - sideways) * mean - outer((axial - there) * t, t) + (sideways - there) * Mat3::Identity()));
     }
 }
 

@@ -22,7 +22,7 @@ void TimeScheme::begin(const RodView& rod, const IntegratorSpec& spec, Motion ki
     unknowns_ = RodDofs::count(rod.n);
     hub_ = RodDofs::position(rod.n - 1);
     flow_ = hub_flow;
-    fed_ = !hub_flow.isZero(0);
+    fed_ = !hub_flow.isZero();
     for (int i = 0; i < rod.n; ++i) {
         const double v[RodDofs::per_node] = {rod.vx[i], rod.vy[i], rod.vz[i], i < rod.n - 1 ? rod.spin_rate[i] : 0.0};
         std::copy_n(v, RodDofs::per_node, &start_velocity_[RodDofs::position(i)]);

@@ -105,7 +105,7 @@ public:
     [[nodiscard]] Vec3 load_force() const;
     [[nodiscard]] int size() const { return RodDofs::count(rod.n); }
     [[nodiscard]] const WireConstraints& constraints() const { return *constraints_; }
-    [[nodiscard]] bool fed() const { return !constraints_->hub_flow.isZero(0); }
+    [[nodiscard]] bool fed() const { return !constraints_->hub_flow.isZero(); }
     [[nodiscard]] RodTrial trial_view() const;
 
     int wire = 0;  // of the world

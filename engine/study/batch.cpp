@@ -130,6 +130,19 @@ void BatchWorld::take_loads(int system)
     on_wall.take_in(joint_along(wires, &WireOutput::on_wall), world_->time(first));
 }
 
+/// Its forces only, in the steps between.
+void BatchWorld::take_greatest_loads(int system)
+{
+    const auto [first, end] = world_->wires_of(system);
+    LoadTally& on_wall = runs_[static_cast<std::size_t>(system)].tally.on_wall;
+    double sum = 0;
+    for (int w = first; w < end; ++w) sum += world_->readings(w).normal;
+    if (!on_wall.may_rise(sum)) return;
+    greatest_.resize(static_cast<std::size_t>(end - first));
+    for (int w = first; w < end; ++w) world_->read_loads(w, greatest_[static_cast<std::size_t>(w - first)]);
+    on_wall.take_in(joint_along(greatest_, &WireOutput::on_wall), world_->time(first));
+}
+
 void BatchWorld::settle_all(std::vector<BatchRow>& rows)
 {
     settled_ = true;
@@ -171,6 +184,7 @@ std::vector<BatchRow> BatchWorld::step()
         run.tally.steps++;
         run.tally.take_in(joint_readings(*world_, k), own.flags, own.newton_iterations);
         if (run.tally.steps % scene_.record_every == 0) take_loads(k);
+        else take_greatest_loads(k);
         bool done = run.tally.steps >= scene_.steps();
         if (scene_.until == Until::Rest) {
             run.tally.rest_steps = at_rest(k) ? run.tally.rest_steps + 1 : 0;

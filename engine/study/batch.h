@@ -72,6 +72,7 @@ private:
     [[nodiscard]] bool at_rest(int system) const;
     void settle_all(std::vector<BatchRow>& rows);
     void take_loads(int system);
+    void take_greatest_loads(int system);
 
     Scene scene_;            // of the first run: what they share
     std::vector<Run> runs_;  // in the order of the world's systems
@@ -81,6 +82,7 @@ private:
     bool settled_ = false;
     StageTimes stages_;
     Output loads_;  // contacts of the step
+    std::vector<WireOutput> greatest_;  // scratch of take_greatest_loads
     long loads_read_at_ = -1;
 };
 

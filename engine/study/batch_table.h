@@ -13,8 +13,8 @@
 
 namespace seldinger {
 
-/// Names as in summary.json; `whole` ones are counts. Maxima are over all steps, those of
-/// force per length, patches and regions over each record_every-th and the last; the rest is the final state.
+/// Names as in summary.json; `whole` ones are counts. Maxima are over all steps, those of regions and their extent over each
+/// record_every-th and the last; the rest is the final state.
 struct BatchColumn {
     std::string_view name;
     bool whole;

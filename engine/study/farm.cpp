@@ -38,7 +38,7 @@ std::string as_json(const FarmPlan& plan)
     out["kind"] = plan.kind == FarmKind::Sweep ? "sweep" : "frames";
     out["source"] = plan.source.string();
     if (plan.kind == FarmKind::Sweep) out["sweep"] = plan.sweep.string(), out["set"] = plan.overrides;
-    else out["first"] = plan.first, out["render"] = plan.render;
+    else out["first"] = plan.first, out["render"] = plan.render, out["files"] = plan.files;
     out[plan.kind == FarmKind::Sweep ? "runs" : "frames"] = plan.items;
     out["tasks"] = plan.tasks;
     out["key"] = plan.key;
@@ -131,6 +131,10 @@ FarmPlan read_farm(const Folder& dir)
         } else {
             plan.first = count("first", last_frame);
             plan.render = in.at("render").get<std::vector<std::string>>();
+            plan.files = in.value("files", plan.files);
+            if (plan.files.empty() || !std::all_of(plan.files.begin(), plan.files.end(), leads_below))
+                throw Error(ExitCode::BadFile, file.string() + ": got files outside of the farm's folder; expected names below it. Fix: make the "
+                                                               "farm again in another folder");
         }
         plan.items = count(plan.kind == FarmKind::Sweep ? "runs" : "frames", most_items);
         plan.tasks = count("tasks", std::min(plan.items, most_tasks));
@@ -249,14 +253,21 @@ void close_task_folder(const Folder& dir, std::size_t task)
     if (tasks.inner(number(task)).remove(mark) == 0) (void)tasks.remove(number(task));
 }
 
-std::string frame_name(std::size_t frame) { return fmt::format("frame_{:06}.png", frame); }
+std::string frame_file(const std::string& pattern, std::size_t frame)
+{
+    constexpr std::string_view digits = "######";
+    std::string name = pattern;
+    if (const std::size_t at = name.find(digits); at != std::string::npos) name.replace(at, digits.size(), fmt::format("{:06}", frame));
+    return name;
+}
 
 bool has_result(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
     if (plan.kind == FarmKind::Sweep) return dir.inner("rows").has(number(task) + ".rows");
     const FarmPlan::Part part = plan.part(task);
     for (std::size_t i = part.begin; i < part.end; ++i)
-        if (!dir.has(frame_name(plan.first + i))) return false;
+        for (const std::string& pattern : plan.files)
+            if (!dir.has_below(frame_file(pattern, plan.first + i))) return false;
     return true;
 }
 

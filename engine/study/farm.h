@@ -33,6 +33,7 @@ struct FarmPlan {
     std::filesystem::path sweep;         // as it was given
     std::vector<std::string> overrides;  // of --set
     std::vector<std::string> render;     // further options of `render`
+    std::vector<std::string> files = {"frame_######.png"};  // that each frame has in the folder, ###### its number
     std::size_t first = 0;               // frame
     std::size_t items = 0, tasks = 0;    // runs or frames, and how many tasks they are cut into
     std::string key;                     // 16 hex digits: differs when scene, sweep, vessel, options or version do
@@ -100,8 +101,8 @@ void write_rows(const Folder& dir, const FarmPlan& plan, std::size_t task, const
 /// When its batch has gone: nothing else that may be in it goes.
 void close_task_folder(const Folder& dir, std::size_t task);
 
-/// A frames farm's picture, in its folder.
-[[nodiscard]] std::string frame_name(std::size_t frame);
+/// A file of a frame, below the farm's folder. @param pattern  of FarmPlan::files
+[[nodiscard]] std::string frame_file(const std::string& pattern, std::size_t frame);
 
 /// Whether all that a task is to leave is there.
 [[nodiscard]] bool has_result(const Folder& dir, const FarmPlan& plan, std::size_t task);
@@ -120,7 +121,9 @@ struct FarmReport {
     /// "3, 17-19"
     [[nodiscard]] std::string list_missing() const;
 };
-/// Which tasks are done, running, lost. @throws Error BadFile
+/// Where each task stands. One whose result is there is done, whatever became of its worker. @throws Error BadFile
+[[nodiscard]] std::vector<TaskState> task_states(const Folder& dir, const FarmPlan& plan);
+/// The same, with what the logs say. @throws Error BadFile
 [[nodiscard]] FarmReport look_at_farm(const Folder& dir, const FarmPlan& plan);
 
 /// "3, 17-19" of increasing numbers.

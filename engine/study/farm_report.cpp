@@ -83,16 +83,23 @@ std::string FarmReport::list_missing() const
     return list_ranges(missing);
 }
 
+std::vector<TaskState> task_states(const Folder& dir, const FarmPlan& plan)
+{
+    std::vector<TaskState> states(plan.tasks, TaskState::Todo);
+    const Folder running = dir.inner("running");
+    for (const std::string& name : running.names())
+        if (const std::size_t t = task_of(name, plan.tasks); t < plan.tasks)
+            states[t] = worker_lives(running / name) ? TaskState::Running : TaskState::Lost;
+    for (std::size_t t = 0; t < plan.tasks; ++t)
+        if (has_result(dir, plan, t)) states[t] = TaskState::Done;
+    return states;
+}
+
 FarmReport look_at_farm(const Folder& dir, const FarmPlan& plan)
 {
     FarmReport report;
-    report.state.assign(plan.tasks, TaskState::Todo);
-    const Folder running = dir.inner("running"), log = dir.inner("log");
-    for (const std::string& name : running.names())
-        if (const std::size_t t = task_of(name, plan.tasks); t < plan.tasks)
-            report.state[t] = worker_lives(running / name) ? TaskState::Running : TaskState::Lost;
-    for (const std::string& name : dir.inner("done").names())
-        if (const std::size_t t = task_of(name, plan.tasks); t < plan.tasks && has_result(dir, plan, t)) report.state[t] = TaskState::Done;
+    report.state = task_states(dir, plan);
+    const Folder log = dir.inner("log");
     std::vector<double> overheads;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
         const Story story = read_story(log, fmt::format("{:06}.csv", t));

@@ -356,7 +356,7 @@ private:
     std::vector<bool> served_;
     std::optional<Vec3> start_at_;
     double finest_ = 0;  // least spacing of points [m]
-    Eigen::AlignedBox3d box_;
+    Box3 box_;
     mutable WorkBudget work_;
     Centreline tree_;
 };

@@ -26,6 +26,7 @@ LumenQuery::LumenQuery(const WallMesh& mesh, const std::vector<BoundaryLoop>& op
       vertex_rim_(mesh.vertices.size(), -1),
       vertex_border_(mesh.vertices.size(), 0)
 {
+    add_slabs(tree_);
     for (std::size_t h = 0; h < opposite_.size(); ++h)
         if (opposite_[h] < 0)
             for (const std::int32_t v :

@@ -1,16 +1,18 @@
 // Shrinking balls and Dijkstra on them.
 #include "vessel/medial_graph.h"
 
+#include "core/parallel.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/work_budget.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <numeric>
 #include <queue>
-#include <thread>
 
 namespace seldinger {
 namespace {
@@ -22,18 +24,24 @@ struct Ball {
     double radius;
 };
 
+/// Of each round of shrinking, the triangle that the ball met; -1: none yet.
+using Met = std::array<std::int64_t, 40>;
+
 /// Largest ball inside the lumen that touches the wall at `at` with centre along `normal`. Starts with half the chord
 /// (no larger ball can avoid the wall at its far end) and shrinks onto the nearest wall until none is nearer.
 /// A wall without a direction there (its triangles face each other) has no such ball.
-Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit, std::uint64_t& visits)
+/// @param met  in and out: the triangle that each round of a neighbour's ball met, where to look first
+Ball medial_ball(const WallTree& tree, const Vec3& at, const Vec3& normal, double skip, double limit, Met& met,
+                 std::uint64_t& visits)
 {
     if (!(normal.squaredNorm() > 0)) return {at, 0.0};
     // two contacts closer than this seen from the centre are one contact on a rough wall, not two sides of a lumen
     constexpr double kSeparation = 40 * std::numbers::pi / 180;
     double radius = std::min(0.5 * first_hit(tree, at, normal, skip, &visits), limit);
-    for (int i = 0; i < 40; ++i) {
+    for (std::int64_t& last : met) {
         const Vec3 centre = at + radius * normal;
-        const TreeHit hit = nearest_on_wall(tree, centre, radius, &visits);
+        const TreeHit hit = nearest_on_wall(tree, centre, radius, &visits, last);
+        if (hit.triangle >= 0) last = hit.triangle;
         if (hit.triangle < 0 || hit.distance2 >= radius * radius * (1 - 2e-3))
             return {centre, std::sqrt(std::min(hit.distance2, radius * radius))};
         const Vec3 chord = hit.point - at;
@@ -214,7 +222,7 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     graph.sample_of_vertex.assign(mesh.vertices.size(), -1);
     const std::vector<int> seeds = gather_patches(row, to, mesh.vertices.size() / sample_limit + 1, graph.sample_of_vertex);
 
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     double edge_sum = 0;
     for (std::size_t k = 0; k < edges.count(); ++k) {
@@ -226,25 +234,25 @@ MedialGraph build_medial_graph(const WallMesh& mesh, const std::vector<BoundaryL
     const double skip = 1e-3 * edge_sum / static_cast<double>(edges.count()), limit = box.diagonal().norm();
     graph.wall.resize(seeds.size());
     std::vector<Ball> balls(seeds.size());
-    // Visits are counted half by half, so that it does not depend on the threads whether they are too many.
-    const double most_visits = work_limit(1.2e8, 1e4, mesh.vertices.size());  // patients: up to 5e7
-    std::uint64_t visits[2] = {0, 0};
-    auto fill = [&](std::size_t begin, std::size_t end, std::uint64_t& count) {
-        for (std::size_t i = begin; i < end && static_cast<double>(count) <= most_visits; ++i) {
+    // Each ball on its own, with visits of its own: what they add up to does not depend on the threads, nor does a refusal.
+    const double most_visits = work_limit(2.4e8, 2e4, mesh.vertices.size());  // patients: up to 1e8
+    std::atomic<std::uint64_t> visits = 0;
+    for_each_piece(static_cast<int>(seeds.size()), 256, [&](int begin, int end) {
+        Met met;
+        met.fill(-1);
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            if (static_cast<double>(visits) > most_visits) return;
             const auto v = static_cast<std::size_t>(seeds[i]);
             const Vec3 &at = mesh.vertices[v], &normal = lumen.vertex_normal(v);
             graph.wall[i] = at;
-            count += openings.size();
-            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), count);
+            std::uint64_t here = openings.size();
+            balls[i] = medial_ball(lumen.tree(), at, normal, skip, std::min(limit, way_to_openings(openings, at, normal)), met, here);
             if (!box.contains(balls[i].centre)) balls[i] = {at, 0.0};  // of a wall that faces out of everything
             balls[i].radius = std::max(balls[i].radius, 1e-9 * limit);
+            visits += here;
         }
-    };
-    std::thread helper(fill, 0, seeds.size() / 2,
-                       std::ref(visits[0]));  // each ball on its own: the same bits whoever computes it
-    fill(seeds.size() / 2, seeds.size(), visits[1]);
-    helper.join();
-    WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(std::max(visits[0], visits[1])));
+    });
+    WorkBudget(kFindingBalls, most_visits).spend(static_cast<double>(visits));
     WorkBudget work(kFindingBalls, work_limit(7e8, 5e4, mesh.vertices.size()));  // patients: up to 2e8
     keep_significant(balls, graph, work);
     link_balls(graph, row, to, work);

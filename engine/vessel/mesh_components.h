@@ -3,13 +3,11 @@
 
 #include "vessel/mesh_edges.h"
 
-#include <Eigen/Geometry>
-
 namespace seldinger {
 
 struct MeshComponent {
     std::vector<std::int32_t> triangles;
-    Eigen::AlignedBox3d box;
+    Box3 box;
     double volume = 0;  // signed, openings capped [m^3]; > 0 when normals point out of it
     double area = 0;    // [m^2]
 };

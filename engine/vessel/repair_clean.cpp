@@ -6,9 +6,9 @@
 #include "vessel/work_budget.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <compare>
-#include <unordered_map>
 
 namespace seldinger::repair_steps {
 namespace {
@@ -33,26 +33,37 @@ struct TriangleKey {
     auto operator<=>(const TriangleKey&) const = default;
 };
 
+TriangleKey key_of(const WallMesh& mesh, std::size_t t)
+{
+    auto v = mesh.triangles[t];
+    bool odd = false;
+    for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}})  // bubble sort of three, counting swaps
+        if (v[static_cast<std::size_t>(a)] > v[static_cast<std::size_t>(b)]) {
+            std::swap(v[static_cast<std::size_t>(a)], v[static_cast<std::size_t>(b)]);
+            odd = !odd;
+        }
+    return {v, odd, static_cast<std::int32_t>(t)};
+}
+
+/// Counting sort by the first corner, then the few keys of each corner: a third of the time of sorting them all.
 std::vector<TriangleKey> sorted_keys(const WallMesh& mesh)
 {
+    std::vector<std::size_t> start(mesh.vertices.size() + 1, 0);
+    for (const auto& v : mesh.triangles) ++start[static_cast<std::size_t>(std::min({v[0], v[1], v[2]})) + 1];
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) start[v + 1] += start[v];
     std::vector<TriangleKey> keys(mesh.triangles.size());
+    std::vector<std::size_t> next(start.begin(), start.end() - 1);
     for (std::size_t t = 0; t < keys.size(); ++t) {
-        auto v = mesh.triangles[t];
-        bool odd = false;
-        for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}})  // bubble sort of three, counting swaps
-            if (v[static_cast<std::size_t>(a)] > v[static_cast<std::size_t>(b)]) {
-                std::swap(v[static_cast<std::size_t>(a)], v[static_cast<std::size_t>(b)]);
-                odd = !odd;
-            }
-        keys[t] = {v, odd, static_cast<std::int32_t>(t)};
+        const TriangleKey key = key_of(mesh, t);
+        keys[next[static_cast<std::size_t>(key.corners[0])]++] = key;
     }
-    std::sort(keys.begin(), keys.end());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        std::sort(keys.begin() + static_cast<std::ptrdiff_t>(start[v]), keys.begin() + static_cast<std::ptrdiff_t>(start[v + 1]));
     return keys;
 }
 
-long drop_equal_copies(WallMesh& mesh)
+long drop_equal_copies(WallMesh& mesh, const std::vector<TriangleKey>& keys)
 {
-    const std::vector<TriangleKey> keys = sorted_keys(mesh);
     std::vector<bool> copy(keys.size(), false);
     for (std::size_t k = 1; k < keys.size(); ++k)
         copy[static_cast<std::size_t>(keys[k].triangle)] =
@@ -60,10 +71,9 @@ long drop_equal_copies(WallMesh& mesh)
     return keep_triangles(mesh, [&](std::size_t t) { return !copy[t]; });
 }
 
-/// For each triangle the one on the same corners that faces the other way, -1: none. Needs a mesh without equal copies.
-std::vector<std::int32_t> opposite_twins(const WallMesh& mesh)
+/// For each triangle the one on the same corners that faces the other way, -1: none. @param keys  without equal copies
+std::vector<std::int32_t> opposite_twins(const std::vector<TriangleKey>& keys)
 {
-    const std::vector<TriangleKey> keys = sorted_keys(mesh);
     std::vector<std::int32_t> twin(keys.size(), -1);
     for (std::size_t k = 1; k < keys.size(); ++k) {
         if (keys[k].corners != keys[k - 1].corners) continue;
@@ -127,21 +137,24 @@ double median_edge(const WallMesh& mesh)
 
 namespace {
 
-/// Hash grid of representatives. Cells are 4 tolerances wide, so most points look into one cell only.
+/// Hash grid of representatives, in a table of its own: a node of memory for each cell took most of the time. Cells are 4 tolerances wide, so most points look into one cell only.
 class WeldGrid {
 public:
     WeldGrid(const std::vector<Vec3>& vertices, double tolerance, const Vec3& low)
         : vertices_(vertices), tolerance_(tolerance), cell_(4 * tolerance), low_(low)
     {
-        heads_.reserve(vertices.size() / 2 + 16);
+        // a soup has six copies of each vertex, so this is rarely too small
+        std::size_t slots = 64;
+        while (slots < vertices.size() / 2) slots *= 2;
+        slots_.resize(slots);
     }
     /// The earlier vertex that v is welded to, or v itself, which then stands for its place.
     std::int32_t representative(std::int32_t v)
     {
         const Vec3& p = vertices_[static_cast<std::size_t>(v)];
         std::int32_t best = v;
-        Eigen::Vector3<std::int64_t> from, to;
-        for (int d = 0; d < 3; ++d) {
+        std::array<std::int64_t, 3> from, to;
+        for (std::size_t d = 0; d < 3; ++d) {
             from[d] = static_cast<std::int64_t>(std::floor((p[d] - tolerance_ - low_[d]) / cell_));
             to[d] = static_cast<std::int64_t>(std::floor((p[d] + tolerance_ - low_[d]) / cell_));
         }
@@ -164,8 +177,7 @@ private:
     std::int32_t search(std::uint64_t cell, const Vec3& p, std::int32_t v) const
     {
         std::int32_t best = v;
-        const auto it = heads_.find(cell);
-        for (std::int32_t i = it == heads_.end() ? -1 : it->second; i >= 0; i = chain_[static_cast<std::size_t>(i)].next) {
+        for (std::int32_t i = slots_[slot_of(cell)].head; i >= 0; i = chain_[static_cast<std::size_t>(i)].next) {
             const std::int32_t other = chain_[static_cast<std::size_t>(i)].vertex;
             if ((vertices_[static_cast<std::size_t>(other)] - p).norm() <= tolerance_) best = std::min(best, other);
         }
@@ -173,19 +185,42 @@ private:
     }
     void insert(std::int32_t v, const Vec3& p)
     {
-        Eigen::Vector3<std::int64_t> c;
-        for (int d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
-        auto [it, fresh] = heads_.try_emplace(key(c[0], c[1], c[2]), -1);
-        chain_.push_back({v, it->second});
-        it->second = static_cast<std::int32_t>(chain_.size()) - 1;
+        std::array<std::int64_t, 3> c;
+        for (std::size_t d = 0; d < 3; ++d) c[d] = static_cast<std::int64_t>(std::floor((p[d] - low_[d]) / cell_));
+        if (2 * ++used_ > slots_.size()) grow();
+        const std::uint64_t cell = key(c[0], c[1], c[2]);
+        Slot& slot = slots_[slot_of(cell)];
+        slot.cell = cell;
+        chain_.push_back({v, slot.head});
+        slot.head = static_cast<std::int32_t>(chain_.size()) - 1;
     }
+    /// Where the cell is, or the empty slot where it would be.
+    [[nodiscard]] std::size_t slot_of(std::uint64_t cell) const
+    {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t at = cell & mask;
+        while (slots_[at].head >= 0 && slots_[at].cell != cell) at = (at + 1) & mask;
+        return at;
+    }
+    void grow()
+    {
+        std::vector<Slot> old(2 * slots_.size());
+        old.swap(slots_);
+        for (const Slot& slot : old)
+            if (slot.head >= 0) slots_[slot_of(slot.cell)] = slot;
+    }
+    struct Slot {
+        std::uint64_t cell = 0;
+        std::int32_t head = -1;  // in chain_; -1: empty
+    };
     struct Link {
         std::int32_t vertex, next;
     };
     const std::vector<Vec3>& vertices_;
     double tolerance_, cell_;
     Vec3 low_;
-    std::unordered_map<std::uint64_t, std::int32_t> heads_;
+    std::vector<Slot> slots_;  // open addressing, a power of two
+    std::size_t used_ = 0;     // or a few more
     std::vector<Link> chain_;
 };
 
@@ -205,7 +240,7 @@ void drop_non_finite(WallMesh& mesh, RepairReport& report)
 void weld(WallMesh& mesh, RepairReport& report)
 {
     if (mesh.triangles.empty()) return;
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     // a mesh that is a single point has no edge to compare with; any tolerance above 0 welds it
     // Nor does a double tell places apart that are nearer than 1e-16 of the box; cells are numbered in 64 bits.
@@ -232,8 +267,11 @@ void drop_degenerate(WallMesh& mesh, RepairReport& report)
 
 void drop_duplicates(WallMesh& mesh, RepairReport& report)
 {
-    report.duplicates_dropped += drop_equal_copies(mesh);
-    const std::vector<std::int32_t> twin = opposite_twins(mesh);
+    std::vector<TriangleKey> keys = sorted_keys(mesh);
+    const long copies = drop_equal_copies(mesh, keys);
+    report.duplicates_dropped += copies;
+    if (copies > 0) keys = sorted_keys(mesh);
+    const std::vector<std::int32_t> twin = opposite_twins(keys);
     if (std::all_of(twin.begin(), twin.end(), [](std::int32_t t) { return t < 0; })) return;
     const std::vector<bool> fold = folded_twins(mesh, twin);
     long folds = 0;

@@ -126,13 +126,13 @@ void note_components(const std::vector<MeshComponent>& parts, long nested, Repai
 void orient(WallMesh& mesh, RepairReport& report)
 {
     const std::vector<std::array<std::int32_t, 3>> as_read = mesh.triangles;
+    MeshEdges edges = find_edges(mesh);
     {
-        const MeshEdges edges = find_edges(mesh);
         const std::vector<std::int8_t> flip = OrientationSpread(mesh, edges).run();
         for (std::size_t t = 0; t < flip.size(); ++t)
             if (flip[t] == 1) turn(mesh, t);
+        if (std::find(flip.begin(), flip.end(), 1) != flip.end()) edges = find_edges(mesh);
     }
-    const MeshEdges edges = find_edges(mesh);
     const std::vector<MeshComponent> parts = measure_components(mesh, edges, label_components(mesh, edges));
 
     // a noisy patch reaches 1e-5; nothing a wire could enter stays below 1e-3

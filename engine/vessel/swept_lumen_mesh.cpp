@@ -5,6 +5,7 @@
 #include "vessel/triangle_geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -18,7 +19,7 @@ namespace {
 struct LumenGrid {
     Vec3 low;
     double step;
-    Eigen::Vector3<int> size;  // nodes
+    std::array<int, 3> size;  // nodes
     std::vector<float> value;
     [[nodiscard]] std::size_t index(int x, int y, int z) const
     {
@@ -34,7 +35,7 @@ LumenGrid sample(const SweptLumen& lumen, double step)
     constexpr float kFar = 1e3f;
     LumenGrid grid;
     grid.step = step;
-    Eigen::AlignedBox3d box;
+    Box3 box;
     const double margin = lumen.fillet() + 2 * step;
     for (const SweptTube& tube : lumen.tubes())
         for (std::size_t i = 0; i < tube.points.size(); ++i) {
@@ -52,10 +53,10 @@ LumenGrid sample(const SweptLumen& lumen, double step)
         for (std::size_t s = 0; s + 1 < tube.points.size(); ++s) {
             // the nodes round the segment, no farther from it than the blend reaches beyond the wall
             const double reach = std::max(tube.radius[s], tube.radius[s + 1]) + margin;
-            Eigen::AlignedBox3d part;
+            Box3 part;
             part.extend(tube.points[s]);
             part.extend(tube.points[s + 1]);
-            Eigen::Vector3<int> from, to;
+            std::array<int, 3> from, to;
             for (int d = 0; d < 3; ++d) {
                 from[d] = std::max(0, static_cast<int>((part.min()[d] - reach - grid.low[d]) / step));
                 to[d] = std::min(grid.size[d] - 1, static_cast<int>((part.max()[d] + reach - grid.low[d]) / step) + 1);
@@ -88,8 +89,8 @@ WallMesh surface_nets(const LumenGrid& grid)
                     for (int axis = 0; axis < 3; ++axis) {
                         const int b = a | 1 << axis;
                         if (b == a) continue;
-                        const Eigen::Vector3<int> pa(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)),
-                            pb(x + (b & 1), y + (b >> 1 & 1), z + (b >> 2));
+                        const std::array<int, 3> pa = {x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)},
+                                                 pb = {x + (b & 1), y + (b >> 1 & 1), z + (b >> 2)};
                         const double fa = value(pa[0], pa[1], pa[2]), fb = value(pb[0], pb[1], pb[2]);
                         if ((fa < 0) == (fb < 0)) continue;
                         const double t = fa / (fa - fb);
@@ -104,7 +105,7 @@ WallMesh surface_nets(const LumenGrid& grid)
         for (int y = 1; y + 1 < grid.size[1]; ++y)
             for (int x = 1; x + 1 < grid.size[0]; ++x)
                 for (int axis = 0; axis < 3; ++axis) {
-                    Eigen::Vector3<int> up(x, y, z), u(0, 0, 0), v(0, 0, 0);
+                    std::array<int, 3> up = {x, y, z}, u = {}, v = {};
                     up[axis] += 1;
                     u[(axis + 1) % 3] = 1;
                     v[(axis + 2) % 3] = 1;

@@ -5,6 +5,7 @@
 #include "core/check.h"
 #include "vessel/mesh_edges.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -307,7 +308,7 @@ WallTree build_wall_tree(const WallMesh& mesh, int threads)
     WallTree tree;
     if (mesh.triangles.empty()) return tree;
     SEL_ASSERT(mesh.triangles.size() < (1u << 30));  // what an Item's lane holds
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : mesh.vertices) box.extend(v);
     tree.centre = box.center();
     if (threads == 0) threads = mesh.triangles.size() > 10000 ? 2 : 1;

@@ -15,10 +15,17 @@
 
 namespace seldinger {
 
+/// A plane that the triangles below a node do not reach over: normal . x <= highest. 16 bytes.
+struct TreeSlab {
+    float normal[3];  // the mean of theirs, into the lumen, a little shorter than 1; 0: no plane
+    float highest;    // [m]
+};
+
 /// The rounded wall and its tree. Arrays in leaf order go to the device as they stand.
 struct WallTree {
     Vec3 centre = Vec3::Zero();           // world position of the arrays' origin [m]
     std::vector<TreeNode> nodes;          // root first, children behind their parent; empty without triangles
+    std::vector<TreeSlab> slabs;          // [nodes], see add_slabs; may be empty
     std::vector<float> vertices;          // [9 T] leaf order, relative to the centre [m]
     std::vector<float> normals;           // [3 T] leaf order, unit, into the lumen; 0 for a triangle without area
     std::vector<std::uint32_t> original;  // [T] leaf order -> index in WallMesh::triangles
@@ -37,6 +44,10 @@ struct WallTree {
 /// O(T log T). `threads`: 0 uses two when the mesh is large enough to repay them.
 [[nodiscard]] WallTree build_wall_tree(const WallMesh& mesh, int threads = 0);
 
+/// Gives every node of up to some thousand triangles a plane. From the middle of a lumen all of the wall round it is equally near:
+/// boxes, as thick as they are wide, tell thousands of leaves apart by nothing, planes all but a few. The answers stay the same.
+void add_slabs(WallTree& tree);
+
 struct TreeHit {
     double distance2 = std::numeric_limits<double>::infinity();  // [m^2]
     std::int64_t triangle = -1;                                  // leaf order; -1: nothing within the limit
@@ -47,8 +58,9 @@ struct TreeHit {
 /// Nearest point of the wall within `limit` [m] of the world point p; the lower leaf index wins a tie.
 /// @param visits  in and out, may be null: nodes and triangles looked at are added. Dozens on a vessel's wall, all of them where
 ///                every box lies in every other
+/// @param guess   a triangle that may be near, leaf order; -1: none. It saves time and changes no answer
 [[nodiscard]] TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit = std::numeric_limits<double>::infinity(),
-                                      std::uint64_t* visits = nullptr);
+                                      std::uint64_t* visits = nullptr, std::int64_t guess = -1);
 
 /// Distance along the unit direction to the first triangle that the ray meets, infinity when none. Triangles nearer
 /// than `skip` [m] to the origin do not count. @param visits  as above

@@ -18,6 +18,16 @@ double box_distance2(const TreeNode& node, const Vec3& p)
     return sum;
 }
 
+/// Squared distances to what lies below nodes, never more than they are. @param far  above this any answer above it will do
+double least_distance2(const WallTree& tree, const TreeSlab* slabs, std::uint32_t node, const Vec3& p, double far)
+{
+    if (!slabs) return box_distance2(tree.nodes[node], p);
+    const TreeSlab& slab = slabs[node];  // first: most nodes end here, and their boxes stay out of the cache
+    const double above = slab.normal[0] * p[0] + slab.normal[1] * p[1] + slab.normal[2] * p[2] - slab.highest;
+    const double plane = above > 0 ? above * above : 0.0;
+    return plane > far ? plane : std::max(plane, box_distance2(tree.nodes[node], p));
+}
+
 /// Entry distance of the ray into the box, infinity when it misses it.
 double box_entry(const TreeNode& node, const Vec3& origin, const Vec3& inverse)
 {
@@ -53,39 +63,52 @@ double ray_triangle(const Vec3& origin, const Vec3& direction, const Triangle3& 
 
 }  // namespace
 
-TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits)
+TreeHit nearest_on_wall(const WallTree& tree, const Vec3& p, double limit, std::uint64_t* visits, std::int64_t guess)
 {
     TreeHit best;
     best.distance2 = limit * limit;
     if (tree.nodes.empty()) return best;
     const Vec3 local = p - tree.centre;
+    const auto look_at = [&](std::uint32_t k) {
+        const ClosestPoint c = closest_point(local, tree.triangle(k));
+        const double d2 = (local - c.point).squaredNorm();
+        if (d2 < best.distance2 || (d2 == best.distance2 && (best.triangle < 0 || k < best.triangle)))
+            best = {d2, k, c.point, c.feature};
+    };
+    if (guess >= 0) look_at(static_cast<std::uint32_t>(guess));
+    const TreeSlab* slabs = tree.slabs.empty() ? nullptr : tree.slabs.data();
     std::uint32_t stack[SEL_TREE_STACK];
     double entry[SEL_TREE_STACK];
     int top = 0;
     std::uint64_t looked_at = 0;
     std::uint32_t current = 0;
-    double current_entry = box_distance2(tree.nodes[0], local);
+    double current_entry = 0;
     while (true) {
-        const TreeNode& node = tree.nodes[current];
-        ++looked_at;
-        if (current_entry <= best.distance2 && node.count > 0) {
-            looked_at += SEL_LEAF_TRIANGLES(node.count);
-            for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k) {
-                const ClosestPoint c = closest_point(local, tree.triangle(k));
-                const double d2 = (local - c.point).squaredNorm();
-                if (d2 < best.distance2 || (d2 == best.distance2 && (best.triangle < 0 || k < best.triangle)))
-                    best = {d2, k, c.point, c.feature};
+        if (current_entry <= best.distance2) {
+            const TreeNode& node = tree.nodes[current];
+            ++looked_at;
+            if (node.count > 0) {
+                looked_at += SEL_LEAF_TRIANGLES(node.count);
+                for (std::uint32_t k = node.left_or_first; k < node.left_or_first + SEL_LEAF_TRIANGLES(node.count); ++k)
+                    look_at(k);
+            } else {
+                looked_at += 2;
+                const std::uint32_t left = node.left_or_first;
+                const double dl = least_distance2(tree, slabs, left, local, best.distance2),
+                             dr = least_distance2(tree, slabs, left + 1, local, best.distance2);
+                const bool left_first = dl <= dr;
+                const double nearer = left_first ? dl : dr, other = left_first ? dr : dl;
+                if (other <= best.distance2) {
+                    SEL_ASSERT(top < SEL_TREE_STACK);
+                    stack[top] = left_first ? left + 1 : left;
+                    entry[top++] = other;
+                }
+                if (nearer <= best.distance2) {
+                    current = left_first ? left : left + 1;
+                    current_entry = nearer;
+                    continue;
+                }
             }
-        } else if (current_entry <= best.distance2) {
-            const std::uint32_t left = node.left_or_first;
-            const double dl = box_distance2(tree.nodes[left], local), dr = box_distance2(tree.nodes[left + 1], local);
-            const bool left_first = dl <= dr;
-            SEL_ASSERT(top < SEL_TREE_STACK);
-            stack[top] = left_first ? left + 1 : left;
-            entry[top++] = left_first ? dr : dl;
-            current = left_first ? left : left + 1;
-            current_entry = left_first ? dl : dr;
-            continue;
         }
         if (top == 0) break;
         current = stack[--top];
@@ -100,7 +123,7 @@ double first_hit(const WallTree& tree, const Vec3& origin, const Vec3& direction
 {
     double best = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty()) return best;
-    const Vec3 local = origin - tree.centre, inverse = direction.cwiseInverse();
+    const Vec3 local = origin - tree.centre, inverse = Vec3::Constant(1).cwiseQuotient(direction);
     std::uint32_t stack[SEL_TREE_STACK + 1];
     int top = 0;
     std::uint64_t looked_at = 0;

@@ -3,7 +3,6 @@
 
 #include "vessel/wall_mesh.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 namespace seldinger {

@@ -2,6 +2,7 @@
 #include "view/camera.h"
 
 #include "core/check.h"
+#include "math/eigen.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -23,11 +24,11 @@ Principal principal_axes(const WallMesh& mesh, const std::vector<Vec3>& extra)
     // moments about the mean: triangles count by area (centroid rule), loose points equally
     double weight = 0;
     Vec3 mean = Vec3::Zero(), facing = Vec3::Zero();
-    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    Mat3 second = Mat3::Zero();
     const auto add = [&](const Vec3& p, double w) {
         weight += w;
         mean += w * p;
-        second += w * p * p.transpose();
+        second += outer(w * p, p);
     };
     if (mesh.triangles.empty()) {
         for (const Vec3& p : extra) add(p, 1.0);
@@ -41,10 +42,11 @@ Principal principal_axes(const WallMesh& mesh, const std::vector<Vec3>& extra)
     Principal axes;
     if (!(weight > 0)) return {Vec3::UnitX(), Vec3::UnitZ(), Vec3::UnitY(), Vec3::Zero()};
     mean /= weight;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(second / weight - mean * mean.transpose());
-    axes.shortest = solver.eigenvectors().col(0);
-    axes.middle = solver.eigenvectors().col(1);
-    axes.longest = solver.eigenvectors().col(2);
+    const Mat3 about_mean = second / weight - outer(mean, mean);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(eigen(about_mean));
+    axes.shortest = vec3(solver.eigenvectors().col(0));
+    axes.middle = vec3(solver.eigenvectors().col(1));
+    axes.longest = vec3(solver.eigenvectors().col(2));
     if (!mesh.triangles.empty()) axes.facing = facing / weight;
     return axes;
 }

@@ -4,8 +4,6 @@
 #include "math/vec3.h"
 #include "vessel/wall_mesh.h"
 
-#include <Eigen/Geometry>
-
 #include <vector>
 
 namespace seldinger {

@@ -2,10 +2,12 @@
 #include "view/egl_context.h"
 
 #include "core/error.h"
+#include "core/system_needs.h"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <vector>
@@ -65,8 +67,13 @@ Display usable(EGLDisplay display)
     return d;
 }
 
+/// Mesa 22.3's llvmpipe: 760 MB as it draws, a thread for each core up to 32, five more. Without them it hangs or ends the process by
+/// a signal.
+SystemNeeds needs_of_opengl() { return {"OpenGL", std::size_t{700} << 20, std::min(library_threads("LP_NUM_THREADS"), 32) + 5}; }
+
 Display open_display()
 {
+    try_system_needs(needs_of_opengl());
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);  // what a driver that is not there says in many lines is said below in one
     std::string tried;
     for (EGLDisplay candidate : candidate_displays(tried)) {

@@ -1,8 +1,10 @@
 // Resamples the wires of each frame and carries a frame along them, and from one time to the next.
 #include "view/model_export.h"
 
+#include "math/eigen.h"
 #include "view/solids.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -47,12 +49,11 @@ std::vector<AnimatedTube::Pose> poses_of(const std::vector<TubeStation>& line, V
         if (!(x.norm() > 1e-3)) x = axis.unitOrthogonal();
         x.normalize();
         if (i == 0) side = x;
-        Mat3 frame;
-        frame << x, axis.cross(x), axis;
-        AnimatedTube::Pose pose{line[i].position, Eigen::Quaterniond(frame)};
+        const Mat3 frame = Mat3::columns(x, axis.cross(x), axis);
+        Eigen::Quaterniond turn(Eigen::Matrix3d{eigen(frame)});
         // the nearer of q and -q, so that programs do not turn the long way round between two frames
-        if (before && pose.turn.dot((*before)[i].turn) < 0) pose.turn.coeffs() = -pose.turn.coeffs();
-        poses.push_back(pose);
+        if (before && turn.dot(Eigen::Quaterniond((*before)[i].turn.data())) < 0) turn.coeffs() = -turn.coeffs();
+        poses.push_back({line[i].position, {turn.x(), turn.y(), turn.z(), turn.w()}});
     }
     return poses;
 }

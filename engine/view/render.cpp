@@ -4,8 +4,11 @@
 #include "core/error.h"
 #include "io/film_write.h"
 #include "io/png_write.h"
+#include "view/label_files.h"
+#include "view/label_sheet.h"
 #include "view/legend.h"
 #include "view/run_folder.h"
+#include "view/xray/mesh_paths.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +31,7 @@ WallScale wall_scale(const RunFolder& run, const std::filesystem::path& dir, con
 Look look_of(const RenderOptions& options, const RunReach& reach)
 {
     Look look;
-    look.legend = options.legend;
+    look.legend = options.legend && options.labels.empty() && options.preview.empty();  // labels are of the whole picture
     look.inset = look.ruler = options.from != ViewFrom::Endoscopic;
     look.cube = options.from != ViewFrom::Endoscopic;
     look.head = options.patient.head, look.back = options.patient.back;
@@ -79,6 +82,7 @@ public:
                 frame_camera(scenery_, options_.from, options_.motion, frame, static_cast<double>(view.width) / view.height));
         aimed_ = true;
         renderer_.draw(frame);
+        frame_ = frame;
         if (options_.ground != Ground::Transparent) return renderer_.pixels();
         const std::vector<std::uint8_t> white = renderer_.pixels();
         renderer_.set_background(0, 0);
@@ -87,13 +91,46 @@ public:
         return cut_out(white, renderer_.pixels());
     }
 
+    /// Of the picture that was drawn last.
+    [[nodiscard]] PictureTruth truth() const
+    {
+        const std::vector<std::vector<TubeStation>> lines = renderer_.drawn_lines(frame_);
+        PictureTruth truth = locate(pinhole_view(renderer_.camera(), renderer_.main_view()), frame_, lines);
+        truth.fov_y = renderer_.camera().fov_y;
+        add_mask(truth, lines, true);
+        if (options_.label_vessel) truth.lumen = trace_mesh(truth.view, close_openings(wall())).length;
+        return truth;
+    }
+
 private:
+    [[nodiscard]] WallMesh wall() const
+    {
+        WallMesh wall = run_.wall;
+        if (!frame_.wall.vertices.empty()) wall.vertices = frame_.wall.vertices;
+        return wall;
+    }
+
     const RenderOptions& options_;
     const RunFolder& run_;
+    WireFrame frame_;
     Scenery scenery_;
     Renderer renderer_;
     bool aimed_ = false;
 };
+
+/// Frames spread evenly over the range.
+std::vector<std::filesystem::path> draw_sheet(Drawing& drawing, const RenderOptions& options, const FrameRange& range)
+{
+    const std::size_t count = std::min(range.count(), LabelSheet::most_pictures);
+    LabelSheet sheet(count, options.width, options.height);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t index = range.first + LabelSheet::pick(i, count, range.count());
+        const std::vector<std::uint8_t> pixels = drawing.draw(index);
+        sheet.add(pixels, drawing.truth(), fmt::format("frame {}", index));
+    }
+    sheet.write(options.preview);
+    return {options.preview};
+}
 
 }  // namespace
 
@@ -107,20 +144,22 @@ std::vector<std::filesystem::path> render_run(const std::filesystem::path& dir, 
     if (!options.film.empty() && options.ground == Ground::Transparent)
         throw Error(ExitCode::BadScene, "--video: a film cannot be transparent; take --background white, or pictures");
     const FrameRange range = frames_asked(options, run.frames.size());
-    const bool filmed = !options.film.empty(), pictured = !options.output.empty() || !filmed;
+    const bool filmed = !options.film.empty(), pictured = !options.output.empty() || !options.labels.empty() || !filmed;
 
     Drawing drawing(dir, options, run, reach_of(run));
+    if (!options.preview.empty()) return draw_sheet(drawing, options, range);
 
     std::vector<std::filesystem::path> written;
     std::optional<FilmWriter> film;
     if (filmed) film.emplace(options.film, options.width, options.height, film_rate(options, run, range), FilmPixels::Rgb);
     for (std::size_t i = range.first; i <= range.last; ++i) {
         const std::filesystem::path file = pictured ? picture_path(dir, options, "picture", "frame", i) : std::filesystem::path();
-        const bool there = pictured && options.resume && std::filesystem::exists(file);
+        const bool there = pictured && options.resume && std::filesystem::exists(file) && labels_exist(options, file);
         if (!there || film) {
             const std::vector<std::uint8_t> pixels = drawing.draw(i);
             if (film) film->add(pixels);
             if (pictured && !there) {
+                if (!options.labels.empty()) write_labels(options, file, drawing.truth());  // before the picture: where that is, they are
                 write_png(file, options.width, options.height, pixels);
                 written.push_back(file);
             }

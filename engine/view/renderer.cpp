@@ -143,6 +143,7 @@ struct Renderer::Impl {
     void upload_moved(const MovedWall& now);
     [[nodiscard]] View main_view() const;
     [[nodiscard]] std::optional<View> inset_view(const WireFrame& frame) const;
+    std::vector<TubeStation> drawn_line(const WireFrame& frame, std::size_t k, const View& view, bool& widened) const;
     bool build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const;
     [[nodiscard]] std::vector<Rgb> wire_colours(const WireFrame& frame, std::size_t k, std::size_t stations) const;
     void use(const View& view);
@@ -292,30 +293,42 @@ std::vector<Rgb> Renderer::Impl::wire_colours(const WireFrame& frame, std::size_
     return colours;
 }
 
+/// Metres that a pixel is wide at a point.
+double pixel_at(const View& view, const Vec3& p)
+{
+    const double depth_there = project(view.camera, view.viewport, p).depth;
+    return 1.0 / pixels_per_metre(view.camera, view.viewport, std::max(depth_there, view.nearest));
+}
+
+/// Wire k as it is drawn. @param widened  set when it is drawn wider than it is
+std::vector<TubeStation> Renderer::Impl::drawn_line(const WireFrame& frame, std::size_t k, const View& view, bool& widened) const
+{
+    const WireLine& wire = frame.wires[k];
+    const double thinnest = thinnest_radius(frame);
+    std::vector<TubeStation> line = smooth_line(wire.nodes, wire.radius);
+    for (TubeStation& s : line) {
+        // what is drawn wider than it is keeps what is inside it inside
+        const double px = pixel_at(view, s.position), share = thinnest > 0 ? std::min(s.radius / thinnest, 3.0) : 1.0;
+        const double least = 0.5 * look.least_pixels * px * share;
+        widened = widened || s.radius < least;
+        s.radius = std::max(s.radius, least);
+        s.pull = 2.5 * s.radius + 2 * px;
+    }
+    return line;
+}
+
 /// @return true when a wire had to be drawn wider than it is
 bool Renderer::Impl::build_solids(const WireFrame& frame, const View& view, Solids& body, Solids& halo) const
 {
     body.clear(), halo.clear();
     bool widened = false;
     const double unit = std::max(layout.unit, 0.7);  // marks stay visible on small pictures
-    const auto pixel = [&](const Vec3& p) {
-        const double depth_there = project(view.camera, view.viewport, p).depth;
-        return 1.0 / pixels_per_metre(view.camera, view.viewport, std::max(depth_there, view.nearest));
-    };
+    const auto pixel = [&](const Vec3& p) { return pixel_at(view, p); };
     const auto grown = [](TubeStation s, double by) { return s.radius += by, s; };
-    const double thinnest = thinnest_radius(frame);
     for (std::size_t k = 0; k < frame.wires.size(); ++k) {
-        const WireLine& wire = frame.wires[k];
-        std::vector<TubeStation> line = smooth_line(wire.nodes, wire.radius), outline;
-        for (TubeStation& s : line) {
-            // what is drawn wider than it is keeps what is inside it inside
-            const double px = pixel(s.position), share = thinnest > 0 ? std::min(s.radius / thinnest, 3.0) : 1.0;
-            const double least = 0.5 * look.least_pixels * px * share;
-            widened = widened || s.radius < least;
-            s.radius = std::max(s.radius, least);
-            s.pull = 2.5 * s.radius + 2 * px;
-            outline.push_back(grown(s, 1.1 * unit * px));
-        }
+        const std::vector<TubeStation> line = drawn_line(frame, k, view, widened);
+        std::vector<TubeStation> outline;
+        for (const TubeStation& s : line) outline.push_back(grown(s, 1.1 * unit * pixel(s.position)));
         add_tube(body, line, wire_colours(frame, k, line.size()), origin);
         add_tube(halo, outline, rgb_from_hex(palette::halo), origin);
     }
@@ -545,6 +558,13 @@ void Renderer::aim(const std::vector<Vec3>& points)
 
 const Camera& Renderer::camera() const { return impl_->camera; }
 const Viewport& Renderer::main_view() const { return impl_->layout.main; }
+std::vector<std::vector<TubeStation>> Renderer::drawn_lines(const WireFrame& frame) const
+{
+    std::vector<std::vector<TubeStation>> lines;
+    bool widened = false;
+    for (std::size_t k = 0; k < frame.wires.size(); ++k) lines.push_back(impl_->drawn_line(frame, k, impl_->main_view(), widened));
+    return lines;
+}
 void Renderer::set_force_scale(double newton) { impl_->look.force_scale = newton; }
 void Renderer::set_background(std::uint32_t top, std::uint32_t bottom)
 {

@@ -19,6 +19,8 @@ struct WireLine {
     std::vector<double> radius;  // [m], one per node
     std::string name;            // of an instrument among several
     std::vector<double> force;   // of contact, one per node [N]; empty: not recorded
+    // at the hub: along the wire, + pushes [N]; about it, + as it is turned [N m]; NaN: not recorded
+    double hand_force = std::numeric_limits<double>::quiet_NaN(), hand_torque = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One contact of the picture.
@@ -28,6 +30,8 @@ struct ContactMark {
     double force = 0;            // [N] >= 0
     double per_length = std::numeric_limits<double>::quiet_NaN();  // load on the wire there [N/m]; NaN: not known
     int place = 0;                                                 // which of the places in contact it belongs to
+    Vec3 friction = Vec3::Zero();     // on `instrument` [N]
+    int instrument = 0, other = -1;   // indices into WireFrame::wires: what lies on what, -1: the wall (`other`), not recorded
 };
 
 /// What a wall that has moved is coloured by.
@@ -50,6 +54,8 @@ struct WallScale {
 struct WireFrame {
     std::vector<WireLine> wires;
     std::vector<ContactMark> contacts;
+    bool contacts_known = true;  // false: none were recorded at this time
+    std::int64_t step = -1;      // -1: not known
     MovedWall wall;                                                // drawn when there is a scale for it (set_wall_scale)
     double time = std::numeric_limits<double>::quiet_NaN();        // [s]
     double inserted = std::numeric_limits<double>::quiet_NaN();    // [m]
@@ -70,6 +76,8 @@ struct Look {
     double least_pixels = 3;  // the wire is drawn at least this wide, and the legend says so
 };
 
+struct TubeStation;
+
 class Renderer {
 public:
     /// @throws Error NoDevice (no off-screen OpenGL), BadScene (a size no picture can have), BadFile (no font)
@@ -86,6 +94,8 @@ public:
     [[nodiscard]] const Camera& camera() const;
     /// Where in the picture the camera's view lies: all of it without a legend.
     [[nodiscard]] const Viewport& main_view() const;
+    /// The wires' lines with the radii that they are drawn with, from the camera as it stands.
+    [[nodiscard]] std::vector<std::vector<TubeStation>> drawn_lines(const WireFrame& frame) const;
     void set_force_scale(double newton);
     /// Colours of the ground from now on, sRGB.
     void set_background(std::uint32_t top, std::uint32_t bottom);

@@ -11,6 +11,7 @@
 #include <pugixml.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -57,6 +58,15 @@ fs::path beside(const fs::path& wire, const char* stem)
     return at == std::string::npos ? fs::path() : wire.parent_path() / (stem + name.substr(at));
 }
 
+/// 123 of wire_000123.vtp.
+std::int64_t step_of(const fs::path& wire)
+{
+    const std::string stem = wire.stem().string(), digits = stem.substr(std::min(stem.size(), stem.rfind('_') + 1));
+    std::int64_t step = -1;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), step);
+    return error == std::errc() && end == digits.data() + digits.size() && step >= 0 ? step : -1;
+}
+
 struct Listed {
     double time;  // [s]
     fs::path file;
@@ -90,7 +100,7 @@ std::vector<FrameFile> read_frame_list(const FilePlace& pvd)
         const fs::path contacts = beside(listed.file, "contacts");
         // instruments of one frame stand one after the other
         if (frames.empty() || frames.back().contacts != contacts)
-            frames.push_back({listed.time, {}, {}, contacts, beside(listed.file, "wall")});
+            frames.push_back({listed.time, step_of(listed.file), {}, {}, contacts, beside(listed.file, "wall")});
         frames.back().wires.push_back(listed.file);
         frames.back().names.push_back(listed.name);
     }
@@ -115,14 +125,14 @@ std::vector<TraceRow> read_trace(const FilePlace& path)
     const std::vector<std::string> names = split(line);
     const auto column = [&](const char* name) { return std::find(names.begin(), names.end(), name) - names.begin(); };
     const auto time = column("time_s"), inserted = column("inserted_m"), hand = column("hand_force_n"),
-               load = column("force_per_length_max_n_per_m");
+               torque = column("hand_torque_nm"), load = column("force_per_length_max_n_per_m");
     std::vector<TraceRow> rows;
     while (std::getline(stream, line)) {
         const std::vector<std::string> cells = split(line);
         const auto number = [&](std::ptrdiff_t k) {
             return k < static_cast<std::ptrdiff_t>(cells.size()) ? std::strtod(cells[k].c_str(), nullptr) : std::nan("");
         };
-        rows.push_back({number(time), number(inserted), number(hand), number(load)});
+        rows.push_back({number(time), number(inserted), number(hand), number(torque), number(load)});
     }
     return rows;
 }
@@ -131,12 +141,15 @@ std::vector<TraceRow> read_trace(const FilePlace& path)
 TraceRow row_at(const std::vector<TraceRow>& trace, double time)
 {
     const double unknown = std::nan("");
-    TraceRow best = {unknown, unknown, unknown, unknown};
+    TraceRow best = {unknown, unknown, unknown, unknown, unknown};
     for (const TraceRow& row : trace) {
         if (!(std::abs(row.time - time) >= std::abs(best.time - time))) best = row;
     }
     return best;
 }
+
+/// Whether a row is of that very time, not merely the nearest.
+bool is_at(const TraceRow& row, double time) { return std::abs(row.time - time) <= 1e-9 * (1 + time); }
 
 const PolyArray& need(const PolyData& data, const char* name, int components, const fs::path& path)
 {
@@ -184,13 +197,19 @@ std::vector<ContactMark> read_contacts(const FilePlace& file)
     const auto maybe = [&](const char* name) {  // absent in folders of earlier versions
         return data.point_data.count(name) > 0 ? &need(data, name, 1, path) : nullptr;
     };
-    const PolyArray *per_length = maybe("force_per_length"), *place = maybe("place");
+    const PolyArray *per_length = maybe("force_per_length"), *place = maybe("place"), *body = maybe("body_a"), *other = maybe("body_b");
+    const PolyArray* friction = data.point_data.count("friction") > 0 ? &need(data, "friction", 3, path) : nullptr;
+    const auto index_of = [](const PolyArray* of, std::size_t i, int absent) {
+        return of && std::abs(of->values[i]) < 256 ? static_cast<int>(of->values[i]) : absent;
+    };
     std::vector<ContactMark> marks(data.points.size());
     for (std::size_t i = 0; i < marks.size(); ++i) {
         marks[i].point = to_vec3(data.points[i]);
         marks[i].force = std::max(0.0, force.values[i]);
         if (per_length) marks[i].per_length = per_length->values[i];
         if (place) marks[i].place = static_cast<int>(place->values[i]);
+        marks[i].instrument = index_of(body, i, 0), marks[i].other = index_of(other, i, -1);
+        if (friction) marks[i].friction = {friction->values[3 * i], friction->values[3 * i + 1], friction->values[3 * i + 2]};
         if (normal) marks[i].normal = {normal->values[3 * i], normal->values[3 * i + 1], normal->values[3 * i + 2]};
     }
     return marks;
@@ -258,6 +277,9 @@ RunFolder read_run_folder(const fs::path& dir)
     run.frames = read_frame_list(run.folder / "wire.pvd");
     if (run.folder.has("vessel.vtp")) run.wall = read_wall(run.folder / "vessel.vtp");
     if (run.folder.has("trace.csv")) run.trace = read_trace(run.folder / "trace.csv");
+    for (const std::string& name : run.frames.front().names)
+        if (const std::string own = "trace_" + name + ".csv"; !name.empty() && run.folder.has(own))
+            run.own_trace[name] = read_trace(run.folder / own);
     return run;
 }
 
@@ -270,13 +292,20 @@ WireFrame read_frame(const RunFolder& run, std::size_t index)
             line.name = file.names[k];
             frame.wires.push_back(std::move(line));
         }
-    if (is_there(run, file.contacts)) frame.contacts = read_contacts(file_of(run, file.contacts));
-    frame.time = file.time;
+    frame.contacts_known = run.wall.triangles.empty();  // without a wall none are written
+    if (is_there(run, file.contacts)) frame.contacts = read_contacts(file_of(run, file.contacts)), frame.contacts_known = true;
+    frame.time = file.time, frame.step = file.step;
     const TraceRow row = row_at(run.trace, file.time);
     frame.inserted = row.inserted;
     frame.hand_force = row.hand_force;
     // a row of another time has another load; the contacts' own is then nearer
-    if (std::abs(row.time - file.time) <= 1e-9 * (1 + file.time)) frame.per_length = row.per_length;
+    if (is_at(row, file.time)) frame.per_length = row.per_length;
+    for (WireLine& wire : frame.wires) {
+        const auto own = run.own_trace.find(wire.name);
+        const TraceRow of = own == run.own_trace.end() ? row : row_at(own->second, file.time);
+        if ((frame.wires.size() > 1 && own == run.own_trace.end()) || !is_at(of, file.time)) continue;
+        wire.hand_force = of.hand_force, wire.hand_torque = of.hand_torque;
+    }
     return frame;
 }
 

@@ -5,6 +5,7 @@
 #include "view/renderer.h"
 
 #include <filesystem>
+#include <map>
 #include <vector>
 
 namespace seldinger {
@@ -12,6 +13,7 @@ namespace seldinger {
 /// One recorded frame, not yet read.
 struct FrameFile {
     double time = 0;                           // [s]
+    std::int64_t step = -1;                    // of the run, from the names of its files; -1: they have no number
     std::vector<std::filesystem::path> wires;  // wire_######.vtp, or NAME_######.vtp of each instrument
     std::vector<std::string> names;            // of the instruments; "" of the only one
     std::filesystem::path contacts;            // contacts_######.vtp; may be absent
@@ -20,7 +22,7 @@ struct FrameFile {
 
 /// One row of trace.csv, as far as it is shown.
 struct TraceRow {
-    double time = 0, inserted = 0, hand_force = 0, per_length = 0;  // [s], [m], [N], [N/m]
+    double time = 0, inserted = 0, hand_force = 0, hand_torque = 0, per_length = 0;  // [s], [m], [N], [N m], [N/m]
 };
 
 struct RunFolder {
@@ -28,6 +30,7 @@ struct RunFolder {
     WallMesh wall;                  // vessel.vtp, normals into the lumen; empty when there is none
     std::vector<FrameFile> frames;  // in the order of wire.pvd, at least one
     std::vector<TraceRow> trace;    // may be empty
+    std::map<std::string, std::vector<TraceRow>> own_trace;  // of each of several instruments, by its name; may lack some
 };
 
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file

@@ -2,9 +2,11 @@
 #include "view/viewpoint.h"
 
 #include "core/error.h"
+#include "math/eigen.h"
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -88,7 +90,7 @@ CameraKey key_at(const std::vector<CameraKey>& keys, double t)
 
 Vec3 middle_of(const Scenery& s)
 {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : s.wall->vertices) box.extend(v);
     if (box.isEmpty())
         for (const Vec3& v : s.nodes) box.extend(v);
@@ -136,8 +138,8 @@ Camera frame_camera(const Scenery& scenery, ViewFrom from, const CameraMotion& m
     if (key.azimuth != 0 || key.elevation != 0) {
         // about the up axis of the picture through the middle of the vessel, so that the horizon stays
         const Vec3 axis = camera.up.normalized(), right = camera.right(), middle = middle_of(scenery);
-        const Eigen::Matrix3d turn =
-            (Eigen::AngleAxisd(key.azimuth, axis) * Eigen::AngleAxisd(-key.elevation, right)).toRotationMatrix();
+        const Mat3 turn =
+            mat3((Eigen::AngleAxisd(key.azimuth, eigen(axis)) * Eigen::AngleAxisd(-key.elevation, eigen(right))).toRotationMatrix());
         camera.eye = middle + turn * (camera.eye - middle);
         camera.target = middle + turn * (camera.target - middle);
         camera.up = turn * camera.up;

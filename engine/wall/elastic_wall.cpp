@@ -1,6 +1,9 @@
 // The wall as a body, made from the vessel's mesh; what is read off it.
 
 #include "wall/elastic_wall.h"
+#include "wall/wall_compliance.h"
+
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 
@@ -71,7 +74,7 @@ void add_force(const LoopSurface& surface, std::int32_t triangle, double u, doub
 {
     LoopStencil at;
     surface.basis(triangle, u, v, at);
-    for (int k = 0; k < at.size; ++k) Eigen::Map<Vec3>(&to[3 * static_cast<std::size_t>(at.vertex[k])]) += at.n[k] * force;
+    for (int k = 0; k < at.size; ++k) add_to(&to[3 * static_cast<std::size_t>(at.vertex[k])], at.n[k] * force);
 }
 
 std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std::span<const WallLoad> loads)
@@ -82,7 +85,7 @@ std::vector<double> loads_on(const LoopSurface& surface, const Shell& shell, std
         if (load.pressure != 0)
             for (const ShellPoint& q : shell.points())
                 add_force(surface, q.triangle, q.u, q.v, -load.pressure * q.area * q.normal, to);
-        if (load.force.isZero(0)) continue;
+        if (load.force.isZero()) continue;
         LoopFoot foot;
         surface.closest(load.at, foot);
         add_force(surface, foot.triangle, foot.u, foot.v, load.force, to);
@@ -108,6 +111,8 @@ double lumen_radius(const WallModel& wall, const Vec3& place)
 
 }  // namespace
 
+ElasticWall::~ElasticWall() = default;
+
 ElasticWall::ElasticWall(const WallModel& wall)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -115,6 +120,7 @@ ElasticWall::ElasticWall(const WallModel& wall)
     const std::vector<Vec3> through = control.vertices;
     surface_ = std::make_unique<LoopSurface>(std::move(control));
     edge_ = surface_->mean_edge();
+    decay_ = decay_length(wall.spec, wall.typical_lumen_radius);
     surface_->interpolate(through);
     shell_ = std::make_unique<Shell>(*surface_, shell_spec(wall.spec));
     compliance_ = std::make_unique<WallCompliance>(*shell_, wall.spec.pressure != 0 ? along(wall.centreline) : PrestressAt{});
@@ -139,7 +145,7 @@ double ElasticWall::largest_move(const LoopStencil& place) const
 WallMechanics ElasticWall::mechanics() const
 {
     const WallCounts counts = compliance_->counts();
-    return {compliance_->vertex_count(), edge_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
+    return {compliance_->vertex_count(), edge_, decay_, made_in_, counts.factor_seconds, counts.columns, counts.bytes};
 }
 
 ElasticWall::MemorySplit ElasticWall::memory_split(double h) const
@@ -173,23 +179,31 @@ namespace {
 double move_at(const LoopStencil& at, std::span<const double> w)
 {
     Vec3 move = Vec3::Zero();
-    for (int k = 0; k < at.size; ++k) move += at.n[k] * Eigen::Map<const Vec3>(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
+    for (int k = 0; k < at.size; ++k) move += at.n[k] * Vec3(&w[3 * static_cast<std::size_t>(at.vertex[k])]);
     return move.norm();
 }
 
+/// Where a place of the surface is while the wall has not moved [m].
+void put_place(const ElasticWall& wall, const LoopStencil& at, double (&to)[3])
+{
+    Vec3 place = Vec3::Zero();
+    for (int k = 0; k < at.size; ++k) place += at.n[k] * wall.surface().control().vertices[static_cast<std::size_t>(at.vertex[k])];
+    for (int c = 0; c < 3; ++c) to[c] = place[c];
+}
+
 /// Of control vertices' limits, and of places between them about the one that has gone farthest.
-/// @param share  of what linear theory allows, at control vertices
-double farthest_move(const ElasticWall& wall, std::span<const double> w, double& share)
+/// @param now  of which move_max, its place and move_share are set
+void read_move(const ElasticWall& wall, std::span<const double> w, WallReadings& now)
 {
     const LoopSurface& surface = wall.surface();
     LoopStencil at;
-    double most = 0;
     std::int32_t farthest = -1;
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(surface.control().vertices.size()); ++v) {
         const double move = move_at(wall.limit(v), w);
-        share = std::max(share, move / wall.largest_move(wall.limit(v)));
-        if (move > most) most = move, farthest = v;
+        now.move_share = std::max(now.move_share, move / wall.largest_move(wall.limit(v)));
+        if (move > now.move_max) now.move_max = move, farthest = v;
     }
+    if (farthest >= 0) put_place(wall, wall.limit(farthest), now.move_at);
     constexpr int parts = 6;
     for (std::int32_t t = 0; farthest >= 0 && t < surface.topology().triangle_count(); ++t) {
         const auto& corners = surface.control().triangles[static_cast<std::size_t>(t)];
@@ -197,10 +211,12 @@ double farthest_move(const ElasticWall& wall, std::span<const double> w, double&
         for (int i = 0; i <= parts; ++i)
             for (int j = 0; i + j <= parts; ++j) {
                 surface.basis(t, double(i) / parts, double(j) / parts, at);
-                most = std::max(most, move_at(at, w));
+                const double move = move_at(at, w);
+                if (!(move > now.move_max)) continue;
+                now.move_max = move;
+                put_place(wall, at, now.move_at);
             }
     }
-    return most;
 }
 
 }  // namespace
@@ -213,18 +229,22 @@ WallReadings read_wall(const ElasticWall& wall, std::span<const double> displace
         if (stress) stress->assign(displaced.size() / 3, 0.0);
         return now;
     }
-    now.move_max = farthest_move(wall, displaced, now.move_share);
+    read_move(wall, displaced, now);
     const Eigen::Map<const Eigen::VectorXd> w(displaced.data(), static_cast<Eigen::Index>(displaced.size()));
     now.energy = 0.5 * w.dot(wall.compliance().stiffness() * w);
     for (std::size_t i = 0; i < wall.load().size(); ++i) work += wall.load()[i] * displaced[i];
     now.loss = work - now.energy;
     const ShellStress at = wall.shell().stress(displaced);
     if (stress) stress->resize(at.mises_inner.size());
+    std::int32_t highest = -1;
     for (std::size_t v = 0; v < at.mises_inner.size(); ++v) {
         const double larger = std::max(at.mises_inner[v], at.mises_outer[v]);
-        now.stress_max = std::max(now.stress_max, larger);
         if (stress) (*stress)[v] = larger;
+        if (!(larger > now.stress_max)) continue;
+        now.stress_max = larger;
+        highest = static_cast<std::int32_t>(v);
     }
+    if (highest >= 0) put_place(wall, wall.limit(highest), now.stress_at);
     return now;
 }
 

@@ -7,7 +7,7 @@
 // by backward Euler (wall/wall_dynamics.h). Inertia of the wall is small beside the tissue's damping, and left out.
 
 #include "wall/control_mesh.h"
-#include "wall/wall_compliance.h"
+#include "wall/loop_surface.h"
 #include "wall/wall_model.h"
 #include "wall/wall_readings.h"
 
@@ -18,16 +18,20 @@
 
 namespace seldinger {
 
+class Shell;
+class WallCompliance;
+
 /// What is constant; all systems of a world share it.
 class ElasticWall {
 public:
     /// @throws Error BadFile: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory
     explicit ElasticWall(const WallModel& wall);
+    ~ElasticWall();
 
     [[nodiscard]] const LoopSurface& surface() const { return *surface_; }
     [[nodiscard]] const Shell& shell() const { return *shell_; }
     [[nodiscard]] const WallCompliance& compliance() const { return *compliance_; }
-    [[nodiscard]] int unknowns() const { return 3 * compliance_->vertex_count(); }
+    [[nodiscard]] int unknowns() const { return static_cast<int>(3 * limits_.size()); }
     /// What the scene's wall loads exert on the control vertices [3V] [N]; empty: nothing.
     [[nodiscard]] std::span<const double> load() const { return load_; }
     /// Mean edge of the control mesh [m].
@@ -59,7 +63,7 @@ private:
     std::vector<double> load_;
     std::vector<double> largest_move_;  // [V]
     std::vector<LoopStencil> limits_;   // [V]
-    double edge_ = 0, off_ = 0, made_in_ = 0;
+    double edge_ = 0, decay_ = 0, off_ = 0, made_in_ = 0;
     std::string edge_reason_;
 };
 

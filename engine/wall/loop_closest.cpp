@@ -15,17 +15,17 @@ constexpr int most_steps = 60;        // about four do from a start nearby
 constexpr double small_move = 1e-11;  // of an edge: a Newton step that ends the search
 constexpr double small_fold = 1e-12;  // weights below it are on an edge
 
-using Vec2 = Eigen::Vector2d;
+using Uv = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
 
 /// Barycentric weights of a place.
 using Weights3 = std::array<double, 3>;
-Weights3 weights_of(const Vec2& uv) { return {1 - uv[0] - uv[1], uv[0], uv[1]}; }
+Weights3 weights_of(const Uv& uv) { return {1 - uv[0] - uv[1], uv[0], uv[1]}; }
 
 /// A place and what the surface is like there.
 struct Place {
     std::int32_t triangle = 0;
-    Vec2 uv = Vec2::Zero();
+    Uv uv = Uv::Zero();
     Vec3 x = Vec3::Zero(), xu = x, xv = x, xuu = x, xuv = x, xvv = x;
     double squared = 0;  // distance from p
 };
@@ -33,16 +33,16 @@ struct Place {
 /// Direction in (u, v) along edge e of a triangle, and out of the triangle across it as a weight that falls: that of corner e
 /// + 2.
 constexpr double corner_u[3] = {0, 1, 0}, corner_v[3] = {0, 0, 1};
-Vec2 along_edge(int e)
+Uv along_edge(int e)
 {
     const int a = e, b = (e + 1) % 3;
     return {corner_u[b] - corner_u[a], corner_v[b] - corner_v[a]};
 }
 /// Change of the weight of corner c per step d.
-double change(const Vec2& d, int c) { return c == 0 ? -d[0] - d[1] : d[c - 1]; }
+double change(const Uv& d, int c) { return c == 0 ? -d[0] - d[1] : d[c - 1]; }
 
 /// Moves by d over the mesh unfolded flat; stops at rims.
-void walk(const LoopTopology& mesh, std::int32_t& triangle, Vec2& uv, Vec2 d)
+void walk(const LoopTopology& mesh, std::int32_t& triangle, Uv& uv, Uv d)
 {
     Weights3 l = weights_of(uv), dl = {change(d, 0), change(d, 1), change(d, 2)};
     for (int hop = 0; hop < 24; ++hop) {
@@ -67,26 +67,26 @@ void walk(const LoopTopology& mesh, std::int32_t& triangle, Vec2& uv, Vec2 d)
         triangle = across / 3;
     }
     const double sum = l[0] + l[1] + l[2];
-    uv = Vec2(l[1] / sum, l[2] / sum);
+    uv = Uv(l[1] / sum, l[2] / sum);
     for (double& w : {std::ref(uv[0]), std::ref(uv[1])})
         if (w < small_fold) w = 0;
     if (1 - uv[0] - uv[1] < small_fold) uv /= uv[0] + uv[1];
 }
 
 /// Newton's step downhill in the squared distance, within the rims that the place lies on.
-Vec2 newton_step(const LoopTopology& mesh, const Place& at, const Vec3& p)
+Uv newton_step(const LoopTopology& mesh, const Place& at, const Vec3& p)
 {
     const Vec3 r = p - at.x;
-    const Vec2 g(r.dot(at.xu), r.dot(at.xv));
+    const Uv g(r.dot(at.xu), r.dot(at.xv));
     Mat2 gauss, h;
     gauss << at.xu.dot(at.xu), at.xu.dot(at.xv), at.xu.dot(at.xv), at.xv.dot(at.xv);
     h << r.dot(at.xuu), r.dot(at.xuv), r.dot(at.xuv), r.dot(at.xvv);
     h = gauss - h;
     // past a centre of curvature the distance has no minimum there: steps of the flat surface instead
     if (!(h(0, 0) + h(1, 1) > 0.1 * gauss.trace() && h.determinant() > 0.05 * gauss.determinant())) h = gauss;
-    Vec2 d = h.determinant() > 0 ? Vec2(h.inverse() * g) : Vec2(Vec2::Zero());
+    Uv d = h.determinant() > 0 ? Uv(h.inverse() * g) : Uv(Uv::Zero());
     const Weights3 l = weights_of(at.uv);
-    const auto blocked = [&](const Vec2& step, int c) {  // out across the edge that faces corner c, a rim
+    const auto blocked = [&](const Uv& step, int c) {  // out across the edge that faces corner c, a rim
         return l[static_cast<std::size_t>(c)] <= small_fold && change(step, c) < 0 &&
                mesh.opposite[static_cast<std::size_t>(3 * at.triangle + (c + 1) % 3)] < 0;
     };
@@ -94,11 +94,11 @@ Vec2 newton_step(const LoopTopology& mesh, const Place& at, const Vec3& p)
         int c = 0;
         while (c < 3 && !blocked(d, c)) ++c;
         if (c == 3) return d;
-        const Vec2 e = along_edge((c + 1) % 3);
+        const Uv e = along_edge((c + 1) % 3);
         d = e * (g.dot(e) / e.dot(h * e));
     }
     for (int c = 0; c < 3; ++c)
-        if (blocked(d, c)) return Vec2::Zero();  // in a corner
+        if (blocked(d, c)) return Uv::Zero();  // in a corner
     return d;
 }
 
@@ -144,7 +144,7 @@ void LoopSurface::closest(const Vec3& p, LoopFoot& foot) const
 void LoopSurface::descend(const Vec3& p, LoopFoot& foot) const
 {
     LoopCurvedStencil s;
-    const auto look = [&](std::int32_t triangle, const Vec2& uv) {
+    const auto look = [&](std::int32_t triangle, const Uv& uv) {
         Place place;
         place.triangle = triangle, place.uv = uv;
         basis(triangle, uv[0], uv[1], s);
@@ -156,9 +156,9 @@ void LoopSurface::descend(const Vec3& p, LoopFoot& foot) const
         place.squared = (p - place.x).squaredNorm();
         return place;
     };
-    Place here = look(foot.triangle, Vec2(foot.u, foot.v));
+    Place here = look(foot.triangle, Uv(foot.u, foot.v));
     for (int step = 0; step < most_steps; ++step) {
-        Vec2 d = newton_step(topology_, here, p);
+        Uv d = newton_step(topology_, here, p);
         if (d.norm() > 1) d /= d.norm();  // a triangle at a time
         if ((d[0] * here.xu + d[1] * here.xv).norm() < small_move * edge_) break;
         // a step that is flat to rounding cannot be told downhill: take it
@@ -167,7 +167,7 @@ void LoopSurface::descend(const Vec3& p, LoopFoot& foot) const
         int halving = 0;
         for (; halving < 12; ++halving, d *= 0.5) {
             std::int32_t triangle = here.triangle;
-            Vec2 uv = here.uv;
+            Uv uv = here.uv;
             walk(topology_, triangle, uv, d);
             next = look(triangle, uv);
             if (next.squared <= here.squared + slack) break;

@@ -6,6 +6,7 @@
 #include "vessel/mesh_edges.h"
 #include "vessel/triangle_geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>

@@ -38,7 +38,7 @@ void check(const ShellSpec& spec)
 Shell::Shell(const LoopSurface& surface, const ShellSpec& spec) : surface_(surface), spec_(spec)
 {
     check(spec);
-    spreads_.assign(surface.control().vertices.size(), Eigen::Matrix3d::Zero());
+    spreads_.assign(surface.control().vertices.size(), Mat3::Zero());
     find_spreads();
     for (std::int32_t t = 0; t < surface.topology().triangle_count(); ++t) {
         for (const auto& [u, v] : quadrature) add_point(t, u, v, 1.0 / 8);
@@ -99,7 +99,7 @@ void Shell::find_spreads()
 {
     const LoopTopology& mesh = surface_.topology();
     const auto& x = surface_.control().vertices;
-    std::vector<Eigen::Matrix3d> spread(x.size());
+    std::vector<Mat3> spread(x.size());
     for (int sweep = -1; sweep < 60; ++sweep)
         for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
             const LoopTopology::LimitMask mask = mesh.limit_mask(v);
@@ -108,14 +108,14 @@ void Shell::find_spreads()
                 Vec3 centre = mask.own * x[i];
                 for (int k = 0; k < mask.count; ++k)
                     centre += mask.each * x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
-                spread[i] = mask.own * (x[i] - centre) * (x[i] - centre).transpose();
+                spread[i] = outer(mask.own * (x[i] - centre), x[i] - centre);
                 for (int k = 0; k < mask.count; ++k) {
                     const Vec3 r = x[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])] - centre;
-                    spread[i] += mask.each * r * r.transpose();
+                    spread[i] += outer(mask.each * r, r);
                 }
                 continue;
             }
-            Eigen::Matrix3d rest = spread[i];
+            Mat3 rest = spread[i];
             for (int k = 0; k < mask.count; ++k)
                 rest -= mask.each * spreads_[static_cast<std::size_t>(mask.neighbours[static_cast<std::size_t>(k)])];
             spreads_[i] = rest / mask.own;
@@ -133,7 +133,7 @@ void Shell::mend(const ShellPoint& q)
     for (int k = 0; k < q.vertex_count; ++k) {
         const Vec3 r = (surface_.control().vertices[static_cast<std::size_t>(w[k].vertex)] - q.position) / scale;
         const double a = r.dot(q.e1), b = r.dot(q.e2);
-        const Eigen::Matrix3d spread = spreads_[static_cast<std::size_t>(w[k].vertex)] / (scale * scale);
+        const Mat3 spread = spreads_[static_cast<std::size_t>(w[k].vertex)] / (scale * scale);
         monomials.row(k) << 1, a, b, (a * a - q.e1.dot(spread * q.e1)) / 2, (b * b - q.e2.dot(spread * q.e2)) / 2,
             a * b - q.e1.dot(spread * q.e2);
         loop.col(k) << w[k].n_11, w[k].n_22, w[k].n_12;
@@ -148,41 +148,34 @@ void Shell::mend(const ShellPoint& q)
     for (int k = 0; k < q.vertex_count; ++k) w[k].n_11 += more(0, k), w[k].n_22 += more(1, k), w[k].n_12 += more(2, k);
 }
 
-Eigen::Matrix3d Shell::law() const
+Mat3 Shell::law() const
 {
     const double nu = spec_.poisson;
-    Eigen::Matrix3d h;
-    h << 1, nu, 0, nu, 1, 0, 0, 0, (1 - nu) / 2;
-    return spec_.youngs / (1 - nu * nu) * h;
+    return spec_.youngs / (1 - nu * nu) * Mat3::rows({1, nu, 0}, {nu, 1, 0}, {0, 0, (1 - nu) / 2});
 }
 
-Strain Shell::strain(const ShellPoint& q, std::span<const double> displacement) const
+ShellStrain Shell::strain(const ShellPoint& q, std::span<const double> displacement) const
 {
-    // of each component: derivatives along e1, e2, second ones 11, 22; those of 12 beside them
-    Eigen::Vector4d sum[3] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
-    Vec3 sum12 = Vec3::Zero();
+    // derivatives along e1, e2, second ones 11, 22, 12
+    Vec3 u1 = Vec3::Zero(), u2 = u1, u11 = u1, u22 = u1, u12 = u1;
     for (const Weight& w : weights(q)) {
-        const Eigen::Map<const Vec3> d(displacement.data() + 3 * w.vertex);
-        const Eigen::Map<const Eigen::Vector4d> four(&w.n_1);
-        for (int k = 0; k < 3; ++k) sum[k] += d[k] * four;
-        sum12 += w.n_12 * d;
+        const Vec3 d(displacement.data() + 3 * w.vertex);
+        u1 += w.n_1 * d, u2 += w.n_2 * d, u11 += w.n_11 * d, u22 += w.n_22 * d, u12 += w.n_12 * d;
     }
-    const auto derivative = [&](int which) { return Vec3(sum[0][which], sum[1][which], sum[2][which]); };
-    const Vec3 u1 = derivative(0), u2 = derivative(1);
     return join(q, {q.e1.dot(u1), q.e2.dot(u2), q.e1.dot(u2) + q.e2.dot(u1)},
-                {q.normal.dot(derivative(2)), q.normal.dot(derivative(3)), 2 * q.normal.dot(sum12)});
+                {q.normal.dot(u11), q.normal.dot(u22), 2 * q.normal.dot(u12)});
 }
 
-Eigen::Vector3d Shell::strains_of(std::size_t first, std::span<const double> displacement,
-                                  std::span<Strain, per_triangle> at) const
+Vec3 Shell::strains_of(std::size_t first, std::span<const double> displacement,
+                                  std::span<ShellStrain, per_triangle> at) const
 {
     const ShellPoint* q = points_.data() + first;
     for (std::size_t k = 0; k < per_triangle; ++k) at[k] = strain(q[k], displacement);
     const auto w = weights(*q);
     const auto per_displacement = membrane(first);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < w.size(); ++k)
-        sum += per_displacement[k] * Eigen::Map<const Vec3>(displacement.data() + 3 * w[k].vertex);
+        sum += per_displacement[k] * Vec3(displacement.data() + 3 * w[k].vertex);
     return sum;
 }
 

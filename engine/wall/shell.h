@@ -84,9 +84,15 @@ struct ShellMatrices {
 
 /// Stress of the wall. Components 11, 22, 12 in a point's frame [Pa].
 struct ShellStress {
-    std::vector<Eigen::Vector3d> membrane,
+    std::vector<Vec3> membrane,
         bending;  // [Q]; at the outer surface membrane + bending, at the inner membrane - bending
     std::vector<double> mises_inner, mises_outer;  // [V] area-weighted about each control vertex [Pa]
+};
+
+/// Of the mid-surface at a point, in its frame.
+struct ShellStrain {
+    Vec3 membrane;  // 11, 22, 2 12
+    Vec3 bending;   // change of curvature: 11, 22, 2 12 [1/m]
 };
 
 class Shell {
@@ -114,8 +120,7 @@ private:
     struct Weight {
         std::int32_t vertex;
         double n;
-        double n_1, n_2, n_11, n_22;  // side by side: read as four lanes
-        double n_12;
+        double n_1, n_2, n_11, n_22, n_12;
     };
     void add_point(std::int32_t triangle, double u, double v, double share);
     void find_spreads();
@@ -126,20 +131,19 @@ private:
     {
         return {weights_.data() + q.first_vertex, static_cast<std::size_t>(q.vertex_count)};
     }
-    /// Membrane strain (11, 22, 2 12) and change of curvature (the same, [1/m]) of a displacement.
-    [[nodiscard]] Eigen::Matrix<double, 6, 1> strain(const ShellPoint& q, std::span<const double> displacement) const;
+    [[nodiscard]] ShellStrain strain(const ShellPoint& q, std::span<const double> displacement) const;
     /// Of a triangle's stencil, whose points begin with `first`.
-    [[nodiscard]] std::span<const Eigen::Matrix3d> membrane(std::size_t first) const;
+    [[nodiscard]] std::span<const Mat3> membrane(std::size_t first) const;
     /// Strains at the four points of a triangle, of which `first` is the first.
     /// @return the triangle's membrane strain, in the frame of the last one
-    Eigen::Vector3d strains_of(std::size_t first, std::span<const double> displacement,
-                               std::span<Eigen::Matrix<double, 6, 1>, 4> at) const;
+    Vec3 strains_of(std::size_t first, std::span<const double> displacement,
+                    std::span<ShellStrain, 4> at) const;
     template <class Add>
     void add_elastic(std::size_t first, const Add& add) const;
     template <class Add>
     void add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const;
     /// Stresses per strain: C H and D H.
-    [[nodiscard]] Eigen::Matrix3d law() const;
+    [[nodiscard]] Mat3 law() const;
 
     const LoopSurface& surface_;
     ShellSpec spec_;
@@ -147,10 +151,10 @@ private:
     std::vector<Weight> weights_;
     /// [Q/4 stencils] membrane strain (11, 22, 2 12) of a triangle per displacement of a control vertex [1/m], in the frame of its
     /// last point
-    std::vector<Eigen::Matrix3d> membrane_;
+    std::vector<Mat3> membrane_;
     /// [V] control values of a quadratic q with limits q at the vertices are q(X) - S : q'' / 2 [m^2]; known until points are
     /// made
-    std::vector<Eigen::Matrix3d> spreads_;
+    std::vector<Mat3> spreads_;
 };
 
 }  // namespace seldinger

@@ -13,27 +13,23 @@ using namespace shell_detail;
 namespace {
 
 /// u x (.) as a matrix.
-Eigen::Matrix3d cross_matrix(const Vec3& u)
+Mat3 cross_matrix(const Vec3& u)
 {
-    Eigen::Matrix3d m;
-    m << 0, -u.z(), u.y(), u.z(), 0, -u.x(), -u.y(), u.x(), 0;
-    return m;
+    return Mat3::rows({0, -u.z(), u.y()}, {u.z(), 0, -u.x()}, {-u.y(), u.x(), 0});
 }
 
-/// N^ab in the frame of a point [N/m].
-Eigen::Matrix2d prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double pressure)
+/// N^ab in the frame of a point: 11, 22, 12 [N/m].
+Vec3 prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double pressure)
 {
-    const Eigen::Vector2d along(prestress.axis.dot(q.e1), prestress.axis.dot(q.e2));
+    const Vec2 along(prestress.axis.dot(q.e1), prestress.axis.dot(q.e2));
     const double hoop = pressure * prestress.radius, axial = prestress.axial_part * hoop;
     const double length = along.norm();
     // where the wall faces the axis (a cap) both directions are alike
-    if (!(length > 1e-9 * prestress.axis.norm())) return axial * Eigen::Matrix2d::Identity();
-    const Eigen::Vector2d z = along / length, t(-z.y(), z.x());
-    return hoop * t * t.transpose() + axial * z * z.transpose();
+    if (!(length > 1e-9 * prestress.axis.norm())) return {axial, axial, 0};
+    const Vec2 z = along / length, t(-z.y(), z.x());
+    return {hoop * t.x() * t.x() + axial * z.x() * z.x(), hoop * t.y() * t.y() + axial * z.y() * z.y(),
+            hoop * t.x() * t.y() + axial * z.x() * z.y()};
 }
-
-/// Strains under unit displacements of one control vertex.
-using Strains = Eigen::Matrix<double, 6, 3>;
 
 /// Sums of one triangle's blocks, in the order of its stencil; those with the greater vertex first count.
 struct TriangleBlocks {
@@ -56,8 +52,12 @@ struct TriangleBlocks {
     {
         for (std::size_t i = 0, k = 0; i < count; ++i)
             for (std::size_t j = 0; j < count; ++j, ++k)
-                if (counts[k])
-                    Eigen::Map<Eigen::Matrix<double, size, size>>(values.data() + size * size * place[k]) += block(i, j);
+                if (counts[k]) {
+                    const auto sum = block(i, j);
+                    double* to = values.data() + size * size * place[k];
+                    if constexpr (size == 1) *to += sum;
+                    else for (int e = 0; e < size * size; ++e) to[e] += sum.data()[e];
+                }
     }
 };
 
@@ -67,26 +67,27 @@ struct TriangleBlocks {
 template <class Add>
 void Shell::add_elastic(std::size_t first, const Add& add) const
 {
-    const Eigen::Matrix3d h = law();
+    const Mat3 h = law();
     const double d = std::pow(spec_.thickness, 3) / 12;
     const auto eps = membrane(first);
     const std::size_t count = eps.size();
-    std::vector<Strains> strains(count);
-    std::vector<Eigen::Matrix3d> stress(count);
+    std::vector<Mat3> bending(count);  // change of curvature under unit displacements of a control vertex
+    std::vector<Mat3> stress(count);
     double area = 0;
     for (const ShellPoint& q : std::span(points_).subspan(first, per_triangle)) {
         const auto w = weights(q);
         for (std::size_t k = 0; k < count; ++k) {
-            const Eigen::Matrix3d stretched = stretch(q, w[k].n_1, w[k].n_2);
-            const Eigen::Vector3d bent(w[k].n_11, w[k].n_22, 2 * w[k].n_12);
-            for (int axis = 0; axis < 3; ++axis) strains[k].col(axis) = join(q, stretched.col(axis), q.normal[axis] * bent);
-            stress[k] = q.area * d * h * strains[k].bottomRows<3>();
+            const Mat3 stretched = stretch(q, w[k].n_1, w[k].n_2);
+            const Vec3 bent(w[k].n_11, w[k].n_22, 2 * w[k].n_12);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                bending[k].col(axis) = join(q, stretched.col(axis), q.normal[axis] * bent).bending;
+            stress[k] = q.area * d * h * bending[k];
         }
         area += q.area;
-        add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(strains[i].bottomRows<3>().transpose() * stress[j]); });
+        add([&](std::size_t i, std::size_t j) { return bending[i].transpose() * stress[j]; });
     }
     for (std::size_t k = 0; k < count; ++k) stress[k] = spec_.thickness * area * h * eps[k];
-    add([&](std::size_t i, std::size_t j) { return Eigen::Matrix3d(eps[i].transpose() * stress[j]); });
+    add([&](std::size_t i, std::size_t j) { return eps[i].transpose() * stress[j]; });
 }
 
 /// Geometric stiffness of the pre-stress, and the load that follows the wall, at one point.
@@ -94,15 +95,15 @@ template <class Add>
 void Shell::add_pressure(const ShellPoint& q, const Prestress& prestress, const Add& add) const
 {
     const auto w = weights(q);
-    const Eigen::Matrix2d n = prestress_in_frame(q, prestress, spec_.pressure);
-    const Eigen::Matrix3d by_1 = -cross_matrix(q.e2), by_2 = cross_matrix(q.e1);
+    const Vec3 n = prestress_in_frame(q, prestress, spec_.pressure);
+    const Mat3 by_1 = -cross_matrix(q.e2), by_2 = cross_matrix(q.e1);
     add([&](std::size_t i, std::size_t j) {
         // the mesh faces the lumen: the volume's variation has the opposite sign of that with the outward normal
         const double geometric =
-            n(0, 0) * w[i].n_1 * w[j].n_1 + n(1, 1) * w[i].n_2 * w[j].n_2 + n(0, 1) * (w[i].n_1 * w[j].n_2 + w[i].n_2 * w[j].n_1);
-        const Eigen::Matrix3d live = w[i].n * (w[j].n_1 * by_1 + w[j].n_2 * by_2) -
+            n[0] * w[i].n_1 * w[j].n_1 + n[1] * w[i].n_2 * w[j].n_2 + n[2] * (w[i].n_1 * w[j].n_2 + w[i].n_2 * w[j].n_1);
+        const Mat3 live = w[i].n * (w[j].n_1 * by_1 + w[j].n_2 * by_2) -
                                      w[j].n * (w[i].n_1 * by_1 + w[i].n_2 * by_2);  // + transpose; both are skew
-        return Eigen::Matrix3d(q.area * (geometric * Eigen::Matrix3d::Identity() + 0.5 * spec_.pressure * live));
+        return q.area * (geometric * Mat3::Identity() + 0.5 * spec_.pressure * live);
     });
 }
 
@@ -129,7 +130,7 @@ ShellMatrices Shell::assemble(const PrestressAt& prestress) const
         for (const ShellPoint& q : points) {
             const auto n = weights(q);
             blocks.add<1>(area, n.size(),
-                          [&](std::size_t i, std::size_t j) { return Eigen::Matrix<double, 1, 1>(q.area * n[i].n * n[j].n); });
+                          [&](std::size_t i, std::size_t j) { return q.area * n[i].n * n[j].n; });
             if (spec_.pressure != 0)
                 add_pressure(q, prestress(q.position), [&](const auto& block) { blocks.add<3>(pressure, n.size(), block); });
         }

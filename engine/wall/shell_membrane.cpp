@@ -14,7 +14,7 @@ using namespace shell_detail;
 namespace {
 
 /// Of a triangle's stencil: strain (11, 22, 2 12) per displacement of a control vertex [1/m].
-using MembraneWeights = std::vector<Eigen::Matrix3d>;
+using MembraneWeights = std::vector<Mat3>;
 
 /// Where an edge runs over a triangle, as (u, v), and where its two Gauss points lie, in parts of it.
 constexpr double edges[3][2][2] = {{{0, 0}, {1, 0}}, {{1, 0}, {0, 1}}, {{0, 1}, {0, 0}}};
@@ -40,7 +40,7 @@ struct EdgePoint {
         normal = x_u.cross(x_v).normalized();
     }
     /// t . eps . t |x_,s| of a strain in the frame of `q`: a row for (11, 22, 2 12) [m].
-    [[nodiscard]] Eigen::RowVector3d stretch_of(const ShellPoint& q) const
+    [[nodiscard]] Vec3 stretch_of(const ShellPoint& q) const
     {
         ShellPoint here;
         here.e1 = tangent.normalized(), here.e2 = normal.cross(here.e1);
@@ -55,24 +55,24 @@ struct TiedStrain {
 
     TiedStrain(const LoopSurface& surface, const ShellPoint& q) : weights(static_cast<std::size_t>(q.vertex_count))
     {
-        Eigen::Matrix3d of_strain = Eigen::Matrix3d::Zero();
-        for (int e = 0; e < 3; ++e) {
+        Vec3 of_strain[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+        std::vector<std::array<Vec3, 3>> of_move(weights.size());
+        for (std::size_t e = 0; e < 3; ++e) {
             const EdgePoint points[2] = {{surface, q.triangle, edges[e], gauss[0]}, {surface, q.triangle, edges[e], gauss[1]}};
-            for (const EdgePoint& p : points) of_strain.row(e) += p.stretch_of(q);
+            for (const EdgePoint& p : points) of_strain[e] += p.stretch_of(q);
             for (std::size_t k = 0; k < weights.size(); ++k)
-                weights[k].row(e) = (points[0].n_s[k] * points[0].tangent.normalized() +
-                                     points[1].n_s[k] * points[1].tangent.normalized()).transpose();
+                of_move[k][e] = points[0].n_s[k] * points[0].tangent.normalized() + points[1].n_s[k] * points[1].tangent.normalized();
             const Vec3 turn = (points[1].tangent - points[0].tangent) / (gauss[1] - gauss[0]);  // x_,ss
             bow = std::max(bow, std::abs(q.normal.dot(turn)));
         }
-        const Eigen::Matrix3d strain_of = of_strain.inverse();
-        for (Eigen::Matrix3d& w : weights) w = strain_of * w;
+        const Mat3 strain_of = Mat3::rows(of_strain[0], of_strain[1], of_strain[2]).inverse();
+        for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = strain_of * Mat3::rows(of_move[k][0], of_move[k][1], of_move[k][2]);
     }
 };
 
 }  // namespace
 
-std::span<const Eigen::Matrix3d> Shell::membrane(std::size_t first) const
+std::span<const Mat3> Shell::membrane(std::size_t first) const
 {
     // a triangle's four points have one stencil
     return {membrane_.data() + static_cast<std::size_t>(points_[first].first_vertex) / per_triangle,
@@ -83,12 +83,12 @@ std::span<const Eigen::Matrix3d> Shell::membrane(std::size_t first) const
 void Shell::add_membrane(std::size_t first)
 {
     const ShellPoint& last = points_[first + per_triangle - 1];
-    MembraneWeights mean(static_cast<std::size_t>(last.vertex_count), Eigen::Matrix3d::Zero());
+    MembraneWeights mean(static_cast<std::size_t>(last.vertex_count), Mat3::Zero());
     double area = 0;
     for (std::size_t p = first; p < first + per_triangle; ++p) {
         const ShellPoint& q = points_[p];
         const auto w = weights(q);
-        const Eigen::Matrix3d turn = q.area * turn_strain(q, last);
+        const Mat3 turn = q.area * turn_strain(q, last);
         for (std::size_t k = 0; k < mean.size(); ++k) mean[k] += turn * stretch(q, w[k].n_1, w[k].n_2);
         area += q.area;
     }

@@ -10,37 +10,27 @@ inline constexpr std::size_t per_triangle = 4;
 inline constexpr double quadrature[per_triangle][2] = {
     {1.0 / 6, 1.0 / 6}, {2.0 / 3, 1.0 / 6}, {1.0 / 6, 2.0 / 3}, {1.0 / 3, 1.0 / 3}};
 
-using Strain = Eigen::Matrix<double, 6, 1>;  // membrane (11, 22, 2 12), change of curvature (11, 22, 2 12) [1/m]
-
 /// rho = db - (b eps + eps b) / 2 with 2 eps_12, 2 rho_12 in third place.
-inline Strain join(const ShellPoint& q, const Eigen::Vector3d& eps, const Eigen::Vector3d& db)
+inline ShellStrain join(const ShellPoint& q, const Vec3& eps, const Vec3& db)
 {
-    Strain s;
-    s.head<3>() = eps;
-    s[3] = db[0] - q.b11 * eps[0] - q.b12 * eps[2] / 2;
-    s[4] = db[1] - q.b22 * eps[1] - q.b12 * eps[2] / 2;
-    s[5] = db[2] - (q.b11 + q.b22) * eps[2] / 2 - q.b12 * (eps[0] + eps[1]);
-    return s;
+    return {eps,
+            {db[0] - q.b11 * eps[0] - q.b12 * eps[2] / 2, db[1] - q.b22 * eps[1] - q.b12 * eps[2] / 2,
+             db[2] - (q.b11 + q.b22) * eps[2] / 2 - q.b12 * (eps[0] + eps[1])}};
 }
 
 /// Membrane strain under unit displacements of a control vertex whose weight has the derivatives n_1, n_2 in the point's frame.
-inline Eigen::Matrix3d stretch(const ShellPoint& q, double n_1, double n_2)
+inline Mat3 stretch(const ShellPoint& q, double n_1, double n_2)
 {
-    Eigen::Matrix3d m;
-    m << n_1 * q.e1.transpose(), n_2 * q.e2.transpose(), (n_2 * q.e1 + n_1 * q.e2).transpose();
-    return m;
+    return Mat3::rows(n_1 * q.e1, n_2 * q.e2, n_2 * q.e1 + n_1 * q.e2);
 }
 
 /// What turns tangential strain (11, 22, 2 12) of one point into the frame of another one beside it: by the angle between the
 /// frames once one tangent plane is laid on the other (projecting alone would shrink it).
-inline Eigen::Matrix3d turn_strain(const ShellPoint& from, const ShellPoint& to)
+inline Mat3 turn_strain(const ShellPoint& from, const ShellPoint& to)
 {
-    const Eigen::Vector2d turn =
-        Eigen::Vector2d(to.e1.dot(from.e1) + to.e2.dot(from.e2), to.e1.dot(from.e2) - to.e2.dot(from.e1)).normalized();
-    const double c = turn[0], s = turn[1];
-    Eigen::Matrix3d m;
-    m << c * c, s * s, c * s, s * s, c * c, -c * s, -2 * c * s, 2 * c * s, c * c - s * s;
-    return m;
+    const Vec2 turn(to.e1.dot(from.e1) + to.e2.dot(from.e2), to.e1.dot(from.e2) - to.e2.dot(from.e1));
+    const double c = turn[0] / turn.norm(), s = turn[1] / turn.norm();
+    return Mat3::rows({c * c, s * s, c * s}, {s * s, c * c, -c * s}, {-2 * c * s, 2 * c * s, c * c - s * s});
 }
 
 }  // namespace seldinger::shell_detail

@@ -12,7 +12,7 @@ using namespace shell_detail;
 
 namespace {
 
-double mises(const Eigen::Vector3d& s)  // plane stress
+double mises(const Vec3& s)  // plane stress
 {
     return std::sqrt(s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + 3 * s[2] * s[2]);
 }
@@ -22,14 +22,14 @@ double mises(const Eigen::Vector3d& s)  // plane stress
 Shell::Energy Shell::energy(std::span<const double> displacement) const
 {
     SEL_ASSERT(displacement.size() == 3 * surface_.control().vertices.size());
-    const Eigen::Matrix3d h = law();
+    const Mat3 h = law();
     const double c = spec_.thickness, d = std::pow(spec_.thickness, 3) / 12;
     Energy e;
-    std::array<Strain, per_triangle> at;
+    std::array<ShellStrain, per_triangle> at;
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
-        const Eigen::Vector3d stretch = strains_of(first, displacement, at);
+        const Vec3 stretch = strains_of(first, displacement, at);
         for (std::size_t k = 0; k < per_triangle; ++k) {
-            const Eigen::Vector3d bent = at[k].tail<3>();
+            const Vec3& bent = at[k].bending;
             e.membrane += 0.5 * points_[first + k].area * c * stretch.dot(h * stretch);
             e.bending += 0.5 * points_[first + k].area * d * bent.dot(h * bent);
         }
@@ -41,20 +41,20 @@ ShellStress Shell::stress(std::span<const double> displacement) const
 {
     const std::size_t vertices = surface_.control().vertices.size();
     SEL_ASSERT(displacement.size() == 3 * vertices);
-    const Eigen::Matrix3d h = law();
+    const Mat3 h = law();
     ShellStress out;
     out.membrane.resize(points_.size()), out.bending.resize(points_.size());
     out.mises_inner.assign(vertices, 0), out.mises_outer.assign(vertices, 0);
     std::vector<double> area(vertices, 0);
     for (std::size_t first = 0; first < points_.size(); first += per_triangle) {
-        std::array<Strain, per_triangle> at;
-        const Eigen::Vector3d stretch = strains_of(first, displacement, at);
+        std::array<ShellStrain, per_triangle> at;
+        const Vec3 stretch = strains_of(first, displacement, at);
         const ShellPoint& last = points_[first + per_triangle - 1];
         const auto& corners = surface_.control().triangles[static_cast<std::size_t>(last.triangle)];
         for (std::size_t k = 0; k < per_triangle; ++k) {
             const ShellPoint& q = points_[first + k];
-            const Eigen::Vector3d membrane = h * (turn_strain(last, q) * stretch),
-                                  bending = spec_.thickness / 2 * (h * at[k].tail<3>());
+            const Vec3 membrane = h * (turn_strain(last, q) * stretch),
+                                  bending = spec_.thickness / 2 * (h * at[k].bending);
             out.membrane[first + k] = membrane, out.bending[first + k] = bending;
             const double inner = mises(membrane - bending), outer = mises(membrane + bending);
             const double share[3] = {1 - q.u - q.v, q.u, q.v};

@@ -4,6 +4,7 @@
 
 #include "core/bytes.h"
 #include "core/error.h"
+#include "wall/wall_compliance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,8 +110,7 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
     if (still_) return Vec3::Zero();
     if (step_ == 0) return at(start_, vertex);
     const std::size_t first = 3 * static_cast<std::size_t>(vertex);
-    Eigen::Map<Vec3> known(&known_[first]);
-    if (known_at_[static_cast<std::size_t>(vertex)] == stamp_) return known;
+    if (known_at_[static_cast<std::size_t>(vertex)] == stamp_) return Vec3(&known_[first]);
     Vec3 w = keep_ * at(start_, vertex) + ahead_ * (at(memory_, vertex) + at(load_, vertex)) + slope_ * at(change_, vertex);
     const int slot = patch_.slot(vertex);
     for (const std::int32_t u : touched_) {  // in order of vertices: the sum does not depend on when they were touched first
@@ -119,7 +119,7 @@ Vec3 WallDynamics::now(std::int32_t vertex) const
         const double *g = patch_.block(slot, from), *f = &pushed_[3 * static_cast<std::size_t>(u)];
         for (int r = 0; r < 3; ++r) w[r] += g[3 * r] * f[0] + g[3 * r + 1] * f[1] + g[3 * r + 2] * f[2];
     }
-    known = w;
+    w.store(&known_[first]);
     known_at_[static_cast<std::size_t>(vertex)] = stamp_;
     return w;
 }
@@ -139,7 +139,7 @@ void WallDynamics::end_step(std::span<const Push> pushed, double farthest)
     for (const Push& push : pushed) {
         const auto place = std::lower_bound(touched_.begin(), touched_.end(), push.vertex);
         if (place == touched_.end() || *place != push.vertex) touched_.insert(place, push.vertex);
-        Eigen::Map<Vec3>(&pushed_[3 * static_cast<std::size_t>(push.vertex)]) += push.force;
+        add_to(&pushed_[3 * static_cast<std::size_t>(push.vertex)], push.force);
     }
     slope_ = s_ * slope_ + step_;
     keep_ *= s_;

@@ -62,7 +62,7 @@ private:
     void next_block();
     [[nodiscard]] Vec3 at(const std::vector<double>& list, std::int32_t vertex) const
     {
-        return list.empty() ? Vec3(Vec3::Zero()) : Vec3(Eigen::Map<const Vec3>(&list[3 * static_cast<std::size_t>(vertex)]));
+        return list.empty() ? Vec3(Vec3::Zero()) : Vec3(&list[3 * static_cast<std::size_t>(vertex)]);
     }
     void forget() const;
 

@@ -3,6 +3,7 @@
 #include "wall/control_mesh.h"
 #include "wall/edge_field.h"
 #include "wall/wall_model.h"
+#include "wall/wall_resolution.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,14 +18,6 @@ namespace {
 
 constexpr double most_vertices = 2000;  // below it a column of the compliance costs less than a millisecond
 constexpr double least_share = 0.6, most_share = 1.0;
-
-/// Length over which the dent of a ring (tube) or line (plane) load decays [m]; infinite for a plane on nothing.
-double decay_length(const VesselSpec& spec, double radius)
-{
-    const double bend = spec.youngs * std::pow(spec.thickness, 3) / (12 * (1 - spec.poisson * spec.poisson));
-    const double hoop = std::isfinite(radius) ? spec.youngs * spec.thickness / (radius * radius) : 0;
-    return std::pow((hoop + spec.support) / (4 * bend), -0.25);
-}
 
 double vertices_at(const WallSamples& wall, const Centreline& centreline, double edge, double share)
 {

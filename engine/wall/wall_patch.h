@@ -2,13 +2,13 @@
 // Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse
 // say of them, gathered so that it fits the cache.
 
-#include "wall/wall_compliance.h"
-
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace seldinger {
+
+class WallFactor;
 
 class WallPatch {
 public:

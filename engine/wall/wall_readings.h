@@ -9,6 +9,7 @@ namespace seldinger {
 struct WallMechanics {
     int vertices = 0;       // of its control mesh; 0: the wall is rigid
     double edge = 0;        // mean [m]
+    double decay = 0;       // length over which a dent decays (wall/wall_resolution.h) [m]; infinite: a plane on nothing
     double made_in = 0;     // control mesh and matrices [s]
     double factor = 0;      // of that, and since: factors, one per length of step [s]
     long columns = 0;       // of their inverses that contact has asked for
@@ -21,6 +22,7 @@ struct WallReadings {
     double energy = 0;      // stored in shell, tissue and against pressure [J]
     double loss = 0;        // dissipated by damping since the start, numerical damping included [J]
     double stress_max = 0;  // von Mises, membrane and bending, the larger of both surfaces [Pa]
+    double move_at[3] = {}, stress_at[3] = {};  // where these are, on the wall that has not moved [m]
 };
 
 }  // namespace seldinger

@@ -26,7 +26,7 @@ std::vector<Vec3> WallShape::displacement(std::span<const double> w) const
     std::vector<Vec3> list(begin_.size() - 1, Vec3::Zero());
     for (std::size_t v = 0; v < list.size(); ++v)
         for (std::uint32_t k = begin_[v]; k < begin_[v + 1]; ++k)
-            list[v] += double(weight_[k]) * Eigen::Map<const Vec3>(&w[3 * static_cast<std::size_t>(control_[k])]);
+            list[v] += double(weight_[k]) * Vec3(&w[3 * static_cast<std::size_t>(control_[k])]);
     return list;
 }
 

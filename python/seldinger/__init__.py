@@ -25,7 +25,22 @@ def _check_processor() -> None:
                           "not have; install it here, or with: pip install . -C cmake.define.SELDINGER_NATIVE=OFF")
 
 
+def _check_interpreter() -> None:
+    # pybind11 asks for the lock of the main interpreter as it is loaded, and would wait for ever for it
+    try:
+        import _interpreters as interpreters  # Python 3.13
+    except ImportError:
+        try:
+            import _xxsubinterpreters as interpreters
+        except ImportError:
+            return
+    if interpreters.get_current() != interpreters.get_main():
+        raise ImportError("seldinger cannot be imported in a subinterpreter. Fix: import it in the main one, or in a process of its own "
+                          "(multiprocessing's \"spawn\"; with mod_wsgi: WSGIApplicationGroup %{GLOBAL})")
+
+
 _check_processor()
+_check_interpreter()
 _os.environ.setdefault("SELDINGER_ASSETS", str(_Path(__file__).parent / "assets"))
 
 from ._opencl import find_opencl as _find_opencl  # noqa: E402

@@ -193,7 +193,7 @@ class Fleet:
         self.steps = max(1, round(1 / (task.rate * self.world.dt)))
         self.control = self.steps * self.world.dt
         self.target = target_point(self.world, task.target, task.target_depth)
-        self.navigator = _engine.Navigator(self.world._world, self.target.tolist(), task.shape_points, task.shape_spacing,
+        self.navigator = _engine.make_navigator(self.world._world, self.target.tolist(), task.shape_points, task.shape_spacing,
                                            task.ahead_points, task.ahead_spacing)
         widths = {"tip": 8, "ahead": 3 * task.ahead_points, "shape": 3 * task.shape_points, "hand": 2, "wall": 2, "hub": 3}
         ends = np.cumsum([widths[p] for p in PARTS])

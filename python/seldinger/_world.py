@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Union
 
 import numpy as np
@@ -69,6 +69,26 @@ class Control:
         return self
 
 
+_MOST_COPIES = 65536
+
+
+def _overrides_of(copies: Any) -> list[list[str]]:
+    """What `copies` asks for, a list for each system."""
+    wanted = "expected a list of overrides for each system, as [[], []] or [[]] * 8"
+    if isinstance(copies, (str, bytes, Mapping)) or not isinstance(copies, Iterable):
+        raise TypeError(f"copies: got {copies!r:.60}; {wanted}")
+    own: list[list[str]] = []
+    for given in copies:
+        if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+            raise TypeError(f"copies[{len(own)}]: got {given!r:.60}; {wanted}")
+        if len(own) == _MOST_COPIES:
+            raise ValueError(f"copies: got more than {_MOST_COPIES} systems. Fix: make several worlds")
+        own.append(list(map(str, given)))
+    if not own:
+        raise ValueError(f"copies: got none; {wanted}")
+    return own
+
+
 ControlLike = Union[None, Control, Mapping[Union[int, str], Sequence[float]], Sequence[float], np.ndarray]
 
 
@@ -107,11 +127,9 @@ class World:
     def __init__(self, scene: SceneLike, *, set: Sequence[str] = (), device: int = -1,
                  copies: Sequence[Sequence[str]] | None = None, **overrides: Any) -> None:
         given = Scene(scene, set=set, **overrides)
-        own = [[]] if copies is None else [list(map(str, c)) for c in copies]
-        if not own:
-            raise ValueError("copies: a list for each system expected, none given")
+        own = [[]] if copies is None else _overrides_of(copies)
         self._scene, self._copies, self._device = given, own, int(device)
-        self._world = _engine.World(given.text, given.file, [given.overrides + c for c in own], self._device)
+        self._world = _engine.make_world(given.text, given.file, [given.overrides + c for c in own], self._device)
         (self._dt, self._duration, self._steps, self._settles, self._static, self._rests, self._moving_until,
          self._rest_steps) = self._world.scene_numbers()
         wires, self._systems = self._world.counts()
@@ -333,7 +351,8 @@ class World:
         return _engine.render(self._world, int(width), int(height), bool(legend), float(force_scale), views)
 
     def fluoroscopy(self, width: int = 512, height: int = 512, *, system: int | Sequence[int] = 0, c_arm: str | None = None,
-                    field: float | None = None, noise: bool = True, frame: int | Sequence[int] | None = None) -> np.ndarray:
+                    field: float | None = None, noise: bool = True, frame: int | Sequence[int] | None = None,
+                    labels: bool = False, lumen: bool = False) -> Any:
         """What an X-ray shows of the present state, [height, width] uint16 of 12 bits (docs/fluoroscopy.md), without a display.
 
         Parameters
@@ -350,6 +369,12 @@ class World:
         noise, frame
             Quantum noise, drawn with the scene's seed and this number (one for each of a sequence of systems): the same picture for
             the same; without it the step's.
+        labels : bool
+            Return (picture, labels): what is true about the picture (docs/labels.md), a dict with the keys of a label file and arrays
+            in place of lists: `image`, `camera` (`projection` [3, 4] from scene metres to pixels), `instruments`, and `mask`
+            [height, width] uint8 (0 background, k instrument k). Of a sequence of systems a list of dicts.
+        lumen : bool
+            With labels: `lumen_m` [height, width] float32 too, the vessel's thickness along each ray [m].
 
         Examples
         --------
@@ -357,6 +382,11 @@ class World:
         >>> picture = seldinger.World("aortic-arch").fluoroscopy(64, 48, c_arm="LAO 30")
         >>> picture.shape, picture.dtype.name, bool(picture.max() < 4096)
         ((48, 64), 'uint16', True)
+        >>> picture, labels = seldinger.World("aortic-arch").fluoroscopy(64, 48, c_arm="LAO 30", labels=True)
+        >>> wire = labels["instruments"][0]
+        >>> point = labels["camera"]["projection"] @ [*wire["tip_m"], 1.0]
+        >>> bool(abs(point[:2] / point[2] - wire["tip_px"]).max() < 1e-6)
+        True
         """
         several = not isinstance(system, (int, np.integer))
         systems = [int(s) for s in system] if several else [int(system)]
@@ -366,8 +396,13 @@ class World:
             frames = [int(f) for f in frame]
         if len(frames) != len(systems):
             raise ValueError(f"frame: {len(frames)} given for {len(systems)} systems; one number, or one for each expected")
-        taken = _engine.fluoroscopy(self._world, systems, int(width), int(height), c_arm, field, bool(noise), frames)
-        return taken if several else taken[0]
+        if lumen and not labels:
+            raise ValueError("lumen: got labels=False; lumen is one of the labels. Fix: labels=True")
+        taken = _engine.fluoroscopy(self._world, systems, int(width), int(height), c_arm, field, bool(noise), frames, bool(labels), bool(lumen))
+        if not labels:
+            return taken if several else taken[0]
+        pictures, truths = taken
+        return (pictures, truths) if several else (pictures[0], truths[0])
 
     # -- life ---------------------------------------------------------------------------------------------------------
 

@@ -61,16 +61,26 @@ py::tuple step(Handle& handle, const py::object& targets, const py::object& move
     return summary(done.report, done.steps);
 }
 
+/// The state that a Python object holds: pickle makes one and fills it then, and anybody may leave that out.
+const SavedState& contents(py::handle object)
+{
+    if (!py::isinstance<SavedState>(object)) throw py::type_error("a State expected");
+    if (!reinterpret_cast<py::detail::instance*>(object.ptr())->get_value_and_holder().holder_constructed())
+        throw Error(ExitCode::BadFile, "this State has no contents; take one from World.save(), or unpickle one");
+    return object.cast<const SavedState&>();
+}
+
 void bind_state(py::module_& module)
 {
     py::class_<SavedState>(module, "State",
                            "A saved state of a World. It can be pickled, and restored into any world of the same scene.")
         .def_property_readonly(
-            "system", [](const SavedState& s) { return s.system; }, "int: of which system; -1: of all")
+            "system", [](py::handle s) { return contents(s).system; }, "int: of which system; -1: of all")
         .def_property_readonly(
-            "bytes", [](const SavedState& s) { return as_bytes(s.bytes); }, "bytes: every changing byte")
+            "bytes", [](py::handle s) { return as_bytes(contents(s).bytes); }, "bytes: every changing byte")
         .def(py::pickle(
-            [](const SavedState& s) {
+            [](py::handle object) {
+                const SavedState& s = contents(object);
                 return py::make_tuple(s.system, as_bytes(s.bytes), s.output ? as_bytes(pack(*s.output)) : py::bytes());
             },
             [](const py::tuple& t) {
@@ -101,15 +111,24 @@ py::dict centreline(const World& world)
 void bind_world(py::module_& module)
 {
     py::class_<Handle> c(module, "World");
-    c.def(py::init<const std::string&, const std::string&, const std::vector<std::vector<std::string>>&, int>(),
-          py::call_guard<py::gil_scoped_release>());
+    made_here_only(c);
+    module.def(
+        "make_world",
+        [](const std::string& text, const std::string& file, const std::vector<std::vector<std::string>>& overrides, int device) {
+            return std::make_unique<Handle>(text, file, overrides, device);
+        },
+        py::call_guard<py::gil_scoped_release>());
     c.def("step", &step, py::arg("targets"), py::arg("moves"), py::arg("n"), py::arg("dt"), py::arg("go_on") = false);
     c.def("settle", [](Handle& h) { return summary(alone(h, [&] { return h.settle(); }), 0); });
     c.def("output", [](Handle& h) { return OutputView{alone(h, [&] { return h.output(); })}; });
     c.def("save", [](Handle& h, int system) { return alone(h, [&] { return h.save(system); }); });
     c.def(
-        "restore", [](Handle& h, const SavedState& s, int into) { alone(h, [&] { h.restore(s, into); }); }, py::arg("state"),
-        py::arg("into") = -1);
+        "restore",
+        [](Handle& h, py::handle state, int into) {
+            const SavedState& s = contents(state);
+            alone(h, [&] { h.restore(s, into); });
+        },
+        py::arg("state"), py::arg("into") = -1);
     c.def("close", [](Handle& h) {
         if (forked()) h.close();
         else alone(h, [&] { h.close(); });
@@ -159,14 +178,14 @@ void bind_world(py::module_& module)
 
 void bind_navigator(py::module_& module)
 {
-    py::class_<Navigator>(module, "Navigator")
-        .def(py::init([](const Handle& h, const std::array<double, 3>& target, int shape_points, double shape_spacing,
-                         int ahead_points, double ahead_spacing) {
-            const NavigateSpec spec{Vec3(target[0], target[1], target[2]), shape_points, shape_spacing, ahead_points,
-                                    ahead_spacing};
-            return Navigator(h.world().setup().centreline, spec);
-        }))
-        .def("size", &Navigator::size)
+    py::class_<Navigator> c(module, "Navigator");
+    made_here_only(c);
+    module.def("make_navigator", [](const Handle& h, const std::array<double, 3>& target, int shape_points, double shape_spacing,
+                                    int ahead_points, double ahead_spacing) {
+        const NavigateSpec spec{Vec3(target[0], target[1], target[2]), shape_points, shape_spacing, ahead_points, ahead_spacing};
+        return Navigator(h.world().setup().centreline, spec);
+    });
+    c.def("size", &Navigator::size)
         .def("way", [](const Navigator& n, const std::array<double, 3>& p) { return n.way(Vec3(p[0], p[1], p[2])); })
         .def("observe", [](const Navigator& n, Handle& h, py::array_t<float, py::array::c_style> to, Reals measures) {
             const auto systems = h.world().system_count();

@@ -2,7 +2,9 @@
 #include "navigate.h"
 
 #include "core/parallel.h"
+#include "math/eigen.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,8 +22,8 @@ constexpr double bend_arm = 0.015;      // the tip's side is where it points aga
 
 Vec3 across(const Vec3& u)
 {
-    int least = 0;
-    u.cwiseAbs().minCoeff(&least);
+    const Vec3 size = u.cwiseAbs();
+    const int least = size.x() <= size.y() && size.x() <= size.z() ? 0 : size.y() <= size.z() ? 1 : 2;
     return u.cross(Vec3::Unit(least)).normalized();
 }
 
@@ -71,7 +73,7 @@ Navigator::Navigator(const Centreline& line, const NavigateSpec& spec) : spec_(s
     for (; !open.empty(); open.pop()) {
         const int i = open.front();
         if (i != goal) {  // carried from the next point: turned as the direction turns
-            n_[i] = Eigen::Quaterniond::FromTwoVectors(u_[next_[i]], u_[i]) * n_[next_[i]];
+            n_[i] = vec3(Eigen::Quaterniond::FromTwoVectors(eigen(u_[next_[i]]), eigen(u_[i])) * eigen(n_[next_[i]]));
             n_[i] = (n_[i] - n_[i].dot(u_[i]) * u_[i]).normalized();
         }
         b_[i] = u_[i].cross(n_[i]);

@@ -170,6 +170,7 @@ void bind_output(py::module_& module)
     add_wire(wire, [](const WireView& v) -> const WireOutput& { return v.wire(); });
     wire.def_property_readonly(
         "time", [](const WireView& v) { return v.wire().time; }, "float, s: where it stands.");
+    made_here_only(wire);
 
     py::class_<OutputView> output(
         module, "Output",
@@ -192,6 +193,7 @@ void bind_output(py::module_& module)
             return py::tuple(all);
         },
         "tuple of InstrumentOutput, in the order of World.instruments.");
+    made_here_only(output);
 }
 
 }  // namespace seldinger::python

@@ -24,6 +24,15 @@ struct WireView {
     [[nodiscard]] const WireOutput& wire() const { return data->wires[index]; }
 };
 
+/// Python itself makes no objects of this class: `Class.__new__(Class)` would be one without contents, and reading it a crash.
+template <class... What>
+void made_here_only(py::class_<What...>& made)
+{
+    auto* type = reinterpret_cast<PyTypeObject*>(made.ptr());
+    type->tp_new = nullptr;
+    PyType_Modified(type);
+}
+
 /// Adds the classes Output and InstrumentOutput.
 void bind_output(py::module_& module);
 

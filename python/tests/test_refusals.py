@@ -169,6 +169,55 @@ def test_damaged_pickles_are_refused():
     world.restore(state)
 
 
+def test_objects_without_contents_are_refused():
+    # each of these was a crash: in a process of its own
+    code = """
+import copy, pickle, seldinger
+from seldinger import _engine
+world = seldinger.World("swing")
+empty = seldinger.State.__new__(seldinger.State)
+for ask in (lambda: empty.system, lambda: empty.bytes, lambda: pickle.dumps(empty), lambda: copy.copy(empty), lambda: world.restore(empty),
+            lambda: world._world.restore(empty), lambda: repr(empty.system)):
+    try:
+        ask()
+        raise SystemExit("taken")
+    except seldinger.Error as error:
+        assert error.code == 3 and "no contents" in str(error), error
+for kind in (seldinger.Output, seldinger.InstrumentOutput, _engine.World, _engine.Navigator):
+    for make in (kind, lambda: kind.__new__(kind), lambda: object.__new__(kind), lambda: type("Own", (kind,), {})()):
+        try:
+            make()
+            raise SystemExit(f"{kind} was made")
+        except TypeError:
+            pass
+assert copy.copy(world.save()).bytes == world.save().bytes
+print("done")
+"""
+    done = in_a_process(code)
+    assert done.returncode == 0 and done.stdout == "done\n", (done.returncode, done.stdout, done.stderr)
+
+
+def test_a_subinterpreter_is_refused_and_does_not_hang():
+    code = """
+import _xxsubinterpreters as interpreters
+try:
+    interpreters.run_string(interpreters.create(), "import seldinger")
+except interpreters.RunFailedError as error:
+    print(error)
+"""
+    if sys.version_info >= (3, 13):
+        pytest.skip("the module for subinterpreters is another one")
+    done = in_a_process(code)  # hung before, until its limit of time
+    assert "main one" in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("copies, says", [(10**6, "got 1000000"), (3, "got 3"), ("ab", "got 'ab'"), (["ab"], r"copies\[0\]: got 'ab'"), ([[], 7], r"copies\[1\]"),
+                                          ({}, "got {}"), ([], "got none"), ([[]] * 10**6, "more than 65536")])
+def test_numbers_of_copies_that_cannot_be_are_refused_in_words(copies, says):
+    with pytest.raises((TypeError, ValueError), match=says):
+        seldinger.World("swing", copies=copies)
+
+
 def test_systems_that_are_not_there():
     world = seldinger.World("swing", copies=[[], []])
     for ask in (world.save, world.state_hash):

@@ -57,8 +57,18 @@ inline std::string slurp(const fs::path& path)
 struct AppResult {
     int code = -1;
     std::string out, err;
+    bool compiled = false;  // it said that it compiles kernels; the line is not in `err`, as it comes with the first run of many
     [[nodiscard]] long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
 };
+
+inline AppResult app_result(int status, std::string out, std::string err)
+{
+    AppResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), std::move(out), std::move(err)};
+    const std::size_t line = result.err.find("seldinger: compiling OpenCL kernels");
+    result.compiled = line != std::string::npos;
+    if (result.compiled) result.err.erase(line, result.err.find('\n', line) + 1 - line);
+    return result;
+}
 
 /// The program that is tried: that of the build, or another of the same sources (./dev sanitize).
 inline const char* app_path()
@@ -74,11 +84,7 @@ inline AppResult run_app(const ScratchFolder& folder, const std::string& argumen
     const std::string command = fmt::format("cd '{}' && {} '{}' {} >'{}' 2>'{}'", folder.path.string(), prefix, app_path(),
                                             arguments, out.string(), err.string());
     const int status = std::system(command.c_str());
-    AppResult result;
-    result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-    result.out = slurp(out);
-    result.err = slurp(err);
-    return result;
+    return app_result(status, slurp(out), slurp(err));
 }
 
 /// Starts `seldinger arguments` in `folder`, sends `signal` once the file `table` has more than `rows` lines, and waits. What is

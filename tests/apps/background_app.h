@@ -61,7 +61,7 @@ public:
     AppResult result()
     {
         while (!ended_) ended_ = waitpid(child_, &status_, 0) == child_;
-        return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), slurp(out_), slurp(err_)};
+        return app_result(status_, slurp(out_), slurp(err_));
     }
 
 private:

@@ -1,8 +1,10 @@
 // seldinger farm: any cut gives the batch's bits, finished tasks are not done again, killed ones are; the Slurm backend against a
 // stand-in for sbatch that runs array jobs here.
-#include "app_fixture.h"
+#include "background_app.h"
 #include "study/farm.h"
 #include "support/skip.h"
+
+#include <memory>
 
 using namespace seldinger::test;
 
@@ -122,26 +124,99 @@ TEST_SUITE("apps/farm")
         CHECK(folder.status("f").at("begun") == 5);
     }
 
-    TEST_CASE("property: a killed worker costs its running task, which goes on elsewhere; a living one keeps its own")
+    TEST_CASE("property: a killed worker costs its running task, which goes on elsewhere; a living one keeps its own and is waited for")
     {
         const FarmFolder folder(free_scene(3));
         REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --dry-run").code == 0);
         const auto killed = run_and_signal(folder.path, {"farm", "task", "f", "1"}, folder.path / "f/log/000001.csv", 1, SIGKILL);
         REQUIRE(killed.code == -SIGKILL);
         CHECK(folder.status("f").at("lost") == 1);
-        {
-            const auto held = seldinger::TaskClaim::take(folder.path / "f", 0, "another");
-            REQUIRE(held);
-            CHECK(folder.status("f").at("running") == 1);
-            CHECK_FALSE(seldinger::TaskClaim::take(folder.path / "f", 0, "third"));
-            // does what is left, and leaves alone what another does
-            CHECK(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3").code == 4);
-            CHECK(folder.status("f").at("done") == 2);
-            check_refused(folder, "farm merge f", 3, "1 of 3 tasks are missing: 0 (runs 0-3)");
-        }
-        REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --quiet").code == 0);
+        auto held = seldinger::TaskClaim::take(folder.path / "f", 0, "another");
+        REQUIRE(held);
+        CHECK(folder.status("f").at("running") == 1);
+        CHECK_FALSE(seldinger::TaskClaim::take(folder.path / "f", 0, "third"));
+        BackgroundApp farm(folder.path, {"farm", "s.toml", "--vary", "v.toml", "-o", "f", "--tasks", "3"});
+        REQUIRE(farm.wait_until([&] { return slurp(folder.path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }));
+        CHECK(folder.status("f").at("done") == 2);
+        check_refused(folder, "farm merge f", 3, "1 of 3 tasks are missing: 0 (runs 0-3)");
+        held.reset();  // that worker dies
+        CHECK(farm.result().code == 0);
         folder.check_merged("f");
         CHECK(folder.status("f").at("begun_again") == 1);
+        CHECK(folder.status("f").at("finished_again") == 0);
+    }
+
+    TEST_CASE("regression: a signal ends a farm that waits for others")
+    {
+        const FarmFolder folder;
+        REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 1 --dry-run").code == 0);
+        const auto held = seldinger::TaskClaim::take(folder.path / "f", 0, "another");
+        BackgroundApp farm(folder.path, {"farm", "s.toml", "--vary", "v.toml", "-o", "f", "--tasks", "1"});
+        REQUIRE(farm.wait_until([&] { return slurp(folder.path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }));
+        farm.send(SIGTERM);
+        CHECK(farm.result().code == 75);
+    }
+
+    TEST_CASE("regression: farms that begin at once on one folder share its tasks, and all end with 0")
+    {
+        const FarmFolder folder;
+        for (int turn = 0; turn < 3; ++turn) {
+            fs::remove_all(folder.path / "f");
+            std::vector<std::unique_ptr<BackgroundApp>> farms;
+            for (const char* own : {"a", "b", "c"}) {
+                fs::create_directories(folder.path / own);
+                farms.push_back(std::make_unique<BackgroundApp>(
+                    folder.path / own, std::vector<std::string>{"farm", "../s.toml", "--vary", "../v.toml", "-o", "../f", "--tasks", "6", "--quiet"}));
+            }
+            for (auto& farm : farms) {
+                const AppResult result = farm->result();
+                CAPTURE(result.err);
+                CHECK(result.code == 0);
+            }
+            const auto status = folder.status("f");
+            CHECK(status.at("done") == 6);
+            CHECK(status.at("begun") == 6);
+            CHECK(status.at("finished_again") == 0);
+        }
+        run_app(folder, "batch s.toml --vary v.toml -o ref --overwrite --quiet");
+        CHECK(run_app(folder, "farm merge f").code == 0);
+        CHECK(slurp(folder.path / "f/results.csv") == slurp(folder.path / "ref/results.csv"));
+    }
+
+    TEST_CASE("regression: a worker ends with its command, even by kill -9; the same command goes on")
+    {
+        const FarmFolder folder(free_scene(3));
+        const std::vector<std::string> words = {"farm", "s.toml", "--vary", "v.toml", "-o", "f", "--tasks", "3", "--quiet"};
+        std::string worker;  // host-process
+        {
+            BackgroundApp farm(folder.path, words);
+            REQUIRE(farm.wait_until([&] { return fs::exists(folder.path / "f/tasks/000000/scene.toml"); }));
+            for (const auto& entry : fs::directory_iterator(folder.path / "f/running")) worker = entry.path().filename().string();
+            farm.send(SIGKILL);
+            REQUIRE(farm.result().code == -SIGKILL);
+        }
+        REQUIRE(worker.find('-') != std::string::npos);
+        CHECK(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --quiet").code == 0);
+        // "S", "R": it would have gone on; "Z": nobody has asked how it ended
+        const std::string stat = slurp("/proc/" + worker.substr(worker.rfind('-') + 1) + "/stat");
+        CHECK((stat.empty() || stat.find(") Z ") != std::string::npos));
+        folder.check_merged("f");
+        CHECK(folder.status("f").at("lost") == 0);
+        CHECK(folder.status("f").at("finished_again") == 0);
+    }
+
+    TEST_CASE("regression: a task is done when its rows are there, whatever became of its worker")
+    {
+        const FarmFolder folder;
+        REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --quiet").code == 0);
+        fs::rename(folder.path / "f/done/000001", folder.path / "f/running/000001@host-1");  // killed behind its last row
+        CHECK(folder.status("f").at("done") == 3);
+        CHECK(folder.status("f").at("lost") == 0);
+        folder.check_merged("f");
+        CHECK(summary_of(folder.path / "f").at("farm").at("lost") == 0);
+        CHECK(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --quiet").code == 0);
+        CHECK(fs::exists(folder.path / "f/done/000001"));
+        CHECK(folder.status("f").at("begun") == 3);
     }
 
     TEST_CASE("property: SIGTERM saves the task's state and ends with 75; the task goes on from there")

@@ -208,13 +208,35 @@ TEST_SUITE("apps/live")
         CHECK(summary["score"]["reached"] == true);
     }
 
+    TEST_CASE("property: where others reach the page a token is made, another one each time, and its address says it")
+    {
+        if (!has_page()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", live_scene);
+        std::string last;
+        for (int k = 0; k < 2; ++k) {
+            const AppResult live = run_app(folder, "live t.toml --bind 0.0.0.0 --port 0 --udp 0 --duration 0.1");
+            CAPTURE(live.err);
+            CHECK(live.code == 0);
+            const std::size_t at = live.out.find("/?token=");
+            REQUIRE(at != std::string::npos);
+            const std::string token = live.out.substr(at + 8, live.out.find(' ', at) - at - 8);
+            CHECK(token.size() == 32);
+            CHECK(token != last);
+            last = token;
+        }
+        CHECK(run_app(folder, "live t.toml --port 0 --udp 0 --duration 0.1").out.find("token") == std::string::npos);
+    }
+
     TEST_CASE("property: refusals are one line with the code that is documented")
     {
         if (!has_page()) return skip("libjs-three is not installed");
         const ScratchFolder folder;
         folder.write("t.toml", live_scene);
         folder.write("free.toml", free_scene());
-        refuses(folder, "live t.toml --bind 0.0.0.0 --port 0 --udp 0 --duration 0.1", 2, "--token");
+        for (const char* silent : {"--quiet", "--json"})  // nobody would learn the token that is made
+            refuses(folder, fmt::format("live t.toml --bind 0.0.0.0 --port 0 --udp 0 --duration 0.1 {}", silent), 2, "--token");
+        refuses(folder, "live t.toml --token short --port 0 --udp 0 --duration 0.1", 2, "--token: got 5 characters");
         refuses(folder, "live t.toml --bind nowhere --port 0 --udp 0 --duration 0.1", 2, "--bind");
         refuses(folder, "live t.toml --udp-bind nowhere --port 0 --udp 0 --duration 0.1", 2, "--udp-bind");
         refuses(folder, "live free.toml --port 0 --udp 0 --duration 0.1", 2, "[feed]");

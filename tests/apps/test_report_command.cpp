@@ -111,6 +111,37 @@ TEST_SUITE("apps/report")
         CHECK(force == doctest::Approx(normal).epsilon(0.1));  // friction's tenth at a right angle to it
     }
 
+    TEST_CASE("property: a report's policy lets its own scripts run, by their hashes, and no others, and loads nothing")
+    {
+        if (!has_three()) return skip("libjs-three is not installed");
+        const ScratchFolder folder;
+        folder.write("t.toml", tube_scene(0.02));
+        REQUIRE(run_app(folder, "run t.toml -o D --quiet").code == 0);
+        REQUIRE(run_app(folder, "report D").code == 0);
+        const std::string page = slurp(folder.path / "D/report.html");
+        const std::string meta = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
+        const std::size_t at = page.find(meta);
+        REQUIRE(at < page.find("<script"));  // it holds for what comes after it
+        const std::string policy = page.substr(at + meta.size(), page.find('"', at + meta.size()) - at - meta.size());
+        CAPTURE(policy);
+        CHECK(policy.starts_with("default-src 'none'; script-src 'sha256-"));
+        const std::string scripts = policy.substr(policy.find("script-src"), policy.find(';', policy.find("script-src")) - policy.find("script-src"));
+        CHECK(scripts.find("unsafe") == std::string::npos);
+        int count = 0;
+        for (std::size_t from = 0; (from = page.find("<script>", from)) != std::string::npos; ++count) {
+            from += 8;
+            const std::string script = page.substr(from, page.find("</script>", from) - from);
+            CHECK(script.find('\r') == std::string::npos);  // a browser reads line ends as \n before it takes the hash
+            folder.write("script", script);
+            CHECK(std::system(fmt::format("cd '{}' && python3 -c \"import base64, hashlib; print(base64.b64encode(hashlib.sha256(open("
+                                          "'script', 'rb').read()).digest()).decode(), end='')\" >hash",
+                                          folder.path.string())
+                                  .c_str()) == 0);
+            CHECK(scripts.find("'sha256-" + slurp(folder.path / "hash") + "'") != std::string::npos);
+        }
+        CHECK(count == 4);
+    }
+
     TEST_CASE("property: a batch of several instruments is a table")
     {
         if (!has_three()) return skip("libjs-three is not installed");

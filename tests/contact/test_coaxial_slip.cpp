@@ -8,7 +8,6 @@
 #include <random>
 
 using namespace seldinger;
-using Eigen::Vector2d;
 using test::about;
 
 namespace {
@@ -24,13 +23,13 @@ TEST_SUITE("contact/coaxial slip")
         int slid = 0, held = 0;
         for (int k = 0; k < 200; ++k) {
             const SlipLawPerLength law{0.8, 0.8 / give, k % 2 == 0 ? 0.0 : 5.0};
-            Vector2d start(way(random), way(random));
+            Vec2 start(way(random), way(random));
             start *= std::min(1.0, give / start.norm());
-            const Vector2d slip(way(random), way(random));
+            const Vec2 slip(way(random), way(random));
             const double size = (start + slip).norm(), d = 1e-10;
             if (std::abs(size - give) < 10 * d) continue;  // a kink
             (size > give ? slid : held)++;
-            const auto around = [&](double more) { return slip_per_length(law, start, slip + Vector2d(0, more), 1e3).force.y(); };
+            const auto around = [&](double more) { return slip_per_length(law, start, slip + Vec2(0, more), 1e3).force.y(); };
             const double slope = slip_per_length(law, start, slip, 1e3).slope;
             // central differences: rounding 1e-16 of forces of 1 N/m over 2e-10 m, curvature (d/give)^2
             CHECK(slope == about(-(around(d) - around(-d)) / (2 * d)).epsilon(1e-5).scale(1e3));
@@ -45,9 +44,9 @@ TEST_SUITE("contact/coaxial slip")
         std::uniform_real_distribution<double> way(-2e-5, 2e-5);
         const SlipLawPerLength law{0.8, 0.8 / give, 0};
         const double stiffness = law.stiffness;
-        Vector2d elastic = Vector2d::Zero();
+        Vec2 elastic = Vec2::Zero();
         for (int k = 0; k < 500; ++k) {
-            const Vector2d slip(way(random), way(random));
+            const Vec2 slip(way(random), way(random));
             const SlipPerLength now = slip_per_length(law, elastic, slip, 0);
             CHECK(now.force.norm() <= law.limit * (1 + 1e-12));
             const double stored = 0.5 * stiffness * (now.elastic.squaredNorm() - elastic.squaredNorm());
@@ -57,10 +56,10 @@ TEST_SUITE("contact/coaxial slip")
         }
         // a long way round: friction points against it, whatever was before
         const SlipPerLength far = slip_per_length(law, elastic, {3, 4}, 0);
-        CHECK((far.force + law.limit * Vector2d(0.6, 0.8)).norm() < 1e-5 * law.limit);
+        CHECK((far.force + law.limit * Vec2(0.6, 0.8)).norm() < 1e-5 * law.limit);
         // settling with every contact stuck: beyond q, and back within it in the next step
-        const SlipPerLength stuck = slip_per_length(law, Vector2d::Zero(), {3e-5, 0}, 0, true);
+        const SlipPerLength stuck = slip_per_length(law, Vec2::Zero(), {3e-5, 0}, 0, true);
         CHECK(stuck.force.x() == about(-3 * law.limit));
-        CHECK(slip_per_length(law, stuck.elastic, Vector2d::Zero(), 0).force.x() == about(-law.limit));
+        CHECK(slip_per_length(law, stuck.elastic, Vec2::Zero(), 0).force.x() == about(-law.limit));
     }
 }

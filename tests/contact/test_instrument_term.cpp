@@ -121,6 +121,13 @@ Vec3 in_lumen(int wire, double s)
     return {along, 0, wire == 0 ? 0 : 3.02e-4 - 1e-2 * (along - 0.02) * (along - 0.02)};
 }
 
+/// 50 um off the lumen's wall all along; Newton's method may move it by 225 um at once.
+Vec3 beside_lumen(int wire, double s)
+{
+    const double along = 0.024 - s;
+    return {along, 0, wire == 0 ? 0 : 2.5e-4};
+}
+
 Vec3 on_lumen(int wire, double s)
 {
     const double along = 0.024 - s;
@@ -234,6 +241,35 @@ TEST_SUITE("contact/instrument_term")
         for (int i = 4 * nodes_each; i < 8 * nodes_each; i += 4) nested.unknown(i) += 2e-4;
         // the load at the middle of a cell alone misses 3.5e-2; what is left is the motion of the Gauss points and of the normal
         for (unsigned seed = 1; seed <= 5; ++seed) CHECK(tangent_error(nested, 1e-3, seed, 1e-10) < 1.5e-2);
+    }
+
+    // In a lumen cells that are known to be clear are not evaluated at a trial. A line search goes there and back: into the wall, where
+    // they press hard, and off it again, where they are known to be clear. What the step leaves is of its last trial alone.
+    TEST_CASE("regression: a step keeps what its last trial exerts, whatever the trials before it pressed on")
+    {
+        constexpr double h = 1e-3;
+        const auto take_step = [](Term& at, bool there_and_back) {
+            static_cast<void>(at.residual(h));
+            if (there_and_back) {
+                for (int i = 2; i < 4 * nodes_each; i += 4) at.unknown(4 * nodes_each + i) += 6e-5;
+                CHECK(at.term->totals(1).normal == 0);  // not evaluated yet: the first trial is clear
+                static_cast<void>(at.residual(h));
+                CHECK(at.term->totals(1).normal > 1e-2);
+                for (int i = 2; i < 4 * nodes_each; i += 4) at.unknown(4 * nodes_each + i) -= 6e-5;
+                static_cast<void>(at.residual(h));
+            }
+            CHECK(at.term->totals(1).normal == 0);
+            at.term->commit(at.on);
+        };
+        Term straight(beside_lumen, true), back(beside_lumen, true);
+        take_step(straight, false);
+        take_step(back, true);
+        CHECK(back.term->rows(back.rods).empty());
+        std::vector<std::uint8_t> kept, expected;
+        back.term->save(kept);
+        straight.term->save(expected);
+        CHECK(expected.size() > 8);  // cells near the lumen's wall are followed
+        CHECK(kept == expected);
     }
 
     TEST_CASE("property: forces and moments of both rods balance")

@@ -1,6 +1,7 @@
 #pragma once
 // Instruments in one centreline with everything they need, for tests: where they start, their equilibrium by damped Newton.
 
+#include "math/eigen.h"
 #include "rod/coaxial.h"
 #include "rod/transport.h"
 #include "support/approx.h"
@@ -147,7 +148,8 @@ public:
             // towards the hub t turns by `rest` towards (d1, d2), so towards the tip the other way
             const Vec3 axis = t.cross(rest.real() * d1 + rest.imag() * t.cross(d1));
             if (axis.norm() > 0) {
-                const Eigen::AngleAxisd turn(-axis.norm(), axis.normalized());
+                const Vec3 unit = axis.normalized();
+                const Mat3 turn = mat3(Eigen::AngleAxisd(-axis.norm(), eigen(unit)).toRotationMatrix());
                 t = turn * t;
                 d1 = turn * d1;
             }

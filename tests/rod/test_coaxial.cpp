@@ -1,6 +1,7 @@
 // Instruments that share a centreline: derivatives against differences, invariance, one instrument against rod/elastic.h,
 // offsets.
 
+#include "math/eigen.h"
 #include "rod/coaxial_fixture.h"
 #include "rod/rod_fixture.h"
 
@@ -192,11 +193,11 @@ TEST_SUITE("rod/coaxial")
         const Eigen::VectorXd g = c.assemble(HessianMode::None);
         Vec3 sum = Vec3::Zero(), first = Vec3::Zero();  // E depends on differences of positions only
         for (int i = 0; i < c.n; ++i) {
-            sum += g.segment<3>(c.rod.dofs().position(i));
-            first = first.cwiseMax(g.segment<3>(c.rod.dofs().position(i)).cwiseAbs());
+            sum += vec3(g.segment<3>(c.rod.dofs().position(i)));
+            first = first.cwiseMax(vec3(g.segment<3>(c.rod.dofs().position(i))).cwiseAbs());
         }
         CHECK(sum.norm() < 1e-13 * first.norm());
-        const Mat3 turn = Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+        const Mat3 turn = mat3(Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix());
         for (int i = 0; i < c.n; ++i) {
             c.line.set_pos(i, turn * c.line.pos(i) + Vec3(3, 1, -2));
             c.line.set_tangent(i, turn * c.line.tangent(i));

@@ -1,5 +1,6 @@
 // Gradient and Hessian of D1-D3 against central differences, everywhere a wire can be.
 
+#include "math/eigen.h"
 #include "rod/rod_fixture.h"
 
 #include <doctest/doctest.h>
@@ -244,8 +245,8 @@ TEST_SUITE("rod/elastic")
         for (int j = 0; j < wire.rod.n - 1; ++j) {
             const Vec3 t0 = wire.rod.tangent(j), t = wire.frames.tangent[j];
             const Vec3 spin = t.cross(t0) / (one_plus_cos(t0, t) * wire.frames.edge_length[j]) * g[RodDofs::spin(j)];
-            g.segment<3>(RodDofs::position(j)) -= spin;
-            g.segment<3>(RodDofs::position(j + 1)) += spin;
+            g.segment<3>(RodDofs::position(j)) -= eigen(spin);
+            g.segment<3>(RodDofs::position(j + 1)) += eigen(spin);
             largest = std::max(largest, spin.norm());
         }
         REQUIRE(largest > 1e-2 * scale);  // the term is there to be seen
@@ -290,8 +291,9 @@ TEST_SUITE("rod/elastic")
             const Eigen::VectorXd g = wire.gradient();
             Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
             for (int i = 0; i < wire.rod.n; ++i) {
-                force += g.segment<3>(RodDofs::position(i));
-                moment += wire.rod.pos(i).cross(g.segment<3>(RodDofs::position(i)));
+                const Vec3 own = vec3(g.segment<3>(RodDofs::position(i)));
+                force += own;
+                moment += wire.rod.pos(i).cross(own);
                 if (i < wire.rod.n - 1) moment += g[RodDofs::spin(i)] * wire.rod.tangent(i);
             }
             const double scale = 1 + g.norm() * 8;  // the wire is 8 long

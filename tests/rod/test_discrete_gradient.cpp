@@ -1,5 +1,6 @@
 // The elastic force of an energy-momentum step: its work is the energy's change, whatever the step.
 
+#include "math/eigen.h"
 #include "rod/discrete_gradient.h"
 #include "rod/rod_fixture.h"
 
@@ -163,7 +164,7 @@ TEST_SUITE("rod/discrete_gradient")
                 const Step step(wire, size, 9);
                 Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
                 for (int i = 0; i < wire.rod.n; ++i) {
-                    const Vec3 f = step.force.segment<3>(RodDofs::position(i)), moved = step.change.segment<3>(RodDofs::position(i));
+                    const Vec3 f = vec3(step.force.segment<3>(RodDofs::position(i))), moved = vec3(step.change.segment<3>(RodDofs::position(i)));
                     force += f;
                     moment += (wire.rod.pos(i) + 0.5 * moved).cross(f);
                     if (i < wire.rod.n - 1) {

@@ -1,7 +1,9 @@
 // Frames: transport, continuity of reference twist, and configurations that do not exist.
 
+#include "math/eigen.h"
 #include "rod/rod_fixture.h"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 #include <numbers>
 
@@ -22,7 +24,7 @@ OneWire helix(int n)
     return wire;
 }
 
-OwnedTrial rotated(const RodView& rod, const Eigen::Matrix3d& rotation)
+OwnedTrial rotated(const RodView& rod, const Mat3& rotation)
 {
     OwnedTrial trial(rod);
     for (int i = 0; i < rod.n; ++i) {
@@ -61,7 +63,7 @@ TEST_SUITE("rod/frames")
         std::vector<double> twist = wire.frames.twist;
         const Vec3 axes[3] = {Vec3::UnitX(), Vec3(0, 1, 0.3).normalized(), Vec3(1, -1, 1).normalized()};
         for (int k = 0; k < 300; ++k) {
-            const Eigen::Matrix3d step = Eigen::AngleAxisd(0.21, axes[k % 3]).toRotationMatrix();
+            const Mat3 step = mat3(Eigen::AngleAxisd(0.21, eigen(axes[k % 3])).toRotationMatrix());
             REQUIRE(wire.update());
             std::vector<Vec3> wanted;
             for (int j = 0; j < 11; ++j) wanted.push_back(step * wire.frames.m1[j]);

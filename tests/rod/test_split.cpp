@@ -1,8 +1,10 @@
 // Splitting and merging edges: nothing that the wire carries may jump.
 
+#include "math/eigen.h"
 #include "rod/rod_fixture.h"
 #include "rod/split.h"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 using namespace seldinger;
@@ -27,7 +29,7 @@ struct ArcWire : OneWire {
         const int n = edges + 1;
         std::vector<double> angle;
         for (int i = 0; i < n; ++i) angle.push_back((i + (uneven && i > 0 && i < n - 1 ? 0.25 * (i % 2 ? 1 : -1) : 0.0)) / edges);
-        const Eigen::Matrix3d tilt = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+        const Mat3 tilt = mat3(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix());
         std::vector<Vec3> nodes;
         for (const double a : angle) nodes.push_back(tilt * Vec3(std::cos(a), std::sin(a), 0));
         place(nodes, tilt * Vec3::UnitZ());
@@ -185,7 +187,7 @@ TEST_SUITE("rod/split")
                     wire.rod = wire.arrays.view(0);
                     REQUIRE(wire.update());
                     for (int i = 1; i < wire.rod.n - 1; ++i) {
-                        const Eigen::Vector2d off(wire.frames.kappa1[i] - wire.rod.rest_kappa1[i],
+                        const Vec2 off(wire.frames.kappa1[i] - wire.rod.rest_kappa1[i],
                                                   wire.frames.kappa2[i] - wire.rod.rest_kappa2[i]);
                         worst[k] = std::max(worst[k], off.norm() / wire.rod.voronoi_length(i));
                     }

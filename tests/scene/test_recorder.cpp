@@ -4,10 +4,12 @@
 #include "io/vtp_read.h"
 #include "scene/checkpoint.h"
 #include "io/vtp_write.h"
+#include "scene/key_frames.h"
 #include "scene/recorder.h"
 #include "world.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <unistd.h>
@@ -47,6 +49,14 @@ nodes = 11
 at = "base"
 position = true
 )";
+
+/// A wire fed through a tube; {}: record_every.
+constexpr const char* through =
+    "[scene]\nduration_s = 0.5\ndt_s = 0.003\nrecord_every = {}\ngravity = [0.0, 0.0, -9.81]\n"
+    "[wire]\nlength_m = 0.12\nradius_m = 0.0004\ndensity = 7900.0\nbend_nm2 = 1e-4\ntwist_nm2 = 8e-5\nstretch_n = 1e4\nnodes = 41\n"
+    "[vessel]\nshape = \"tube\"\naxis = [1.0, 0.0, 0.0]\nradius_m = 0.004\nlength_m = 0.04\ntriangles = 2000\n"
+    "[feed]\npoint = [0.002, 0.0, -0.003]\ndirection = [1.0, 0.0, -0.04]\n"
+    "keys = [{{ t_s = 0.0, advance_m = 0.005 }}, {{ t_s = 0.5, advance_m = 0.055 }}]\n";
 
 }  // namespace
 
@@ -174,6 +184,43 @@ TEST_SUITE("scene/recorder")
         std::string row = table.substr(table.find('\n') + 1);
         for (int k = 0; k < 7; ++k) row.erase(0, row.find(',') + 1);
         CHECK(std::stod(row) == doctest::Approx(0.02).epsilon(1e-6));  // 2 rad/s for 10 ms, nothing against it
+    }
+
+    TEST_CASE("property: the greatest loads and hand force, with place and time, are those of every step however few rows there are")
+    {
+        const auto run = [](int every) {
+            const TempFolder folder;
+            const Scene scene = read_scene_text(fmt::format(through, every), folder.path / "scene-file.toml");
+            World world(make_setup(scene));
+            const RepairReport none;
+            KeyFrames keys(scene);
+            Recorder recorder(scene, none, world, folder.path / "run");
+            int read = 0;
+            Output now;
+            for (long k = 0; k < scene.steps(); ++k) {
+                const StepReport report = step(world, keys.control(), scene.step_length(k));
+                REQUIRE_FALSE(report.failed());
+                const unsigned parts = recorder.wants(world);
+                read += (parts & (Output::Contacts | Output::Loads)) != 0;
+                world.read(now, parts);
+                recorder.stepped(now, report, 0.001);
+            }
+            auto summary = nlohmann::json::parse(recorder.finish(world, RunStatus::Done, 0.1));
+            summary["read"] = read;
+            return summary;
+        };
+        const auto every_row = run(1), few_rows = run(1000);
+        CHECK(every_row["state_hash"] == few_rows["state_hash"]);
+        CHECK(few_rows["patch_force_max_n"].get<double>() > 0);
+        for (const char* key : {"force_per_length_max_n_per_m", "force_per_length_max_at_m", "force_per_length_max_at_s",
+                                "patch_force_max_n", "patch_force_max_at_m", "patch_force_max_at_s", "hand_force_max_n",
+                                "hand_force_max_at_s"}) {
+            CAPTURE(key);
+            CHECK(every_row[key] == few_rows[key]);
+        }
+        // the greatest is neither in the last step, which is always read, nor read in every step
+        CHECK(few_rows["patch_force_max_at_s"].get<double>() < few_rows["simulated_s"].get<double>());
+        CHECK(few_rows["read"].get<int>() < every_row["read"].get<int>());
     }
 
     TEST_CASE("property: the last step is recorded even when it is not due")

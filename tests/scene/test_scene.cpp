@@ -385,7 +385,7 @@ TEST_SUITE("scene/scene")
         CHECK(tip.youngs == shaft.youngs);
         CHECK(tip.mu_static == 0.3);
         CHECK(tip.mu_sliding == 0.05);
-        CHECK(tip.rest_curvature == Eigen::Vector2d(20, -3));
+        CHECK(tip.rest_curvature == Vec2(20, -3));
         // same material, thinner and of another Poisson's ratio: B ~ r^4, C/B = 1/(1 + nu)
         CHECK(thin.bend_stiffness == doctest::Approx(shaft.bend_stiffness * std::pow(150.0 / 178.0, 4)).epsilon(1e-12));
         CHECK(thin.twist_stiffness == doctest::Approx(thin.bend_stiffness / 1.2).epsilon(1e-12));

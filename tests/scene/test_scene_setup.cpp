@@ -6,11 +6,14 @@
 #include "scene/vessel_load.h"
 #include "vessel/inside.h"
 #include "vessel/shapes.h"
+#include "wall/wall_resolution.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <unistd.h>
+
+#include <cmath>
 
 using namespace seldinger;
 
@@ -168,5 +171,34 @@ TEST_SUITE("scene/scene_setup")
         CHECK(describe_thick_wall(vessel, axis).find("0.3 mm near [0.03, 0, 0] m, in a wall of 0.8 mm") != std::string::npos);
         vessel.thickness = 2e-4;
         CHECK(describe_thick_wall(vessel, axis).empty());
+    }
+
+    // A plane of 0.5 m at the setting that is chosen: edges of 4.9 decay lengths (0.026 * 4.9^2 = 62 % of the displacement is missing).
+    TEST_CASE("property: edges of an elastic wall that are longer than the decay length are told of, with the ratio and what to set")
+    {
+        VesselSpec vessel;
+        vessel.shape = VesselShape::Plane;
+        vessel.youngs = 5e5;
+        vessel.thickness = 9e-4;
+        vessel.support = 3e6;
+        vessel.size = 0.5;
+        vessel.triangles = 20000;
+        vessel.elastic = true;
+        const LoadedVessel loaded = load_vessel(vessel);
+        const WallMechanics chosen = expected_mechanics(vessel, loaded.mesh, loaded.centreline);
+        // of a beam on its bed, D = E t^3/(12 (1 - nu^2)), lambda^4 = 4 D/k_s
+        const double bend = 5e5 * std::pow(9e-4, 3) / (12 * (1 - vessel.poisson * vessel.poisson));
+        CHECK(chosen.decay == doctest::Approx(std::pow(4 * bend / 3e6, 0.25)).epsilon(1e-12));
+        CHECK(chosen.edge / chosen.decay > 4);
+        const std::string coarse = describe_coarse_wall(chosen, vessel);
+        CHECK(coarse.find("vessel.wall_edge_m: got control edges of ") == 0);
+        CHECK(coarse.find(fmt::format("{:.2g} decay lengths", chosen.edge / chosen.decay)) != std::string::npos);
+        CHECK(coarse.find("Fix: vessel.wall_edge_m = ") != std::string::npos);
+        vessel.wall_edge = 0.9 * chosen.decay;
+        const WallMechanics fine = expected_mechanics(vessel, loaded.mesh, loaded.centreline);
+        CHECK(fine.edge == doctest::Approx(vessel.wall_edge).epsilon(0.02));
+        CHECK(describe_coarse_wall(fine, vessel).empty());
+        vessel.elastic = false;
+        CHECK(describe_coarse_wall(expected_mechanics(vessel, loaded.mesh, loaded.centreline), vessel).empty());
     }
 }

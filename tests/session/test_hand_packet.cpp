@@ -92,26 +92,26 @@ TEST_SUITE("session/hand_packet")
         REQUIRE(give(gate, request(10, 0.01), 0.0) == Accepted);
         SelHandRequest out;
         Bytes bytes = bytes_of(request(11, 0.01));
-        CHECK(gate.take(bytes.data(), 47, 7, 0.1, out) == Malformed);
-        CHECK(gate.take(bytes.data(), 49, 7, 0.1, out) == Malformed);
+        CHECK(gate.take(bytes.data(), 47, 7, 0.05, out) == Malformed);
+        CHECK(gate.take(bytes.data(), 49, 7, 0.05, out) == Malformed);
         for (const int place : {0, 4, 44}) {  // magic, version, the zero at the end
             Bytes wrong = bytes;
             wrong[static_cast<std::size_t>(place)] ^= 1;
-            CHECK(gate.take(wrong.data(), wrong.size(), 7, 0.1, out) == Malformed);
+            CHECK(gate.take(wrong.data(), wrong.size(), 7, 0.05, out) == Malformed);
         }
-        CHECK(give(gate, request(10, 0.01), 0.1) == Sequence);
-        CHECK(give(gate, request(9, 0.01), 0.1) == Sequence);
+        CHECK(give(gate, request(10, 0.01), 0.05) == Sequence);
+        CHECK(give(gate, request(9, 0.01), 0.05) == Sequence);
         SelHandRequest other = request(11, 0.01);
         other.instrument = 1;
-        CHECK(give(gate, other, 0.1) == Instrument);
+        CHECK(give(gate, other, 0.05) == Instrument);
         for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-            CHECK(give(gate, request(11, bad), 0.1) == NotFinite);
-            CHECK(give(gate, request(11, 0.01, bad), 0.1) == NotFinite);
+            CHECK(give(gate, request(11, bad), 0.05) == NotFinite);
+            CHECK(give(gate, request(11, 0.01, bad), 0.05) == NotFinite);
         }
         CHECK(gate.hand(0).advance == 0.01);
         CHECK(gate.count(Malformed) == 5);
         CHECK(gate.count(NotFinite) == 4);
-        CHECK(give(gate, request(11, 0.011), 0.1) == Accepted);
+        CHECK(give(gate, request(11, 0.011), 0.05) == Accepted);
     }
 
     TEST_CASE("property: a hand at the speed limit passes however its packets bunch, a faster one does not")
@@ -148,6 +148,57 @@ TEST_SUITE("session/hand_packet")
         CHECK(gate.hand(0).advance == 0.2);
         REQUIRE(give(gate, request(2, 0.01), 2.1, 3) == Accepted);
         CHECK(gate.hand(0).advance == doctest::Approx(0.21).epsilon(1e-12));
+    }
+
+    TEST_CASE("regression: a device that was restarted on its own port is heard after a silence, and not before")
+    {
+        using enum HandGate::Verdict;
+        HandGate gate(1);
+        REQUIRE(give(gate, request(100'000, 0.2), 1.0) == Accepted);
+        CHECK(give(gate, request(1, 0.2), 1.05) == Sequence);  // a packet that was overtaken
+        CHECK(give(gate, request(2, 0.2), 1.0 + HandGate::silence + 1e-6) == Accepted);
+        CHECK(give(gate, request(2, 0.2), 1.15) == Sequence);  // its numbers rise from there
+        CHECK(give(gate, request(3, 0.201), 1.15) == Accepted);
+        CHECK(gate.hand(0).advance == 0.201);
+        // it starts at zero again, and says so; once it is restarted its values are its own
+        SelHandRequest rebased = request(1, 0.0);
+        rebased.flags = SEL_HAND_REBASE;
+        REQUIRE(give(gate, rebased, 2.0) == Accepted);
+        CHECK(gate.hand(0).advance == 0.201);
+        CHECK(give(gate, request(1, 0.3), 3.0) == Accepted);
+        CHECK(gate.hand(0).advance == 0.3);
+        // requests that are refused are no sign of life of the owner's: their sender may not keep it out for ever
+        for (int k = 1; k <= 99; ++k) CHECK(give(gate, request(1, 0.3), 3.0 + 0.001 * k) == Sequence);
+        CHECK(give(gate, request(1, 0.3), 3.0 + HandGate::silence + 1e-6) == Accepted);
+    }
+
+    TEST_CASE("regression: sequence numbers go on from 2^64 - 1 to 0")
+    {
+        using enum HandGate::Verdict;
+        const std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
+        HandGate gate(1);
+        REQUIRE(give(gate, {0, last - 1, 0, 0.01, 0, 0}, 1.000) == Accepted);
+        CHECK(give(gate, {0, last, 0, 0.011, 0, 0}, 1.001) == Accepted);
+        CHECK(give(gate, {0, 0, 0, 0.012, 0, 0}, 1.002) == Accepted);
+        CHECK(give(gate, {0, last, 0, 0.012, 0, 0}, 1.003) == Sequence);
+        CHECK(give(gate, {0, 1, 0, 0.013, 0, 0}, 1.004) == Accepted);
+        CHECK(gate.hand(0).advance == 0.013);
+    }
+
+    TEST_CASE("regression: in lockstep, where refused requests make no step, silence ends by the clock")
+    {
+        using enum HandGate::Verdict;
+        HandGate gate(1);
+        const auto give_at = [&](std::uint64_t sequence, HandGate::Now now, std::uint64_t sender) {
+            const Bytes bytes = bytes_of(request(sequence, 0.0));
+            SelHandRequest out;
+            return gate.take(bytes.data(), bytes.size(), sender, now, out);
+        };
+        REQUIRE(give_at(50, {1.0, 10.0}, 1) == Accepted);
+        CHECK(give_at(1, {1.0, 10.05}, 1) == Sequence);
+        CHECK(give_at(1, {1.0, 10.05}, 2) == NotOwner);
+        CHECK(give_at(1, {1.0, 10.2}, 1) == Accepted);
+        CHECK(give_at(1, {1.0, 10.4}, 2) == Accepted);
     }
 
     TEST_CASE("property: a million random datagrams move nothing")

@@ -65,6 +65,7 @@ TEST_SUITE("session/web")
         CHECK(admit({"/", "127.0.0.1:8080", "", ""}, here, "") == Welcome);
         CHECK(admit({"/", "localhost:8080", "http://localhost:8080", ""}, here, "") == Welcome);
         CHECK(admit({"/", "[::1]:8080", "", ""}, here, "") == Welcome);
+        CHECK(admit({"/", "[::1]:8080", "http://[::1]:8080", ""}, "::1", "") == Welcome);
         CHECK(admit({"/", "evil.example:8080", "", ""}, here, "") == WrongHost);  // its name points here
         for (const char* name : {"127.evil.example", "127.0.0.1.evil.example", "127.0.0.1evil", "127.0.0.1.", "127.1"}) {
             CAPTURE(name);  // names of others, too, that a page's script asks by: they may point here
@@ -83,6 +84,52 @@ TEST_SUITE("session/web")
         CHECK(is_loopback("127.0.0.1"));
         CHECK_FALSE(is_loopback("0.0.0.0"));
         CHECK_FALSE(is_loopback("10.0.0.1"));
+    }
+
+    TEST_CASE("property: a token is sixteen characters that an address and a cookie carry as they are; one that is made is such a one")
+    {
+        CHECK(is_token("abcdefghABCDEFGH"));
+        CHECK(is_token("0123456789-._~aZ"));
+        CHECK_FALSE(is_token("abcdefghABCDEFG"));
+        for (const char* text : {" ", ";", "&", "=", "%", "#", "+", "\"", ",", "\n", "\xc3\xa4"}) {
+            CAPTURE(text);
+            CHECK_FALSE(is_token(std::string("abcdefghABCDEFGH") + text));
+        }
+        const std::string one = make_token(), other = make_token();
+        CHECK(is_token(one));
+        CHECK(one.size() == 32);
+        CHECK(one != other);
+        // what is taken comes through an address and a cookie
+        for (const std::string& token : {one, std::string("0123456789-._~aZ")}) {
+            CHECK(admit({"/?token=" + token, "192.168.1.5:8080", "", ""}, "0.0.0.0", token) == Admission::Welcome);
+            CHECK(admit({"/ws", "192.168.1.5:8080", "", "a=b; seldinger_token=" + token}, "0.0.0.0", token) == Admission::Welcome);
+        }
+    }
+
+    TEST_CASE("property: an address of version 6 stands in brackets in a URL")
+    {
+        CHECK(in_url("127.0.0.1") == "127.0.0.1");
+        CHECK(in_url("::1") == "[::1]");
+        CHECK(in_url("[::1]") == "[::1]");
+    }
+
+    TEST_CASE("property: wrong tokens of an address are tried so many a second, however many come; others are not kept waiting")
+    {
+        WrongTokens wrong;
+        int tried = 0;
+        const auto guess = [&](const std::string& who, double now) {
+            if (!wrong.may_try(who, now)) return false;
+            wrong.count(who, now);
+            return true;
+        };
+        for (int k = 0; k < 71'000; ++k) tried += guess("10.0.0.1", 1.0 + k / 7100.0);  // ten seconds of 7,100 a second
+        CHECK(tried >= 68);  // 20 at once and five a second
+        CHECK(tried <= 70);
+        CHECK(wrong.may_try("10.0.0.2", 11.0));
+        CHECK_FALSE(wrong.may_try("10.0.0.1", 11.0));
+        CHECK(wrong.may_try("10.0.0.1", 12.0));
+        for (int k = 0; k < 100'000; ++k) (void)guess(std::to_string(k), 12.0 + 1e-5 * k);  // remembers so many, and forgets the oldest
+        CHECK(guess("10.0.0.1", 13.0));
     }
 
     TEST_CASE("property: what a page may say")
@@ -121,6 +168,11 @@ TEST_SUITE("session/web")
         Served served;
         CHECK_THROWS_WITH_AS(WebServer({"0.0.0.0", "", 0}, served.scene, served.session), doctest::Contains("--token"), Error);
         CHECK_THROWS_WITH_AS(WebServer({"127.0.0.1", "", served.web.port()}, served.scene, served.session), doctest::Contains("--port"), Error);
+        for (const char* weak : {"x", "fifteen-letters", "a token with blanks in it", "a;b&c-0123456789abcdef"})
+            for (const char* address : {"0.0.0.0", "127.0.0.1"}) {
+                CAPTURE(weak);
+                CHECK_THROWS_WITH_AS(WebServer({address, weak, 0}, served.scene, served.session), doctest::Contains("--token: got"), Error);
+            }
         CHECK_THROWS_WITH_AS(WebServer({"nowhere", "", 0}, served.scene, served.session), doctest::Contains("--bind"), Error);
     }
 
@@ -200,15 +252,83 @@ TEST_SUITE("session/web")
         CHECK(refused == 4);
     }
 
+    TEST_CASE("regression: requests that are never finished do not keep a page out, from however many connections")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        const int port = served.web.port();
+        std::vector<std::unique_ptr<Line>> halves;
+        for (int k = 0; k < 80; ++k) {
+            halves.push_back(std::make_unique<Line>(SOCK_STREAM, port));
+            halves.back()->send("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: ");
+        }
+        CHECK(get(port, "/").find("200 OK") != std::string::npos);
+        // those that came last still wait, and the first were closed for them
+        CHECK(halves.front()->receive() == "");
+        halves.back()->send("y\r\nConnection: close\r\n\r\n");
+        CHECK(halves.back()->receive().find("200 OK") != std::string::npos);
+        served.web.stop();
+        CHECK(served.web.counts().gave_way == 80 - 16 + 1);
+        CHECK(served.web.counts().refused == 0);
+    }
+
+    TEST_CASE("regression: a request with two hosts or two origins is none")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        const int port = served.web.port();
+        const std::string own = "127.0.0.1:" + std::to_string(port);
+        CHECK(get(port, "/", "Host: evil.example\r\n").find("HTTP/1.1 400") == 0);
+        CHECK(get(port, "/", "Host: " + own + "\r\n").find("HTTP/1.1 400") == 0);
+        CHECK(get(port, "/", "Origin: http://" + own + "\r\nOrigin: http://evil.example\r\n").find("HTTP/1.1 400") == 0);
+        CHECK(get(port, "/", "Origin: http://" + own + "\r\n").find("200 OK") != std::string::npos);
+        const Line line(SOCK_STREAM, port);
+        line.send("GET / HTTP/1.1\r\nConnection: close\r\n\r\n");
+        CHECK(line.receive().find("HTTP/1.1 400") == 0);
+    }
+
+    TEST_CASE("regression: wrong tokens are not looked at as fast as they come")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        const std::string token = make_token();
+        Served served(token);
+        const int port = served.web.port();
+        const auto begun = std::chrono::steady_clock::now();
+        int wrong = 0, put_off = 0;
+        for (int k = 0; k < 200; ++k) {
+            const std::string answer = get(port, "/?token=" + make_token());
+            wrong += answer.find("HTTP/1.1 403") == 0;
+            put_off += answer.find("HTTP/1.1 429") == 0;
+        }
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+        CHECK(wrong + put_off == 200);
+        CHECK(wrong <= WrongTokens::at_once + WrongTokens::per_second * took.count() + 1);
+    }
+
+    TEST_CASE("property: an address of version 6 is taken with and without brackets")
+    {
+        if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
+        Served served;
+        const int probe = ::socket(AF_INET6, SOCK_STREAM, 0);
+        sockaddr_in6 own{};
+        own.sin6_family = AF_INET6;
+        own.sin6_addr = in6addr_loopback;
+        const bool has_version_6 = probe >= 0 && ::bind(probe, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0;
+        if (probe >= 0) ::close(probe);
+        if (!has_version_6) return skip("no address of version 6 here");
+        for (const char* address : {"::1", "[::1]"}) CHECK_NOTHROW(WebServer({address, "", 0}, served.scene, served.session));
+    }
+
     TEST_CASE("property: with a token, nothing without it")
     {
         if (!std::filesystem::exists("/usr/share/javascript/three/three.min.js")) return skip("libjs-three is not installed");
-        Served served("secret");
+        const std::string token = make_token();
+        Served served(token);
         const int port = served.web.port();
         CHECK(get(port, "/").find("403") != std::string::npos);
         CHECK(get(port, "/mesh.bin?token=wrong").find("403") != std::string::npos);
-        CHECK(get(port, "/?token=secret").find("seldinger_token=secret; HttpOnly") != std::string::npos);
-        CHECK(get(port, "/live.js", "Cookie: seldinger_token=secret\r\n").find("200 OK") != std::string::npos);
+        CHECK(get(port, "/?token=" + token).find("seldinger_token=" + token + "; HttpOnly") != std::string::npos);
+        CHECK(get(port, "/live.js", "Cookie: seldinger_token=" + token + "\r\n").find("200 OK") != std::string::npos);
         const Line line(SOCK_STREAM, port);
         CHECK(open_socket(line, port).find("403") != std::string::npos);
     }

@@ -1,7 +1,6 @@
 // How the solver works with contact: a floor with a Hertz-like normal law and anchored Coulomb friction at the nodes.
 #include "solve/wire_fixture.h"
 
-#include <Eigen/Geometry>
 
 #include <limits>
 
@@ -58,9 +57,9 @@ public:
             for (int i = 0; i < rods_.node_count(w); ++i) {
                 Vec3& anchor = anchors_[rods_.node_begin(w) + i];
                 const double d = depth(w, i);
-                const Eigen::Vector2d slip = stretched(w, i);
+                const Vec2 slip = stretched(w, i);
                 const double most = d > 0 ? mu * stiffness * std::pow(d, 1.5) / tangential : 0.0;
-                if (slip.norm() > most) anchor.head<2>() += (1 - most / slip.norm()) * slip;
+                if (slip.norm() > most) anchor += (1 - most / slip.norm()) * Vec3(slip.x(), slip.y(), 0);
             }
     }
 
@@ -69,10 +68,10 @@ public:
 
 private:
     [[nodiscard]] double depth(int wire, int i) const { return -state_.z[rods_.node_begin(wire) + i]; }
-    [[nodiscard]] Eigen::Vector2d stretched(int wire, int i) const
+    [[nodiscard]] Vec2 stretched(int wire, int i) const
     {
         const int at = rods_.node_begin(wire) + i;
-        return Eigen::Vector2d(state_.x[at], state_.y[at]) - anchors_[at].head<2>();
+        return Vec2(state_.x[at] - anchors_[at].x(), state_.y[at] - anchors_[at].y());
     }
     [[nodiscard]] bool slides(int wire, int i, double normal) const
     {
@@ -82,7 +81,7 @@ private:
     void add_friction(int wire, int i, double normal, double slope, std::span<double> gradient, BandRows* jacobian,
                       bool symmetric) const
     {
-        const Eigen::Vector2d slip = stretched(wire, i);
+        const Vec2 slip = stretched(wire, i);
         const bool sliding = slides(wire, i, normal);
         const double length = slip.norm(), factor = sliding ? mu * normal / length : tangential;
         for (int a = 0; a < 2; ++a) gradient[RodDofs::position(i, a)] += factor * slip[a];

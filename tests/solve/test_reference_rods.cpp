@@ -1,5 +1,6 @@
 // Rods that twist and bend in space against independent solutions (elliptic integrals, shooting of the Kirchhoff equations).
 // Tolerances are those of the reference suite: second-order errors at the stated number of edges, with room.
+#include "math/eigen.h"
 #include "solve/wire_fixture.h"
 
 #include <Eigen/Eigenvalues>
@@ -97,9 +98,9 @@ double out_of_plane(const RodView& rod)
 {
     Vec3 centre = Vec3::Zero();
     for (int i = 0; i < rod.n; ++i) centre += rod.pos(i) / rod.n;
-    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-    for (int i = 0; i < rod.n; ++i) second += (rod.pos(i) - centre) * (rod.pos(i) - centre).transpose();
-    const Vec3 normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvectors().col(0);
+    Mat3 second = Mat3::Zero();
+    for (int i = 0; i < rod.n; ++i) second += outer(rod.pos(i) - centre, rod.pos(i) - centre);
+    const Vec3 normal = vec3(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(eigen(second)).eigenvectors().col(0));
     double off = 0;
     for (int i = 0; i < rod.n; ++i) off = std::max(off, std::abs(normal.dot(rod.pos(i) - centre)));
     return off;

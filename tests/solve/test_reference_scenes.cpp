@@ -254,15 +254,14 @@ TEST_SUITE("solve/reference_scenes")
             };
             // w = a + b/(1 - x^p/c): linear in c w, a and a c + b
             const double pole = of.at("pole");
-            Eigen::Matrix3d matrix;
-            Vec3 right;
-            int row = 0;
+            Vec3 rows[3], right;
+            std::size_t row = 0;
             for (const double part : {0.90, 0.95, 0.98}) {
                 const double w = at(part).first, x = std::pow(part, pole);
-                matrix.row(row) << w, x, -1;
+                rows[row] = {w, x, -1};
                 right[row++] = w * x;
             }
-            const double critical = std::pow(matrix.inverse().row(0).dot(right), 1 / pole);
+            const double critical = std::pow(Mat3::rows(rows[0], rows[1], rows[2]).inverse().row(0).dot(right), 1 / pole);
             CHECK(std::abs(critical - 1) <= of.at("relative").get<double>());
             const auto [off_below, torque_below] = at(0.97);
             const auto [off_above, torque_above] = at(1.03);

@@ -77,7 +77,7 @@ TEST_SUITE("vessel/hostile_meshes")
             WallMesh moved = as_soup(tube);
             moved.vertices[rng() % moved.vertices.size()] = anywhere(rng, 0.04);
             const RepairReport report = repair(moved);
-            Eigen::AlignedBox3d box;
+            Box3 box;
             for (const Vec3& v : moved.vertices) box.extend(v);
             const LumenQuery lumen(moved, report.loops);
             const MedialGraph graph = build_medial_graph(moved, report.loops, lumen);

@@ -77,8 +77,7 @@ TEST_SUITE("vessel/subdivide")
     {
         WallMesh coarse = tube_mesh(600);
         const WallMesh fine = subdivide_loop(coarse);
-        Eigen::Matrix3d map;
-        map << 1, 0.3, 0, 0, 0.5, 0.2, 0.1, 0, 2;
+        const Mat3 map = Mat3::rows({1, 0.3, 0}, {0, 0.5, 0.2}, {0.1, 0, 2});
         const Vec3 shift(0.1, -0.2, 0.3);
         for (Vec3& v : coarse.vertices) v = map * v + shift;
         const WallMesh mapped = subdivide_loop(coarse);

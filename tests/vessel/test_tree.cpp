@@ -110,6 +110,44 @@ TEST_SUITE("vessel/tree")
         }
     }
 
+    TEST_CASE("property: planes over nodes and a guess save visits and change no answer")
+    {
+        WallMesh mesh = make_tube(tube_spec(0.01, 0.1, 20000)).mesh;
+        append(mesh, random_soup(300, 0.005, 3));
+        for (Vec3& v : mesh.vertices) v += Vec3(1, -2, 0.5);
+        const WallTree plain = build_wall_tree(mesh);
+        WallTree tree = plain;
+        add_slabs(tree);
+        REQUIRE(tree.slabs.size() == tree.nodes.size());
+        // no vertex reaches over the plane of a leaf that holds it
+        bool below = true;
+        for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+            for (std::size_t k = 9 * tree.nodes[i].left_or_first; k < 9 * (tree.nodes[i].left_or_first + SEL_LEAF_TRIANGLES(tree.nodes[i].count)); k += 3) {
+                const TreeSlab& s = tree.slabs[i];
+                below &= double(s.normal[0]) * tree.vertices[k] + double(s.normal[1]) * tree.vertices[k + 1] +
+                             double(s.normal[2]) * tree.vertices[k + 2] <= s.highest;
+            }
+        CHECK(below);
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> place(-0.05, 0.15), small(-1e-4, 1e-4);
+        std::uint64_t visits = 0, visits_before = 0;
+        for (int i = 0; i < 300; ++i) {
+            // every other one near the tube's axis, where all of the wall round it is equally near
+            const Vec3 p = Vec3(1, -2, 0.5) + (i % 2 ? Vec3(place(random), small(random), small(random))
+                                                     : Vec3(place(random), 0.3 * place(random), 0.3 * place(random)));
+            const TreeHit before = nearest_on_wall(plain, p, std::numeric_limits<double>::infinity(), &visits_before);
+            const auto guess = static_cast<std::int64_t>(random() % tree.triangle_count());
+            for (const std::int64_t first : {std::int64_t{-1}, guess, before.triangle}) {
+                const TreeHit hit = nearest_on_wall(tree, p, std::numeric_limits<double>::infinity(), first < 0 ? &visits : nullptr, first);
+                CHECK(hit.distance2 == before.distance2);
+                CHECK(hit.triangle == before.triangle);
+                CHECK(hit.point == before.point);
+                CHECK(hit.feature == before.feature);
+            }
+        }
+        CHECK(visits < visits_before / 2);
+    }
+
     TEST_CASE("property: a limit hides what is farther and nothing else")
     {
         const WallTree tree = build_wall_tree(make_tube(tube_spec(0.01, 0.1, 2000)).mesh);
@@ -132,10 +170,10 @@ TEST_SUITE("vessel/tree")
             overlapping_triangles(tree, lo, hi, found);
             CHECK(std::is_sorted(found.begin(), found.end()));
             for (std::uint32_t k = 0; k < tree.triangle_count(); ++k) {
-                Eigen::AlignedBox3d box;
+                Box3 box;
                 const Triangle3 t = tree.triangle(k);
                 for (const Vec3& v : {t.a, t.b, t.c}) box.extend(v + tree.centre);
-                if (!box.intersects(Eigen::AlignedBox3d(lo, hi))) continue;
+                if (!box.intersects(Box3(lo, hi))) continue;
                 ++touched;
                 REQUIRE(std::binary_search(found.begin(), found.end(), k));
             }

@@ -9,7 +9,6 @@
 
 #include "math/vec3.h"
 
-#include <Eigen/Geometry>
 #include <string>
 
 namespace seldinger {

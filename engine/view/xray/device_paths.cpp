@@ -1,10 +1,12 @@
 // Rays against tapered cylinders, pixel by pixel of their shadow.
 #include "view/xray/device_paths.h"
 
+#include "core/check.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -83,17 +85,15 @@ struct PieceRays {
     Turning ray;  // per metre of depth
     Turning from;  // from the piece's beginning to the ray at the piece's mean depth, so that no digits are lost over the source's distance
     Vec3 begin_cut, end_cut;
-    double length;
+    double length, mean_depth;
 
     PieceRays(const CArmView& view, const Piece& p)
     {
-        Mat3 own;
-        own.row(2) = p.axis;
-        own.row(0) = p.axis.unitOrthogonal();
-        own.row(1) = p.axis.cross(Vec3(own.row(0)));
+        const Vec3 across = p.axis.unitOrthogonal();
+        const Mat3 own = Mat3::rows(across, p.axis.cross(across), p.axis);
         ray = {own * view.direction, own * view.right, own * view.up};
-        const double depth = 0.5 * (p.at[0].depth + p.at[1].depth);
-        from = {own * (view.source - p.begin) + depth * ray.c, depth * ray.du, depth * ray.dv};
+        mean_depth = 0.5 * (p.at[0].depth + p.at[1].depth);
+        from = {own * (view.source - p.begin) + mean_depth * ray.c, mean_depth * ray.du, mean_depth * ray.dv};
         begin_cut = own * p.begin_cut, end_cut = own * p.end_cut;
         length = (p.end - p.begin).norm();
     }
@@ -114,8 +114,8 @@ inline void cut(Chord& chord, double height, double rate)
     chord.to = rate == 0 && height < 0 ? -far : chord.to;
 }
 
-/// Depth that a ray passes inside of |p|^2 - a^2 <= (r + k a)^2, a along the axis, between the cuts.
-inline double depth_inside(const PieceRays& rays, double u, double v, double radius, double taper)
+/// Where a ray is inside of |p|^2 - a^2 <= (r + k a)^2, a along the axis, between the cuts: depths from the piece's mean depth.
+inline Chord chord_inside(const PieceRays& rays, double u, double v, double radius, double taper)
 {
     const double wx = rays.ray.at(0, u, v), wy = rays.ray.at(1, u, v), wz = rays.ray.at(2, u, v);
     const double x = rays.from.at(0, u, v), y = rays.from.at(1, u, v), z = rays.from.at(2, u, v);
@@ -128,7 +128,14 @@ inline double depth_inside(const PieceRays& rays, double u, double v, double rad
         rays.begin_cut.x() * wx + rays.begin_cut.y() * wy + rays.begin_cut.z() * wz);
     cut(chord, -(rays.end_cut.x() * x + rays.end_cut.y() * y + rays.end_cut.z() * (z - rays.length)),
         -(rays.end_cut.x() * wx + rays.end_cut.y() * wy + rays.end_cut.z() * wz));
-    return (along ? -c : disc) > 0 ? std::max(0.0, chord.to - chord.from) : 0.0;
+    chord.to = (along ? -c : disc) > 0 ? chord.to : -far;
+    return chord;
+}
+
+inline double depth_inside(const PieceRays& rays, double u, double v, double radius, double taper)
+{
+    const Chord chord = chord_inside(rays, u, v, radius, taper);
+    return std::max(0.0, chord.to - chord.from);
 }
 
 /// A pixel's rays, row by row, as offsets of (u, v) from its middle.
@@ -201,6 +208,45 @@ bool near_axis(const Piece& p, int row, int column)
     return dx * dx + dy * dy <= p.reach * p.reach;
 }
 
+// A pixel's rays of a mask are the bits of one word. Odd, so that the ray in the middle decides about an edge through it: an even
+// grid would take an edge along the rows for covered from 7/16 on.
+constexpr int cover_side = 7;
+
+/// What one row of pixels is covered by of one device.
+struct RowCover {
+    std::vector<std::uint64_t> rays;  // [columns] bits of those that meet it
+    std::vector<float> nearest;       // [columns] depth of its nearest surface [m]
+    int first, last;                  // columns that may have bits
+
+    explicit RowCover(int columns) : rays(columns), nearest(columns), first(columns), last(-1) {}
+    void clear()
+    {
+        for (int c = first; c <= last; ++c) rays[c] = 0;
+        first = static_cast<int>(rays.size()), last = -1;
+    }
+};
+
+/// Rays of a pixel that meet a piece. @param length  scratch, one for each ray
+std::uint64_t rays_that_meet(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v,
+                             std::vector<double>& length)
+{
+    std::fill(length.begin(), length.end(), 0.0);
+    add_lengths(rays, p.radius, p.taper, grid, u, v, 1, length);
+    std::uint64_t bits = 0;
+    for (int k = 0; k < cover_side * cover_side; ++k) bits |= static_cast<std::uint64_t>(length[k] > 0) << k;
+    return bits;
+}
+
+float nearest_depth(const PieceRays& rays, const Piece& p, const PixelGrid& grid, double u, double v)
+{
+    double nearest = far;
+    for (std::size_t k = 0; k < grid.u.size(); ++k) {
+        const Chord chord = chord_inside(rays, u + grid.u[k], v + grid.v[k], p.radius, p.taper);
+        if (chord.to > chord.from) nearest = std::min(nearest, chord.from);
+    }
+    return static_cast<float>(rays.mean_depth + nearest);
+}
+
 /// Pieces of all instruments and what each row of rays meets of them.
 class PieceTracer {
 public:
@@ -236,12 +282,54 @@ public:
         }
     }
 
+    void cover_row(int piece, int row, const PixelGrid& grid, bool with_depth, RowCover& cover) const
+    {
+        const Piece& p = pieces_[piece];
+        int first = 0, last = -1;
+        if (!columns_in(p, row, view_.columns, first, last)) return;
+        std::vector<double> length(cover_side * cover_side);
+        for (int column = first; column <= last; ++column) {
+            if (!near_axis(p, row, column)) continue;
+            const double u = view_.u(column), v = view_.v(row);
+            const std::uint64_t bits = rays_that_meet(rays_[piece], p, grid, u, v, length);
+            if (bits == 0) continue;
+            if (with_depth) {
+                const float depth = nearest_depth(rays_[piece], p, grid, u, v);
+                cover.nearest[column] = cover.rays[column] == 0 ? depth : std::min(cover.nearest[column], depth);
+            }
+            cover.rays[column] |= bits;
+            cover.first = std::min(cover.first, column), cover.last = std::max(cover.last, column);
+        }
+    }
+
 private:
     const CArmView& view_;
     const std::vector<Piece>& pieces_;
     std::vector<PieceRays> rays_;
     std::map<int, PixelGrid> grids_;
 };
+
+/// Devices from the thickest to the thinnest.
+std::vector<std::size_t> outermost_first(const std::vector<Device>& devices)
+{
+    std::vector<double> thickest(devices.size());
+    for (std::size_t k = 0; k < devices.size(); ++k)
+        for (const DeviceStation& s : devices[k]) thickest[k] = std::max(thickest[k], s.radius);
+    std::vector<std::size_t> order(devices.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return thickest[a] > thickest[b]; });
+    return order;
+}
+
+/// Writes a device's label where it covers half of a pixel.
+void label_row(const RowCover& cover, std::uint8_t label, std::size_t begin, DeviceMask& mask)
+{
+    for (int column = cover.first; column <= cover.last; ++column) {
+        if (2 * std::popcount(cover.rays[column]) < cover_side * cover_side) continue;
+        mask.label[begin + static_cast<std::size_t>(column)] = label;
+        if (!mask.depth.empty()) mask.depth[begin + static_cast<std::size_t>(column)] = cover.nearest[column];
+    }
+}
 
 }  // namespace
 
@@ -261,6 +349,34 @@ std::vector<DevicePath> trace_devices(const CArmView& view, const std::vector<De
     std::vector<DevicePath> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
     return all;
+}
+
+DeviceMask mask_devices(const CArmView& view, const std::vector<Device>& devices, bool with_depth)
+{
+    SEL_ASSERT(devices.size() < 256);
+    std::vector<std::vector<Piece>> pieces(devices.size());
+    std::vector<PieceTracer> tracers;
+    for (std::size_t k = 0; k < devices.size(); ++k) {
+        add_pieces(view, devices[k], pieces[k]);
+        tracers.emplace_back(view, pieces[k]);
+    }
+    const std::vector<std::size_t> order = outermost_first(devices);
+    const PixelGrid grid(view, cover_side);
+    const std::size_t count = static_cast<std::size_t>(view.rows) * view.columns;
+    DeviceMask mask{std::vector<std::uint8_t>(count), std::vector<float>(with_depth ? count : 0)};
+    for_each_item((view.rows + band_rows - 1) / band_rows, 1, [&](int band) {
+        const int first = band * band_rows, last = std::min(first + band_rows, view.rows) - 1;
+        RowCover cover(view.columns);
+        for (const std::size_t k : order) {
+            const std::vector<int> on = tracers[k].pieces_on(first, last);
+            for (int row = first; row <= last && !on.empty(); ++row) {
+                for (const int piece : on) tracers[k].cover_row(piece, row, grid, with_depth, cover);
+                label_row(cover, static_cast<std::uint8_t>(k + 1), static_cast<std::size_t>(row) * view.columns, mask);
+                cover.clear();
+            }
+        }
+    });
+    return mask;
 }
 
 }  // namespace seldinger

@@ -35,4 +35,14 @@ struct DevicePath {
 /// @return row by row, a row's in the order of the pieces. @throws Error BadScene: not between source and detector
 [[nodiscard]] std::vector<DevicePath> trace_devices(const CArmView& view, const std::vector<Device>& devices);
 
+/// Which device covers a pixel: by the same pieces as the paths, where at least half of 7 x 7 rays of the pixel meet one.
+struct DeviceMask {
+    std::vector<std::uint8_t> label;  // [rows x columns] 1 + index of the device, 0: none
+    std::vector<float> depth;         // [rows x columns] of the nearest surface along the central ray [m], 0: none; empty: not asked for
+};
+
+/// @param devices  at most 255; where several cover a pixel the thinnest wins, which is the inner one of coaxial ones. An empty
+/// device has no pixel. @throws Error BadScene, as trace_devices
+[[nodiscard]] DeviceMask mask_devices(const CArmView& view, const std::vector<Device>& devices, bool with_depth);
+
 }  // namespace seldinger

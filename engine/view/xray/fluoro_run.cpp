@@ -8,6 +8,8 @@
 #include "io/npy_write.h"
 #include "io/png_write.h"
 #include "vessel/repair.h"
+#include "view/label_files.h"
+#include "view/label_sheet.h"
 #include "view/solids.h"
 #include "view/xray/detector.h"
 #include "view/xray/fluorography.h"
@@ -17,6 +19,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 
@@ -46,37 +49,51 @@ public:
                                                           film_rate(options, main_.run(), range_));
     }
 
-    std::vector<fs::path> draw(const FrameProgress& progress)
+    /// @param drawn  called after each frame
+    void draw(LabelWarnings& warnings, FluoroFiles& files, const std::function<void(std::size_t)>& drawn)
     {
-        const auto start = std::chrono::steady_clock::now();
         for (std::size_t i = range_.first; i <= range_.last; ++i) {
-            frame(i);
-            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-            if (progress) progress(i - range_.first + 1, range_.count(), passed.count());
+            frame(i, warnings);
+            drawn(range_.count());
         }
         finish();
-        return written_;
+        files.paths.insert(files.paths.end(), written_.begin(), written_.end());
+    }
+
+    [[nodiscard]] const FrameRange& range() const { return range_; }
+
+    void draw_on(LabelSheet& sheet, std::size_t index, const std::string& view)
+    {
+        const double time = main_.run().frames[index].time;
+        main_.look(index, time);
+        const std::vector<std::uint16_t> grey = levels(index, time);
+        std::vector<std::uint8_t> rgb;
+        for (const std::uint16_t g : grey) rgb.insert(rgb.end(), 3, static_cast<std::uint8_t>(g >> 4));
+        sheet.add(rgb, main_.truth(false), fmt::format("{}frame {}, {}", view, index, angle_words(main_.arm())));
     }
 
 private:
-    void frame(std::size_t index)
+    void frame(std::size_t index, LabelWarnings& warnings)
     {
         const bool gathers = !options_.raw.empty() || !options_.dicom.empty() || gathered_.film;
         // a film or DICOM file alone needs no pictures beside it
-        const bool pictures = !options_.output.empty() || !gathers;
+        const bool pictures = !options_.output.empty() || !options_.labels.empty() || !gathers;
         const fs::path file = pictures ? picture_path(dir_, options_, "fluoro", "fluoro", index) : fs::path();
-        if (pictures && options_.resume && fs::exists(file)) {
-            if (!gathers) return;
-        }
+        const bool there = pictures && options_.resume && fs::exists(file) && labels_exist(options_, file);
+        if (there && !gathers) return;
         const double time = main_.run().frames[index].time;
         main_.look(index, time);
+        const bool labelled = pictures && !there && !options_.labels.empty();
+        const PictureTruth truth = labelled ? main_.truth(options_.label_vessel) : main_.located();
+        warnings.take_in(truth);
+        if (labelled) write_labels(options_, file, truth);  // before its picture: where that is, they are
         if (!options_.raw.empty()) {
             const std::vector<float> raw = main_.scope().line_integrals();
             gathered_.raw.insert(gathered_.raw.end(), raw.begin(), raw.end());
         }
         if (!pictures && options_.dicom.empty() && !gathered_.film) return;
         const std::vector<std::uint16_t> grey = levels(index, time);
-        if (pictures && !(options_.resume && fs::exists(file))) {
+        if (pictures && !there) {
             write_grey_png(file, options_.arm.columns, options_.arm.rows, grey);
             written_.push_back(file);
         }
@@ -90,10 +107,10 @@ private:
 
     std::vector<std::uint16_t> levels(std::size_t index, double time)
     {
-        const std::vector<float>& signal = main_.picture(2 * index);
+        const std::vector<float>& signal = main_.picture(options_.noise_stream + 2 * index);
         if (!mask_) return grey_levels(signal, main_.scope().reference(), options_.logarithmic);
         mask_->look(std::min(index, mask_->run().frames.size() - 1), time);
-        return subtracted_levels(signal, mask_->picture(2 * index + 1));
+        return subtracted_levels(signal, mask_->picture(options_.noise_stream + 2 * index + 1));
     }
 
     void finish()
@@ -199,11 +216,61 @@ WallMesh load_bone(const FluoroOptions& options)
     return bone;
 }
 
-std::vector<fs::path> render_fluoro(const fs::path& dir, const FluoroOptions& options,
-                                    const FrameProgress& progress)
+namespace {
+
+/// Files of view k of several.
+FluoroOptions own_files(const fs::path& dir, FluoroOptions view, const FrameChoice& all, std::size_t k)
 {
-    check(options.arm);
-    return Session(dir, options).draw(progress);
+    static_cast<FrameChoice&>(view) = all;
+    view.noise_stream = static_cast<std::uint64_t>(k) << 40;  // twice the number of a frame never gets there
+    view.numbered |= all.output.empty() && all.first >= 0;
+    if (view.output.empty()) view.output = dir / "fluoro.png";
+    for (fs::path* file : {&view.output, &view.raw, &view.dicom, &view.film})
+        if (!file->empty())
+            *file = file->parent_path() / fmt::format("{}_v{}{}", file->stem().string(), k + 1, file->extension().string());
+    return view;
+}
+
+/// Pictures spread evenly over all views of all frames.
+void draw_sheet(const fs::path& dir, const std::vector<FluoroOptions>& views, const std::function<void(std::size_t)>& drawn)
+{
+    std::map<std::size_t, Session> sessions;  // only of views that are on the sheet
+    const auto session = [&](std::size_t view) -> Session& { return sessions.try_emplace(view, dir, views[view]).first->second; };
+    const FrameRange range = session(0).range();
+    const std::size_t all = range.count() * views.size(), count = std::min(all, LabelSheet::most_pictures);
+    LabelSheet sheet(count, views.front().arm.columns, views.front().arm.rows);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t k = LabelSheet::pick(i, count, all), view = k % views.size();
+        session(view).draw_on(sheet, range.first + k / views.size(), views.size() > 1 ? fmt::format("v{}, ", view + 1) : "");
+        drawn(count);
+    }
+    sheet.write(views.front().preview);
+}
+
+}  // namespace
+
+FluoroFiles render_fluoro(const fs::path& dir, const std::vector<FluoroOptions>& views, const FrameProgress& progress)
+{
+    for (const FluoroOptions& view : views) check(view.arm);
+    const auto start = std::chrono::steady_clock::now();
+    std::size_t done = 0;
+    const auto drawn = [&](std::size_t all) {
+        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+        if (progress) progress(++done, all, passed.count());
+    };
+    std::vector<FluoroOptions> own;  // outlives the sessions
+    for (std::size_t k = 0; k < views.size(); ++k) own.push_back(views.size() > 1 ? own_files(dir, views[k], views.front(), k) : views[k]);
+    FluoroFiles files;
+    LabelWarnings warnings;
+    if (const FluoroOptions& first = views.front(); !first.preview.empty()) {
+        draw_sheet(dir, own, drawn);
+        files.paths.push_back(first.preview);
+        return files;
+    }
+    for (const FluoroOptions& view : own)
+        Session(dir, view).draw(warnings, files, [&](std::size_t each) { drawn(each * views.size()); });
+    files.warnings = warnings.lines(!views.front().labels.empty());
+    return files;
 }
 
 }  // namespace seldinger

@@ -61,6 +61,13 @@ struct FluoroOptions : FrameChoice {
         mask;  // run that is subtracted, without contrast, frame by frame (its last from there on)
 
     std::filesystem::path raw, dicom;  // empty: none
+    std::uint64_t noise_stream = 0;    // of the view among several, so that each has noise of its own
+};
+
+/// What was written, and what whoever reads it should know.
+struct FluoroFiles {
+    std::vector<std::filesystem::path> paths;
+    std::vector<std::string> warnings;
 };
 
 /// The arm's angles at a time. No keys: as they are
@@ -72,10 +79,11 @@ void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 /// The bones' mesh, mended. @throws Error BadFile
 [[nodiscard]] WallMesh load_bone(const FluoroOptions& options);
 
-/// Draws the frames asked for and writes what was asked for. Each frame depends on its own files, the options and the seed alone.
-/// @return the paths written
+/// Draws the frames asked for and writes what was asked for, view after view: of several, NAME_v1, NAME_v2 ... in place of NAME.
+/// Each picture depends on its own files, its view's options and the seed alone. With a preview only that is written.
+/// @param views  at least one; frames and files are those of the first
 /// @throws Error BadFile, BadScene
-std::vector<std::filesystem::path> render_fluoro(const std::filesystem::path& dir, const FluoroOptions& options,
-                                                 const FrameProgress& progress = {});
+FluoroFiles render_fluoro(const std::filesystem::path& dir, const std::vector<FluoroOptions>& views,
+                          const FrameProgress& progress = {});
 
 }  // namespace seldinger

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 Vec3 middle_of(const RunFolder& run)
 {
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : run.wall.vertices) box.extend(v);
     if (box.isEmpty())
         for (const WireLine& wire : read_frame(run, run.frames.size() - 1).wires)
@@ -55,9 +55,25 @@ void Fluorography::look(std::size_t index, double time)
     aim(time);
     if (walls_) scope_.set_wall(wall_of(index));
     std::vector<Device> devices;
-    for (const WireLine& wire : read_frame(run_, index).wires)
+    frame_ = read_frame(run_, index);
+    for (const WireLine& wire : frame_.wires)
         if (wire.nodes.size() > 1) devices.push_back(device_of(wire, options_.instruments));
     scope_.look(std::move(devices), matter_, contrast_ ? std::optional<double>(time) : std::nullopt);
+}
+
+PictureTruth Fluorography::located() const
+{
+    PictureTruth truth = locate(scope_.view(), frame_, drawn_lines(frame_));
+    truth.arm = arm_;
+    return truth;
+}
+
+PictureTruth Fluorography::truth(bool vessel) const
+{
+    PictureTruth truth = located();
+    add_mask(truth, drawn_lines(frame_), false);
+    if (vessel) truth.lumen = scope_.lumen_thickness();
+    return truth;
 }
 
 void Fluorography::aim(double time)

@@ -1,6 +1,7 @@
 #pragma once
 // One run as a fluoroscope looks at it, frame by frame.
 
+#include "view/labels.h"
 #include "view/xray/detector.h"
 #include "view/xray/fluoro_run.h"
 #include "view/xray/fluoroscope.h"
@@ -19,6 +20,11 @@ public:
     /// Looks at a frame as the C-arm stands at `time`.
     void look(std::size_t index, double time);
 
+    /// Where everything of the frame that was looked at is, without a mask.
+    [[nodiscard]] PictureTruth located() const;
+    /// With the mask. @param vessel  whether the lumen's thickness too
+    [[nodiscard]] PictureTruth truth(bool vessel) const;
+
     /// The picture of the frame that was looked at; it stands until the next. @param stream  that its noise is drawn with
     const std::vector<float>& picture(std::uint64_t stream)
     {
@@ -36,6 +42,7 @@ private:
     std::vector<Material> matter_;
     Fluoroscope scope_;
     Detector detector_;
+    WireFrame frame_;  // that was looked at
     bool walls_, aimed_ = false;
 };
 

@@ -13,9 +13,7 @@ namespace {
 
 Mat3 patient_axes(const CArm& arm)
 {
-    Mat3 axes;
-    axes << arm.back.cross(arm.head), arm.back, arm.head;
-    return axes;
+    return Mat3::columns(arm.back.cross(arm.head), arm.back, arm.head);
 }
 
 }  // namespace
@@ -63,7 +61,7 @@ void Fluoroscope::fit_body()
 {
     if (body_fits_) return;
     const Mat3 to_patient = patient_axes(arm_).transpose();
-    Eigen::AlignedBox3d box;
+    Box3 box;
     for (const Vec3& v : wall_.vertices) box.extend(v);
     body_centre_ = box.isEmpty() ? arm_.isocentre : Vec3(box.center());
     double most = 1;
@@ -248,6 +246,12 @@ std::vector<float> Fluoroscope::line_integrals()
         beam_.line_integrals(rays, result.data() + static_cast<std::size_t>(row) * view_.columns);
     });
     return result;
+}
+
+std::vector<float> Fluoroscope::lumen_thickness() const
+{
+    SEL_ASSERT(traced_);
+    return lumen_.length.empty() ? std::vector<float>(static_cast<std::size_t>(view_.rows) * view_.columns) : lumen_.length;
 }
 
 double Fluoroscope::reference()

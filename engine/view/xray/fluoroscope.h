@@ -38,6 +38,8 @@ public:
     [[nodiscard]] const Exposure& exposure();
     /// -ln(I/I_0) of that.
     [[nodiscard]] std::vector<float> line_integrals();
+    /// Of the vessel, along each pixel's ray [rows x columns] [m]; zero without one.
+    [[nodiscard]] std::vector<float> lumen_thickness() const;
     /// Median of I/I_0 over the middle quarter of the detector without instruments and contrast: what an exposure is set by.
     [[nodiscard]] double reference();
     /// Pixels whose rays met a wall that is not closed.

@@ -321,7 +321,7 @@ std::vector<float> trace_ellipsoid(const CArmView& view, const Vec3& centre, con
 {
     std::vector<float> length(static_cast<std::size_t>(view.rows) * view.columns);
     // in the ellipsoid's own measure it is the unit ball: |o + t w| <= 1, w = ahead + u right + v up
-    const Mat3 own = half.cwiseInverse().asDiagonal() * axes.transpose();
+    const Mat3 own = Mat3::rows(axes.col(0) * (1 / half[0]), axes.col(1) * (1 / half[1]), axes.col(2) * (1 / half[2]));
     const Vec3 o = own * (view.source - centre), ahead = own * view.direction, right = own * view.right, up = own * view.up;
     const double beyond = o.squaredNorm() - 1, right2 = right.squaredNorm(), right_o = right.dot(o);
     for_each_item(view.rows, 8, [&](int row) {

@@ -1,0 +1,99 @@
+// seldinger labels DIR --coco FILE.json: a folder that `render --labels` wrote, as one file of another format.
+
+#include "command_line.h"
+#include "commands.h"
+#include "core/file_io.h"
+#include "io/coco_write.h"
+#include "io/png_read.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace seldinger::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Options {
+    fs::path dir, coco;
+    bool quiet = false;
+};
+
+fs::path mask_of(const fs::path& json) { return json.parent_path() / (json.stem().string() + "_mask.png"); }
+
+/// NAME.json with its mask, by name.
+std::vector<fs::path> label_files_in(const fs::path& dir)
+{
+    if (!fs::is_directory(dir))
+        throw Error(ExitCode::BadFile, dir.string() + ": no such folder; expected the one that `seldinger render --labels` wrote");
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(dir))
+        if (entry.path().extension() == ".json" && fs::exists(mask_of(entry.path()))) files.push_back(entry.path());
+    if (files.empty())
+        throw Error(ExitCode::BadFile, dir.string() + ": no labels in it (NAME.json beside NAME_mask.png). Fix: seldinger render RUN --labels DIR");
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+CocoPoint point_of(const Json& instrument, std::size_t index)
+{
+    const Json& px = instrument.at("centreline_px").at(index);
+    return {px.at(0).get<double>(), px.at(1).get<double>(), instrument.at("in_field").at(index).get<bool>()};
+}
+
+void add_picture(const fs::path& file, CocoWriter& coco)
+{
+    const LabelImage mask = read_label_png(mask_of(file));
+    try {
+        const Json labels = Json::parse(read_file(file));
+        const Json& image = labels.at("image");
+        if (image.at("width") != mask.width || image.at("height") != mask.height)
+            throw Error(ExitCode::BadFile, fmt::format("{}: the mask beside it has {} x {} pixels, expected image.width x image.height",
+                                                       file.string(), mask.width, mask.height));
+        coco.add_image(image.at("file").get<std::string>(), mask.width, mask.height);
+        std::uint8_t label = 0;
+        for (const Json& instrument : labels.at("instruments")) {
+            const std::size_t stations = instrument.at("centreline_px").size();
+            const int category = coco.category(instrument.at("name").get<std::string>());
+            if (++label == 0) throw Error(ExitCode::BadFile, file.string() + ": has more than 255 instruments");
+            if (stations > 0) coco.add(category, mask.labels, label, point_of(instrument, 0), point_of(instrument, stations - 1));
+        }
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(ExitCode::BadFile, fmt::format("{}: is damaged ({}); expected what `seldinger render --labels` writes. Fix: render it again",
+                                                   file.string(), error.what()));
+    }
+}
+
+ExitCode labels(const Options& options)
+{
+    if (fs::is_directory(options.coco))
+        throw Error(ExitCode::BadFile, options.coco.string() + ": is a folder, expected the name of a file, e.g. coco.json");
+    CocoWriter coco;
+    const std::vector<fs::path> files = label_files_in(options.dir);
+    for (const fs::path& file : files) add_picture(file, coco);
+    write_file(options.coco, coco.finish());
+    if (!options.quiet) print(fmt::format("{}: {} pictures, {} annotations\n", options.coco.string(), files.size(), coco.annotation_count()));
+    return ExitCode::Done;
+}
+
+}  // namespace
+
+void add_labels(CommandLine& app, Command& chosen)
+{
+    auto options = std::make_shared<Options>();
+    CommandLine* command = app.add_subcommand("labels", "a folder of labels (render --labels) in another format");
+    command->add_option("DIR", options->dir, "folder that `render --labels` wrote")->required();
+    command->add_option("--coco", options->coco, "COCO annotations: masks as run lengths, tip and base as keypoints")
+        ->required()
+        ->type_name("FILE.json");
+    command->add_flag("--quiet", options->quiet, "no line at the end");
+    command->callback([options, &chosen] { chosen = [options] { return labels(*options); }; });
+}
+
+}  // namespace seldinger::apps

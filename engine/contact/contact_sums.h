@@ -1,0 +1,24 @@
+#pragma once
+// Two views of one thing: the samples of contact that readings are taken from, which each evaluation leaves on the device, and the
+// forces on the nodes, whose sums the solver balanced. Where they differ, the samples are those of another state.
+//
+// Both add the same numbers in another order. A sum of n numbers that are not negative is wrong by (n - 1) eps of it at most, eps
+// the rounding of a product [Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 4.2]: twice that between two sums,
+// and as much again for the magnitudes that were rounded before. In a float32 context the device's sums round to 2^-24.
+//
+// What is read of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
+// running sums of slopes F/l times lengths up to the whole stretch S: wrong by 4 n eps (sum F + S sum F/l) at most, n the number of
+// ends.
+
+#include "contact/edge_sums.h"
+#include "contact/force_per_length.h"
+
+namespace seldinger {
+
+/// Whether normal forces and friction of samples come to those of the nodes. @param samples  their number
+[[nodiscard]] bool add_up(double normal, double friction, std::size_t samples, const ContactTotals& totals, bool float32);
+
+/// Whether force on a patch, and force per length times its window, are at most the sum of all normal forces.
+[[nodiscard]] bool within_sum(const ContactAlong& along, const WireLoads& loads);
+
+}  // namespace seldinger

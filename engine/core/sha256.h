@@ -1,0 +1,12 @@
+#pragma once
+// SHA-256 [FIPS 180-4, sec. 6.2]: what a Content-Security-Policy names a script by.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace seldinger {
+
+[[nodiscard]] std::array<std::uint8_t, 32> sha256(std::string_view text);
+
+}  // namespace seldinger

@@ -1,0 +1,41 @@
+// Lets libpng read a file's bytes from memory.
+#include "io/png_read.h"
+
+#include "core/error.h"
+#include "core/file_io.h"
+
+#include <png.h>
+
+namespace seldinger {
+namespace {
+
+constexpr png_uint_32 most_side = 8192;
+constexpr std::uint64_t most_bytes = 1u << 27;
+
+/// Bit depth and colour type of the header [PNG 11.2.2]: the simple reader would change others without a word.
+bool is_grey_8(const std::string& file)
+{
+    return file.size() > 25 && file[24] == 8 && file[25] == PNG_COLOR_TYPE_GRAY;
+}
+
+}  // namespace
+
+LabelImage read_label_png(const std::filesystem::path& path)
+{
+    const std::string file = read_file(path, most_bytes);
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    const auto fail = [&](const std::string& what) -> void {
+        png_image_free(&image);
+        throw Error(ExitCode::BadFile, path.string() + ": " + what + "; expected a mask of 8-bit grey as `render --labels` writes it");
+    };
+    if (!png_image_begin_read_from_memory(&image, file.data(), file.size())) fail(image.message);
+    if (!is_grey_8(file)) fail("is another kind of PNG");
+    if (image.width > most_side || image.height > most_side) fail("is larger than 8192 x 8192");
+    image.format = PNG_FORMAT_GRAY;
+    LabelImage out{static_cast<int>(image.width), static_cast<int>(image.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
+    if (!png_image_finish_read(&image, nullptr, out.labels.data(), 0, nullptr)) fail(image.message);
+    return out;
+}
+
+}  // namespace seldinger

@@ -1,0 +1,84 @@
+// Samples of contact against the forces on the nodes: what rounding leaves passes, what belongs to another state does not.
+
+#include "contact/contact_sums.h"
+#include "step_stages.h"
+#include "support/world_fixture.h"
+#include "world.h"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+using namespace seldinger;
+using namespace seldinger::test;
+
+TEST_SUITE("contact/contact_sums")
+{
+    TEST_CASE("property: sums of the same forces in another order add up, and one force of ten thousand that is off does not")
+    {
+        std::mt19937 random(7);
+        std::lognormal_distribution<double> size(-3, 3);
+        for (const std::size_t count : {1u, 7u, 300u, 10000u}) {
+            std::vector<double> forces(count);
+            for (double& force : forces) force = size(random);
+            double up = 0, down = 0;
+            for (std::size_t k = 0; k < count; ++k) up += forces[k], down += forces[count - 1 - k];
+            ContactTotals totals;
+            totals.normal = down, totals.friction = 0.1 * down;
+            CHECK(add_up(up, 0.1 * up, count, totals, false));
+            // 4 (n + 1) eps is 9e-12 of ten thousand; in float32, whose sums are the device's, 5e-3
+            CHECK_FALSE(add_up(up * (1 + 1e-10), 0.1 * up, count, totals, false));
+            CHECK_FALSE(add_up(up, 0.1 * up * (1 - 1e-10), count, totals, false));
+            CHECK(add_up(up * (1 + 1e-7), 0.1 * up, count, totals, true));
+            CHECK_FALSE(add_up(up * 1.01, 0.1 * up, count, totals, true));
+        }
+        CHECK(add_up(0, 0, 0, {}, false));
+        CHECK_FALSE(add_up(1e-300, 0, 1, {}, false));
+    }
+
+    TEST_CASE("property: what is read of a load is within its sum; of another load it is not")
+    {
+        std::mt19937 random(3);
+        std::uniform_real_distribution<double> some(0, 1);
+        for (int trial = 0; trial < 200; ++trial) {
+            WireLoads loads;
+            const int count = 1 + static_cast<int>(40 * some(random));
+            // stretches from a micrometre to millimetres, some points, along half a metre
+            for (int k = 0; k < count; ++k)
+                loads.add({0.5 * some(random), k % 7 == 0 ? 0 : 1e-6 * std::pow(1e3, some(random)), some(random)}, 0);
+            ContactAlong along = greatest_loads(loads.samples, {1e-3, 5e-3, 0});
+            CHECK(within_sum(along, loads));
+            along.patch_force = loads.normal * (1 + 1e-6);
+            CHECK_FALSE(within_sum(along, loads));
+            along.patch_force = 0;
+            along.per_length_max = loads.normal * (1 + 1e-6) / along.window;
+            CHECK_FALSE(within_sum(along, loads));
+        }
+        CHECK(within_sum({}, {}));
+    }
+
+    TEST_CASE("property: a step whose samples are not those of its forces has a flag")
+    {
+        TestSetup setup;
+        add_tube(setup, tube(0.003, 0.12));
+        setup.wires.push_back(fed_wire(steel_wire(0.1, 41), {0.0005, 0, -0.0025}, 0.1, 2));
+        FedWorld world(setup);
+        for (int k = 0; k < 300; ++k) CHECK((step(world, 1e-3).flags & StepContactSums) == 0);
+        World::Impl& state = world.impl();
+        REQUIRE(state.results[0].contact.normal > 0);
+        StepReport report;
+        check_state(state, 1e-3, report);
+        CHECK((report.flags & StepContactSums) == 0);
+        for (double ContactTotals::*sum : {&ContactTotals::normal, &ContactTotals::friction}) {
+            double& value = state.results[0].contact.*sum;
+            REQUIRE(value > 0);
+            const double right = value;
+            value *= 1 + 1e-9;
+            report = {};
+            check_state(state, 1e-3, report);
+            CHECK((report.flags & StepContactSums) != 0);
+            CHECK((world.report(0).flags & StepContactSums) != 0);
+            value = right;
+        }
+    }
+}
