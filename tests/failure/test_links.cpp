@@ -226,18 +226,57 @@ TEST_SUITE("failure/links")
         REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
         if (run_app(folder, "farm R --frames 0:1 -o f --tasks 1 --size 64x64 --dry-run").code != 0) return skip("no renderer");
         const std::string good = slurp(folder.path / "f/farm.json");
-        for (const std::string& word : {"--gltf", "--usd", "--video", "--raw", "--dicom", "-o", "--resume", "--fps", "--quiet", "--frames"}) {
-            CAPTURE(word);
+        const std::string target = (folder.path / "written").string();
+        std::vector<std::vector<std::string>> altered = {{"--labels=" + target}, {"--labels=truth"}, {"--labels", "../written"}, {"--labels", "a/../../written"}};
+        for (const char* word : {"--gltf", "--usd", "--video", "--raw", "--dicom", "-o", "--resume", "--fps", "--quiet", "--frames", "--labels", "--labels-in",
+                                 "--preview"})
+            altered.push_back({word, target});
+        for (const std::vector<std::string>& words : altered) {
+            CAPTURE(words.front());
             nlohmann::ordered_json plan = nlohmann::ordered_json::parse(good);
-            const std::string target = (folder.path / "written").string();
-            plan["render"] = {word, target};
-            plan["key"] = farm_key({version(), slurp(folder.path / "R/wire.pvd"), "0 2", word, target});
+            plan["render"] = words;
+            std::vector<std::string> keyed = {version(), slurp(folder.path / "R/wire.pvd"), "0 2"};
+            keyed.insert(keyed.end(), words.begin(), words.end());
+            plan["key"] = farm_key(keyed);
             folder.write("f/farm.json", plan.dump());
             const AppResult result = run_app(folder, "farm task f 0");
             CHECK(result.code == 2);
             CHECK(result.error_lines() == 1);
             CHECK_FALSE(fs::exists(target));
             CHECK_FALSE(fs::exists(folder.path / "f/frame_000000.png"));
+        }
+        nlohmann::ordered_json plan = nlohmann::ordered_json::parse(good);
+        plan["files"] = {"frame_######.png", "../written_######"};
+        folder.write("f/farm.json", plan.dump());
+        const AppResult result = run_app(folder, "farm status f");
+        CHECK(result.code == 3);
+        CHECK_MESSAGE(result.err.find("outside of the farm's folder") != std::string::npos, result.err);
+    }
+
+    TEST_CASE("regression: labels of a farm's frames are written through no link, and lie below its folder")
+    {
+        const ScratchFolder folder;
+        folder.write("s.toml", free_scene(0.01, 1) + "[output]\nwire_every = 5\n");
+        REQUIRE(run_app(folder, "run s.toml -o R --quiet").code == 0);
+        const std::string words = "farm R --frames 0:1 --tasks 1 --size 64x64 --labels a/truth -o ";
+        if (run_app(folder, "render R --size 64x64 -o p.png").code != 0) return skip("no renderer");
+        REQUIRE(run_app(folder, words + "f --dry-run").code == 0);
+        fs::create_directory(folder.path / "elsewhere");
+        fs::create_symlink(folder.path / "elsewhere", folder.path / "f/a");
+        const AppResult linked = run_app(folder, "farm task f 0");
+        CHECK(linked.code == 3);
+        CHECK_MESSAGE(linked.err.find("f/a: is a link or no folder") != std::string::npos, linked.err);
+        CHECK(fs::is_empty(folder.path / "elsewhere"));
+        fs::remove(folder.path / "f/a");
+        CHECK(run_app(folder, "farm task f 0").code == 0);
+        CHECK(fs::exists(folder.path / "f/a/truth/frame_000001.json"));
+        CHECK(run_app(folder, "farm merge f").code == 0);
+        CHECK(run_app(folder, "farm R --frames 0:1 --tasks 1 --size 64x64 --labels ./a/truth/ -o f --dry-run").code == 0);  // the same farm
+        for (const char* path : {"../elsewhere", "/elsewhere", "."}) {
+            const AppResult outside = run_app(folder, fmt::format("farm R --frames 0:1 --tasks 1 --labels {} -o g --dry-run", path));
+            CHECK(outside.code == 2);
+            CHECK_MESSAGE(outside.err.find("expected a folder below the farm's") != std::string::npos, outside.err);
+            CHECK_FALSE(fs::exists(folder.path / "g"));
         }
     }
 
