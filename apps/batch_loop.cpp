@@ -35,31 +35,31 @@ struct Totals {
     StageTimes stages;
 };
 
-bool holds_a_batch(const fs::path& dir)
+bool holds_a_batch(const Folder& folder)
 {
-    std::error_code ignored;
-    return holds_a_run(dir) || std::any_of(std::begin(batch_files), std::end(batch_files),
-                                           [&](const char* name) { return fs::exists(dir / name, ignored); });
+    return holds_a_run(folder) ||
+           std::any_of(std::begin(batch_files), std::end(batch_files), [&](const char* name) { return folder.has(name); });
 }
 
-void check_batch_folder(const fs::path& dir, FolderUse use, const BatchSource& source, const std::string& sweep_text)
+void check_batch_folder(const Folder& folder, FolderUse use, const BatchSource& source, const std::string& sweep_text)
 {
+    const fs::path& dir = folder.path();
     std::error_code ignored;
     for (const fs::path& given : {source.scene_file, source.sweep.source})
         for (const char* name : {"scene.toml", "sweep.toml"})
-            if (fs::equivalent(dir / name, given, ignored) && !fs::exists(dir / "checkpoint.bin", ignored))
+            if (fs::equivalent(dir / name, given, ignored) && !folder.has("checkpoint.bin"))
                 throw Error(ExitCode::BadScene,
                             fmt::format("{}: {} lies there itself and would be overwritten; choose another folder with -o",
                                         dir.string(), given.string()));
-    if (!holds_a_batch(dir)) return;
+    if (!holds_a_batch(folder)) return;
     if (use == FolderUse::Refuse)
         throw Error(ExitCode::BadScene,
                     fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
-    if (use == FolderUse::Overwrite || !fs::exists(dir / "checkpoint.bin", ignored)) return;
-    const bool same = fs::exists(dir / "sweep.toml", ignored) && read_file(dir / "sweep.toml") == sweep_text &&
-                      read_file(dir / "scene.toml") == resolved_scene(source, dir);
+    if (use == FolderUse::Overwrite || !folder.has("checkpoint.bin")) return;
+    const bool same = folder.has("sweep.toml") && read_file(folder / "sweep.toml") == sweep_text &&
+                      read_file(folder / "scene.toml") == resolved_scene(source, dir);
     if (!same)
         throw Error(ExitCode::BadScene,
                     fmt::format("{}: scene.toml or sweep.toml differs from what is to be resumed; give the same scene, sweep "
@@ -69,25 +69,20 @@ void check_batch_folder(const fs::path& dir, FolderUse use, const BatchSource& s
 
 class Batch {
 public:
-    Batch(const BatchSource& source, std::string sweep_text, std::size_t begin, std::size_t end, const RunOptions& options)
-        : source_(source), options_(options), begin_(begin), end_(end), runs_(end - begin), ramp_(options.time_limit > 0)
+    Batch(const BatchSource& source, std::string sweep_text, std::size_t begin, std::size_t end, const Folder& folder, const RunOptions& options)
+        : source_(source), options_(options), folder_(folder), begin_(begin), end_(end), runs_(end - begin), ramp_(options.time_limit > 0)
     {
         worlds_ = plan_worlds(source, begin, end, ramp_);
         planning_.reset();
-        const fs::path file = options.dir / "checkpoint.bin";
-        std::error_code ignored;
-        if (options.use == FolderUse::Resume && fs::exists(file, ignored)) {
-            given_ = resolved_scene(source, options.dir) + sweep_text;
-            restore(file);
+        const std::string scene = resolved_scene(source, folder.path());
+        given_ = scene + sweep_text;
+        if (options.use == FolderUse::Resume && folder.has("checkpoint.bin")) {
+            restore();
             return;
         }
-        const std::string scene = resolved_scene(source, options.dir);
-        given_ = scene + sweep_text;
-        make_folder(options.dir);
-        remove_old_run(options.dir);
-        for (const char* name : batch_files) fs::remove(options.dir / name, ignored);
-        write_file(options.dir / "scene.toml", scene);
-        write_file(options.dir / "sweep.toml", sweep_text);
+        remove_batch(folder);
+        write_file(folder / "scene.toml", scene);
+        write_file(folder / "sweep.toml", sweep_text);
     }
 
     RunOutcome go(Clock::time_point called)
@@ -125,7 +120,7 @@ private:
         // worlds in a row often share the vessel: it is loaded once
         Scene scene = source_.scene(0);
         scene.vessel = source_.scene(worlds_[at_].front()).vessel;
-        std::string key = write_scene(scene, options_.dir);
+        std::string key = write_scene(scene, folder_.path());
         if (key != vessel_key_) vessel_ = load_vessel(scene.vessel);
         vessel_key_ = std::move(key);
         world_.emplace(source_, worlds_[at_], vessel_, options_.device);
@@ -172,14 +167,15 @@ private:
             put_bytes(bytes, &vessel, 1);
             world_->save(bytes);
         }
-        write_sealed(options_.dir / "checkpoint.bin", magic, bytes);
+        write_sealed(folder_ / "checkpoint.bin", magic, bytes);
         last_save_ = Clock::now();
         save_cost_ = seconds_since(begun);
     }
 
-    void restore(const fs::path& file)
+    void restore()
     {
-        const std::vector<std::uint8_t> bytes = read_sealed(file, magic);
+        const fs::path file = folder_.path() / "checkpoint.bin";
+        const std::vector<std::uint8_t> bytes = read_sealed(folder_ / "checkpoint.bin", magic);
         const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
         const auto take_list = [&](auto& list) {
             std::uint64_t count = 0;
@@ -260,8 +256,8 @@ private:
 
     void write_tables()
     {
-        write_file(options_.dir / "results.csv", batch_csv(source_.sweep, source_.instruments(), rows_));
-        write_file(options_.dir / "results.npz", batch_npz(source_.sweep, source_.instruments(), rows_));
+        write_file(folder_ / "results.csv", batch_csv(source_.sweep, source_.instruments(), rows_));
+        write_file(folder_ / "results.npz", batch_npz(source_.sweep, source_.instruments(), rows_));
     }
 
     std::string summary(RunStatus status) const
@@ -295,8 +291,8 @@ private:
         RunOutcome outcome;
         if (status != RunStatus::Done || saved_status_ != RunStatus::Done) save(status);
         outcome.summary = summary(status);
-        write_file(options_.dir / "summary.json", outcome.summary);
-        const std::string dir = options_.dir.string();
+        write_file(folder_ / "summary.json", outcome.summary);
+        const std::string dir = folder_.path().string();
         const std::string saved = fmt::format("with {} of {} runs done, state saved in {}; run again with --resume", rows_.size(),
                                               runs_, dir);
         if (status == RunStatus::TimeLimit) outcome = {ExitCode::TimeLimit, outcome.summary, "stopped by a limit " + saved};
@@ -311,12 +307,13 @@ private:
                 fmt::format(
                     "{} of {} runs stopped where no step converged, run {} first; see the column status of {}; make scene.dt_s "
                     "smaller or contact.stiffness lower there",
-                    stopped, rows_.size(), first, (options_.dir / "results.csv").string())};
+                    stopped, rows_.size(), first, (folder_.path() / "results.csv").string())};
         return outcome;
     }
 
     const BatchSource& source_;
     const RunOptions& options_;
+    const Folder folder_;
     std::size_t begin_, end_, runs_;
     bool ramp_;                                     // worlds that grow (plan_worlds): a limit may stop this
     std::optional<NoPolling> planning_{std::in_place};  // until worlds_ are known
@@ -350,23 +347,30 @@ RunOutcome run_batch(const fs::path& scene, const fs::path& sweep, const RunOpti
     const std::string sweep_text = read_scene_file(sweep);
     source.sweep = read_sweep_text(sweep_text, sweep, read_scene_text(source.scene_text, scene, options.overrides).seed);
     const FileLock lock = FileLock::of_folder(options.dir);
-    check_batch_folder(options.dir, options.use, source, sweep_text);
-    return Batch(source, sweep_text, 0, source.sweep.run_count(), options).go(called);
+    const Folder folder(options.dir);
+    check_batch_folder(folder, options.use, source, sweep_text);
+    return Batch(source, sweep_text, 0, source.sweep.run_count(), folder, options).go(called);
 }
 
 BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin, std::size_t end,
-                         const RunOptions& options)
+                         const Folder& folder, const RunOptions& options)
 {
     const auto called = Clock::now();
     const StopSignal listening;
-    const FileLock lock = FileLock::of_folder(options.dir);
-    check_batch_folder(options.dir, options.use, source, sweep_text);
-    Batch batch(source, sweep_text, begin, end, options);
+    const FileLock lock = FileLock::of_folder(folder);
+    check_batch_folder(folder, options.use, source, sweep_text);
+    Batch batch(source, sweep_text, begin, end, folder, options);
     BatchPart part;
     part.outcome = batch.go(called);
     part.rows = batch.rows();
     part.step_s = batch.step_seconds();
     return part;
+}
+
+void remove_batch(const Folder& folder)
+{
+    remove_old_run(folder);
+    for (const char* name : batch_files) (void)folder.remove(name);
 }
 
 }  // namespace seldinger::apps

@@ -1,6 +1,7 @@
 #pragma once
 // From a scene and a sweep to a finished results table: steps the worlds one after the other, saves and stops.
 
+#include "core/folder.h"
 #include "run_loop.h"
 #include "study/batch.h"
 
@@ -17,9 +18,12 @@ struct BatchPart {
     double step_s = 0;           // spent in steps by this call
 };
 
-/// Runs `begin` to `end` of a sweep alone; options.use as of a batch in options.dir. @throws Error
+/// Runs `begin` to `end` of a sweep alone in an open folder; options.use as of a batch in it, options.dir is not looked at. @throws Error
 [[nodiscard]] BatchPart run_batch_part(const BatchSource& source, const std::string& sweep_text, std::size_t begin,
-                                       std::size_t end, const RunOptions& options);
+                                       std::size_t end, const Folder& folder, const RunOptions& options);
+
+/// Takes a batch's own files out of a folder, by their names. @throws Error BadFile
+void remove_batch(const Folder& folder);
 
 /// The scene with every default filled in, as a batch in `dir` writes it.
 [[nodiscard]] std::string resolved_scene(const BatchSource& source, const std::filesystem::path& dir);

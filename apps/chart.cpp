@@ -6,6 +6,7 @@
 #include "baselines/baselines.h"
 #include "commands.h"
 #include "core/file_lock.h"
+#include "core/folder.h"
 #include "core/note.h"
 #include "stop_signal.h"
 
@@ -34,7 +35,8 @@ void show(const std::string& doing)
 /// Only what a chart writes: a folder of the user's may hold other things.
 void forget(const std::filesystem::path& dir)
 {
-    for (const char* file : {"runs.csv", "chart.csv", "references.csv"}) std::filesystem::remove(dir / file);
+    const Folder folder(dir);
+    for (const char* file : {"runs.csv", "chart.csv", "references.csv"}) (void)folder.remove(file);
 }
 
 ExitCode chart(Options& options)

@@ -59,6 +59,12 @@ Argument* Argument::allow_extra_args(bool allowed)
     return this;
 }
 
+Argument* Argument::hidden()
+{
+    option_->group("");
+    return this;
+}
+
 CommandLine::CommandLine(const std::string& description, const std::string& name)
     : owned_(std::make_unique<CLI::App>(description, name)), app_(*owned_)
 {

@@ -35,6 +35,8 @@ public:
     Argument* delimiter(char between);
     /// Whether one `--name` takes all words that follow.
     Argument* allow_extra_args(bool allowed);
+    /// Not for people: --help does not tell it.
+    Argument* hidden();
 
 private:
     CLI::Option* option_;

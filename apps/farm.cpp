@@ -81,6 +81,7 @@ std::vector<std::string> farm_words(const std::vector<std::string>& given)
     }
     for (std::size_t k = 0; k + 1 < words.size(); ++k)
         if (words[k] == "--views") words[k + 1] = fs::absolute(words[k + 1]).lexically_normal().string();
+        else if (words[k] == "--labels") words[k + 1] = (fs::path(words[k + 1]) / "").lexically_normal().parent_path().string();
     return words;
 }
 
@@ -130,32 +131,28 @@ void check_words(const Options& options)
 }
 
 /// Plans the farm and prepares its folder, or finds it prepared.
-FarmPlan make_farm(const Options& options)
+std::pair<Folder, FarmPlan> make_farm(const Options& options)
 {
     std::string scene_text, sweep_text;
     const bool frames = !options.frames.empty();
     const FarmPlan plan = frames ? plan_frames(options) : plan_sweep(options, scene_text, sweep_text);
     make_folder(options.dir);
+    Folder dir(options.dir);
     // one after the other: a task that another command's worker has begun would be waiting once more
-    const FileLock one_at_a_time = FileLock::of_file(options.dir / "farm.json", FileLock::Wait::Yes);
-    if (frames) {
-        write_farm(options.dir, plan);
-        return plan;
+    const FileLock one_at_a_time = FileLock::of_file(dir / "farm.json", FileLock::Wait::Yes);
+    if (!frames && !dir.has("farm.json")) {
+        if (dir.has("results.csv")) throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
+        write_file(dir / "farm-scene.toml", scene_text);
+        write_file(dir / "farm-sweep.toml", sweep_text);
     }
-    if (fs::exists(options.dir / "results.csv") && !fs::exists(options.dir / "farm.json"))
-        throw Error(ExitCode::BadScene, options.dir.string() + ": holds a batch; choose another folder with -o");
-    if (!fs::exists(options.dir / "farm.json")) {
-        write_file(options.dir / "farm-scene.toml", scene_text);
-        write_file(options.dir / "farm-sweep.toml", sweep_text);
-    }
-    write_farm(options.dir, plan);
-    return plan;
+    write_farm(dir, plan);
+    return {std::move(dir), plan};
 }
 
-std::string status_text(const fs::path& dir, const FarmPlan& plan, const FarmReport& r)
+std::string status_text(const Folder& dir, const FarmPlan& plan, const FarmReport& r)
 {
     std::string text =
-        fmt::format("{}: {} {}s in {} tasks\n  {} done, {} running, {} waiting, {} lost (their workers are dead)\n", dir.string(),
+        fmt::format("{}: {} {}s in {} tasks\n  {} done, {} running, {} waiting, {} lost (their workers are dead)\n", dir.path().string(),
                     plan.items, plan.item_word(), plan.tasks, r.count(TaskState::Done), r.count(TaskState::Running),
                     r.count(TaskState::Todo), r.count(TaskState::Lost));
     text += fmt::format("  begun {} times: {} begun again after a kill or a stop, {} done again that had finished\n", r.began,
@@ -164,7 +161,7 @@ std::string status_text(const fs::path& dir, const FarmPlan& plan, const FarmRep
         text += fmt::format("  work {:.3g} s in all; beside it a task takes {:.3g} s (median), {:.3g} s (longest)\n", r.work_s,
                             r.overhead_median_s, r.overhead_max_s);
     for (const auto& [task, why] : r.failed) text += fmt::format("  task {} failed: {}\n", task, why);
-    if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.string());
+    if (r.count(TaskState::Done) == plan.tasks) text += fmt::format("  all done: seldinger farm merge {}\n", dir.path().string());
     return text;
 }
 
@@ -193,13 +190,13 @@ ExitCode farm(Options& options)
     check_words(options);
     if (options.submit) need_slurm();
     options.dir = fs::absolute(options.dir).lexically_normal();
-    const FarmPlan plan = make_farm(options);
+    const auto [dir, plan] = make_farm(options);
     const std::string head =
         fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);
     if (options.backend == "slurm") {
-        const auto arrays = write_slurm_jobs(options.dir, plan, {options.sbatch});
+        const auto arrays = write_slurm_jobs(dir, plan, {options.sbatch});
         std::string text = head;
-        if (options.submit) text += submit(options.dir, arrays);
+        if (options.submit) text += submit(dir, arrays);
         else
             for (const auto& array : arrays) text += "  " + shell_text(array) + "\n";
         if (arrays.empty()) text += fmt::format("  all done: seldinger farm merge {}\n", options.dir.string());
@@ -210,9 +207,9 @@ ExitCode farm(Options& options)
         print(head + fmt::format("  seldinger farm task {} --all\n", options.dir.string()));
         return ExitCode::Done;
     }
-    const ExitCode code = run_here(options.dir, plan, options.local);
-    const FarmReport report = look_at_farm(options.dir, plan);
-    if (!options.local.quiet) print(status_text(options.dir, plan, report));
+    const ExitCode code = run_here(dir, plan, options.local);
+    const FarmReport report = look_at_farm(dir, plan);
+    if (!options.local.quiet) print(status_text(dir, plan, report));
     if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
         throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same again to go on",
                                       report.count(TaskState::Done), plan.tasks));
@@ -224,7 +221,7 @@ ExitCode farm(Options& options)
 
 // ---------------------------------------------------------------- merge
 
-[[noreturn]] void say_missing(const fs::path& dir, const FarmPlan& plan, const std::vector<std::size_t>& tasks)
+[[noreturn]] void say_missing(const Folder& dir, const FarmPlan& plan, const std::vector<std::size_t>& tasks)
 {
     std::vector<std::size_t> items;
     for (const std::size_t t : tasks)
@@ -232,10 +229,10 @@ ExitCode farm(Options& options)
     throw Error(
         ExitCode::BadFile,
         fmt::format("{}: {} of {} tasks are missing: {} ({}s {}); do them (the same `seldinger farm` again) and merge then",
-                    dir.string(), tasks.size(), plan.tasks, list_ranges(tasks), plan.item_word(), list_ranges(items)));
+                    dir.path().string(), tasks.size(), plan.tasks, list_ranges(tasks), plan.item_word(), list_ranges(items)));
 }
 
-ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
+ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
 {
     std::string sweep_text;
     const BatchSource source = farm_source(dir, plan, sweep_text);
@@ -260,16 +257,16 @@ ExitCode merge_sweep(const fs::path& dir, const FarmPlan& plan)
     summary["version"] = version();
     summary["results"] = "results.csv";
     summary["farm"] = status_json(plan, look_at_farm(dir, plan));
-    write_file(dir / "scene.toml", resolved_scene(source, dir));
+    write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
     write_file(dir / "results.npz", batch_npz(source.sweep, names, rows));
     write_file(dir / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     write_file(dir / "results.csv", batch_csv(source.sweep, names, rows));
-    print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.string(), rows.size(), stopped));
+    print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.path().string(), rows.size(), stopped));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
 }
 
-ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptions& options)
+ExitCode merge_frames(const Folder& dir, const FarmPlan& plan, const ViewOptions& options)
 {
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
@@ -277,8 +274,8 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
     }
     if (!missing.empty()) say_missing(dir, plan, missing);
     std::string text =
-        fmt::format("{}: {} frames: {} to {}\n", dir.string(), plan.items, frame_file({}, plan.files.front(), plan.first).string(),
-                    frame_file({}, plan.files.front(), plan.first + plan.items - 1).string());
+        fmt::format("{}: {} frames: {} to {}\n", dir.path().string(), plan.items, frame_file(plan.files.front(), plan.first),
+                    frame_file(plan.files.front(), plan.first + plan.items - 1));
 #ifdef SEL_WITH_VIEW
     if (!options.video.empty()) {
         FrameChoice choice;
@@ -287,15 +284,15 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
         const double rate = choice.rate > 0 ? choice.rate : film_rate(choice, read_run_folder(plan.source), range);
         std::vector<std::string> pictures;  // of each view
         for (const std::string& file : plan.files)
-            if (file.starts_with("frame_") && file.ends_with(".png")) pictures.push_back(file);
+            if (file.starts_with("frame_") && file.ends_with(".png") && file.find('/') == std::string::npos) pictures.push_back(file);
         for (std::size_t k = 0; k < pictures.size(); ++k) {
-            std::string pattern = pictures[k];
-            if (const std::size_t at = pattern.find("######"); at != std::string::npos) pattern.replace(at, 6, "%06d");
-            fs::path film = options.video;
+            fs::path name = options.video;
             if (pictures.size() > 1)
-                film = film.parent_path() / fmt::format("{}_v{}{}", film.stem().string(), k + 1, film.extension().string());
-            write_film_of(dir / pattern, plan.first, plan.items, rate, film);
-            text += film.string() + "\n";
+                name = name.parent_path() / fmt::format("{}_v{}{}", name.stem().string(), k + 1, name.extension().string());
+            FilmWriter film(name, rate);
+            for (std::size_t i = range.first; i <= range.last; ++i) film.add_png(read_file(dir / frame_file(pictures[k], i)));
+            film.finish();
+            text += name.string() + "\n";
         }
     }
 #endif
@@ -305,10 +302,11 @@ ExitCode merge_frames(const fs::path& dir, const FarmPlan& plan, const ViewOptio
 
 ExitCode merge(const ViewOptions& options)
 {
-    const FarmPlan plan = read_farm(options.dir);
-    if (plan.kind == FarmKind::Frames) return merge_frames(options.dir, plan, options);
+    const Folder dir(options.dir);
+    const FarmPlan plan = read_farm(dir);
+    if (plan.kind == FarmKind::Frames) return merge_frames(dir, plan, options);
     if (!options.video.empty()) throw Error(ExitCode::BadScene, "--video: a sweep has no pictures; it is for a farm of --frames");
-    return merge_sweep(options.dir, plan);
+    return merge_sweep(dir, plan);
 }
 
 void add_status(CommandLine& farm_command, Command& chosen)
@@ -319,9 +317,10 @@ void add_status(CommandLine& farm_command, Command& chosen)
     command->add_flag("--json", options->json, "as one JSON object");
     command->callback([options, &chosen] {
         chosen = [options] {
-            const FarmPlan plan = read_farm(options->dir);
-            const FarmReport report = look_at_farm(options->dir, plan);
-            print(options->json ? status_json(plan, report).dump(2) + "\n" : status_text(options->dir, plan, report));
+            const Folder dir(options->dir);
+            const FarmPlan plan = read_farm(dir);
+            const FarmReport report = look_at_farm(dir, plan);
+            print(options->json ? status_json(plan, report).dump(2) + "\n" : status_text(dir, plan, report));
             return ExitCode::Done;
         };
     });
@@ -357,18 +356,19 @@ void add_task(CommandLine& farm_command, Command& chosen)
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
-    command->add_option("--parent", options->parent)->group("");  // of a worker of `farm` here: ends with it, its state saved
+    command->add_option("--parent", options->parent)->hidden();  // of a worker of `farm` here: ends with it, its state saved
     command->callback([options, &chosen] {
         chosen = [options] {
             if (options->parent > 0) end_with_parent(options->parent, SIGTERM);
-            const FarmPlan plan = read_farm(options->dir);
+            const Folder dir(options->dir);
+            const FarmPlan plan = read_farm(dir);
             if (options->all == options->task.has_value())
                 throw Error(ExitCode::BadScene, "farm task: give the number of a task, or --all");
-            if (options->all) return do_all_tasks(options->dir, plan, options->how);
+            if (options->all) return do_all_tasks(dir, plan, options->how);
             if (*options->task >= plan.tasks)
                 throw Error(ExitCode::BadScene,
                             fmt::format("task {}: the farm has tasks 0 to {}", *options->task, plan.tasks - 1));
-            return do_task(options->dir, plan, *options->task, options->how);
+            return do_task(dir, plan, *options->task, options->how);
         };
     });
 }

@@ -30,7 +30,7 @@ fs::path this_program() { return fs::read_symlink("/proc/self/exe"); }
 
 pid_t start_worker(const std::vector<std::string>& words)
 {
-    const pid_t process = start_program(words, no_descriptor, no_descriptor, ProcessGroup::Own);  // Ctrl-C reaches it by us alone, so once
+    const pid_t process = start_program(words, no_descriptor, no_descriptor, no_descriptor, ProcessGroup::Own);  // Ctrl-C reaches it by us alone, so once
     if (process < 0) throw Error(ExitCode::BadFile, "a worker: " + why_not_started(words.front(), "install the program again"));
     return process;
 }
@@ -38,10 +38,10 @@ pid_t start_worker(const std::vector<std::string>& words)
 /// The workers of one command, and what it shows of the farm meanwhile.
 class LocalFarm {
 public:
-    LocalFarm(const fs::path& dir, const FarmPlan& plan, const LocalBackend& backend)
+    LocalFarm(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend)
         : dir_(dir), plan_(plan), shows_(!backend.quiet && isatty(STDERR_FILENO)), quiet_(backend.quiet)
     {
-        words_ = {this_program().string(), "farm", "task", dir.string(), "--all", "--parent", std::to_string(getpid())};
+        words_ = {this_program().string(), "farm", "task", dir.path().string(), "--all", "--parent", std::to_string(getpid())};
         if (backend.threads > 0) words_.insert(words_.end(), {"--threads", std::to_string(backend.threads)});
         if (backend.device >= 0) words_.insert(words_.end(), {"--device", std::to_string(backend.device)});
     }
@@ -84,7 +84,7 @@ public:
             waited_ = true;
             if (!quiet_ && !told_ && steady_clock::now() - begun > seconds(1)) {
                 told_ = true;
-                note(fmt::format("{}: waiting for {} tasks that other workers have\n", dir_.string(), running));
+                note(fmt::format("{}: waiting for {} tasks that other workers have\n", dir_.path().string(), running));
             }
             // a twentieth of the wait so far, so that it costs little however long it is
             const auto nap = duration_cast<milliseconds>(steady_clock::now() - begun) / 20;
@@ -110,12 +110,11 @@ private:
     void show() const
     {
         if (!shows_) return;
-        std::size_t done = 0;
-        for ([[maybe_unused]] const auto& entry : fs::directory_iterator(dir_ / "done")) ++done;
+        const std::size_t done = dir_.inner("done").names().size();
         note(fmt::format("\r\033[Ktask {} of {}{}", done, plan_.tasks, workers_.empty() ? "\r\033[K" : ""));
     }
 
-    const fs::path& dir_;
+    const Folder& dir_;
     const FarmPlan& plan_;
     std::vector<std::string> words_;
     std::vector<pid_t> workers_;
@@ -149,17 +148,36 @@ std::size_t array_size()
     return std::max(2ul, std::strtoul(said.text.c_str() + equals + 1, nullptr, 10));
 }
 
-std::string head(const fs::path& dir, const char* what, const char* output, const std::vector<std::string>& options)
+/// A folder as a line #SBATCH carries it: in quotes for blanks and #, each % twice since Slurm puts the job's number in the place of %j.
+/// Quotes and backslashes would end that, and a line break would make the rest of the name a command of the script.
+std::string slurm_text(const fs::path& dir)
+{
+    std::string text;
+    for (const char c : dir.string()) {
+        if (c == '"' || c == '\\' || (c >= 0 && c < ' '))
+            throw Error(ExitCode::BadScene, fmt::format("{}: a job's script cannot name a folder with {} in its name. Fix: choose another with -o",
+                                                        dir.string(), c == '"' ? "a quotation mark" : c == '\\' ? "a backslash" : "a line break or tab"));
+        text += c == '%' ? std::string("%%") : std::string(1, c);
+    }
+    return text;
+}
+
+std::string head(const Folder& dir, const char* what, const char* output, const std::vector<std::string>& options)
 {
     std::string text =
-        fmt::format("#!/bin/sh\n#SBATCH --job-name=seldinger-{}\n#SBATCH --output={}\n#SBATCH --open-mode=append\n", what,
-                    (dir / "log" / output).string());
-    for (const std::string& option : options) text += "#SBATCH " + option + "\n";
+        fmt::format("#!/bin/sh\n#SBATCH --job-name=seldinger-{}\n#SBATCH --output=\"{}/{}\"\n#SBATCH --open-mode=append\n", what,
+                    slurm_text(dir.inner("log").path()), output);
+    for (const std::string& option : options) {
+        if (option.find_first_of("\r\n") != std::string::npos)
+            throw Error(ExitCode::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
+                                            "option, in one line, each time");
+        text += "#SBATCH " + option + "\n";
+    }
     return text;
 }
 
 /// TERM@60 goes to the job's steps: the task saves its state and ends with 75, and the script asks for another turn.
-std::string job_script(const fs::path& dir, const SlurmBackend& backend)
+std::string job_script(const Folder& dir, const SlurmBackend& backend)
 {
     return head(dir, "task", "slurm-%A_%a.txt", backend.options) + fmt::format(R"(#SBATCH --requeue
 #SBATCH --signal=TERM@60
@@ -177,13 +195,13 @@ fi
 exit $code
 )",
                                                                                shell_text({this_program().string()}),
-                                                                               shell_text({dir.string()}));
+                                                                               shell_text({dir.path().string()}));
 }
 
-std::string merge_script(const fs::path& dir)
+std::string merge_script(const Folder& dir)
 {
     return head(dir, "merge", "slurm-merge-%j.txt", {}) +
-           fmt::format("exec {} farm merge {}\n", shell_text({this_program().string()}), shell_text({dir.string()}));
+           fmt::format("exec {} farm merge {}\n", shell_text({this_program().string()}), shell_text({dir.path().string()}));
 }
 
 }  // namespace
@@ -207,7 +225,7 @@ std::string shell_text(const std::vector<std::string>& words)
     return text;
 }
 
-ExitCode run_here(const fs::path& dir, const FarmPlan& plan, const LocalBackend& backend)
+ExitCode run_here(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend)
 {
     const StopSignal listening;
     LocalFarm farm(dir, plan, backend);
@@ -223,10 +241,11 @@ ExitCode run_here(const fs::path& dir, const FarmPlan& plan, const LocalBackend&
     return static_cast<ExitCode>(worst);
 }
 
-std::vector<std::vector<std::string>> write_slurm_jobs(const fs::path& dir, const FarmPlan& plan, const SlurmBackend& backend)
+std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const FarmPlan& plan, const SlurmBackend& backend)
 {
-    write_file(dir / "job.sh", job_script(dir, backend));
-    write_file(dir / "merge.sh", merge_script(dir));
+    const std::string job = job_script(dir, backend), merge = merge_script(dir);  // refused before either is written
+    write_file(dir / "job.sh", job);
+    write_file(dir / "merge.sh", merge);
     const FarmReport report = look_at_farm(dir, plan);
     const std::size_t most = array_size() - 1;
     std::vector<std::vector<std::string>> arrays;
@@ -236,7 +255,7 @@ std::vector<std::vector<std::string>> write_slurm_jobs(const fs::path& dir, cons
             if (report.state[t] != TaskState::Done) indices.push_back(t - offset);
         if (indices.empty()) continue;
         arrays.push_back(
-            {"sbatch", "--parsable", "--array=" + list_ranges(indices, ","), (dir / "job.sh").string(), std::to_string(offset)});
+            {"sbatch", "--parsable", "--array=" + list_ranges(indices, ","), (dir.path() / "job.sh").string(), std::to_string(offset)});
     }
     return arrays;
 }
@@ -249,7 +268,7 @@ void need_slurm()
                     "slurm-client), or give --backend local");
 }
 
-std::string submit(const fs::path& dir, const std::vector<std::vector<std::string>>& arrays)
+std::string submit(const Folder& dir, const std::vector<std::vector<std::string>>& arrays)
 {
     const auto submitted = [](const std::vector<std::string>& words) {
         const Said said = ask(shell_text(words));
@@ -268,7 +287,7 @@ std::string submit(const fs::path& dir, const std::vector<std::vector<std::strin
     }
     if (jobs.empty()) return told;
     return told + fmt::format("  job {}: merge, when they have ended\n",
-                              submitted({"sbatch", "--parsable", "--dependency=afterany" + jobs, (dir / "merge.sh").string()}));
+                              submitted({"sbatch", "--parsable", "--dependency=afterany" + jobs, (dir.path() / "merge.sh").string()}));
 }
 
 }  // namespace seldinger::apps

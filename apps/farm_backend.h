@@ -15,16 +15,17 @@ struct LocalBackend {
     bool quiet = false;
 };
 /// Does every task that is not done, in `jobs` processes, and returns when they have ended. @throws Error
-ExitCode run_here(const std::filesystem::path& dir, const FarmPlan& plan, const LocalBackend& backend);
+ExitCode run_here(const Folder& dir, const FarmPlan& plan, const LocalBackend& backend);
 
 struct SlurmBackend {
     std::vector<std::string> options;  // of sbatch, each a #SBATCH line
 };
 /// Writes DIR/job.sh and DIR/merge.sh. @return the commands that submit the tasks that are not done, as words
-[[nodiscard]] std::vector<std::vector<std::string>> write_slurm_jobs(const std::filesystem::path& dir, const FarmPlan& plan,
+/// @throws Error BadScene: an option of more than one line, or a folder whose name Slurm cannot be told
+[[nodiscard]] std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const FarmPlan& plan,
                                                                      const SlurmBackend& backend);
 /// Submits them and the merge behind them. @return what to tell. @throws Error BadFile: no Slurm, or it refuses
-[[nodiscard]] std::string submit(const std::filesystem::path& dir, const std::vector<std::vector<std::string>>& arrays);
+[[nodiscard]] std::string submit(const Folder& dir, const std::vector<std::vector<std::string>>& arrays);
 /// @throws Error BadFile: there is no sbatch
 void need_slurm();
 

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -33,35 +34,33 @@ double process_age()
     return up - std::strtod(word.c_str(), nullptr) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-fs::path task_folder(const fs::path& dir, std::size_t task) { return dir / "tasks" / fmt::format("{:06}", task); }
-
-void check_key(const fs::path& dir, const FarmPlan& plan, const std::string& now)
+void check_key(const Folder& dir, const FarmPlan& plan, const std::string& now)
 {
     if (now != plan.key)
         throw Error(ExitCode::BadScene,
                     fmt::format("{}: {} or what it names has changed since the farm was made, or this is another version ({}); "
                                 "make a new farm",
-                                dir.string(), plan.source.string(), version()));
+                                dir.path().string(), plan.source.string(), version()));
 }
 
-BatchPart run_part(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+BatchPart run_part(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
 {
     std::string sweep_text;
     const BatchSource source = farm_source(dir, plan, sweep_text);
     check_key(dir, plan, sweep_key(source, sweep_text));
     RunOptions what;
-    what.dir = task_folder(dir, task);
+    const Folder own = open_task_folder(dir, plan, task);
     what.use = FolderUse::Resume;
     what.device = options.device;
     what.quiet = true;
     const FarmPlan::Part part = plan.part(task);
     try {
-        return run_batch_part(source, sweep_text, part.begin, part.end, what);
+        return run_batch_part(source, sweep_text, part.begin, part.end, own, what);
     } catch (const Error& error) {
         // a checkpoint that cannot be gone on from costs its task, not the farm
-        if (error.code() != ExitCode::BadFile || !fs::exists(what.dir / "checkpoint.bin")) throw;
+        if (error.code() != ExitCode::BadFile || !own.has("checkpoint.bin")) throw;
         what.use = FolderUse::Overwrite;
-        return run_batch_part(source, sweep_text, part.begin, part.end, what);
+        return run_batch_part(source, sweep_text, part.begin, part.end, own, what);
     }
 }
 
@@ -71,23 +70,23 @@ struct Work {
     double seconds = 0;
 };
 
-Work do_runs(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+Work do_runs(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
 {
     const BatchPart part = run_part(dir, plan, task, options);
     // runs in which no step converged are results like the others
     if (part.outcome.code != ExitCode::Done && part.outcome.code != ExitCode::Stopped) return {part.outcome.code, part.step_s};
     write_rows(dir, plan, task, part.rows);
-    std::error_code ignored;
-    fs::remove_all(task_folder(dir, task), ignored);
+    remove_batch(open_task_folder(dir, plan, task));
+    close_task_folder(dir, task);
     return {ExitCode::Done, part.step_s};
 }
 
-Work do_frames(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+Work do_frames(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
     check_key(dir, plan, frames_key(plan.source, plan.first, plan.items, plan.render));
     const auto begun = Clock::now();
     try {
-        (void)render_command(plan, plan.part(task), dir)();
+        (void)render_command(plan, plan.part(task), dir.path())();
     } catch (const Error& error) {
         if (error.code() != ExitCode::TimeLimit && error.code() != ExitCode::Interrupted) throw;
         return {error.code(), seconds_since(begun)};
@@ -95,7 +94,7 @@ Work do_frames(const fs::path& dir, const FarmPlan& plan, std::size_t task)
     return {ExitCode::Done, seconds_since(begun)};
 }
 
-ExitCode work_on(TaskClaim& claim, const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+ExitCode work_on(TaskClaim& claim, const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
 {
     static bool first_of_process = true;
     const double before = first_of_process ? process_age() : 0;
@@ -114,6 +113,35 @@ ExitCode work_on(TaskClaim& claim, const fs::path& dir, const FarmPlan& plan, st
         log_event(dir, task, worker, {"failed", before + seconds_since(begun), 0, one_line(error.what())});
         claim.give_back();
         throw;
+    }
+}
+
+/// What a farm's pictures may be told: how they look and what else is known of them. All else of `render` says where to write, or is given
+/// by the farm; a farm.json that somebody has altered, its key computed anew, is held against the same words.
+constexpr const char* looks[] = {"--size",    "--camera", "--background", "--no-legend", "--wall",   "--wall-max",    "--force-max", "--view",
+                                 "--c-arm",   "--views",  "--sid",        "--sod",       "--field",  "--kvp",         "--kev",       "--photons",
+                                 "--blur",    "--body",   "--seed",       "--mask",      "--log",    "--no-contrast", "--no-noise",  "--labels",
+                                 "--label-vessel"};
+
+void check_render_word(const std::string& word)
+{
+    const bool is_option = word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
+    const std::string name = word.substr(0, word.find('='));
+    if (!is_option || std::find(std::begin(looks), std::end(looks), name) != std::end(looks)) return;
+    throw Error(ExitCode::BadScene, fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it out (a "
+                                                "film: farm merge DIR --video FILE.mp4)",
+                                                name));
+}
+
+/// The labels' folder lies below the farm's, where --labels-in has them made through no link. In one word with its option it is none of ours.
+void check_render_words(const std::vector<std::string>& words)
+{
+    for (std::size_t k = 0; k < words.size(); ++k) {
+        check_render_word(words[k]);
+        const bool joined = words[k].starts_with("--labels=");
+        if (!joined && (words[k] != "--labels" || (k + 1 < words.size() && leads_below(words[k + 1])))) continue;
+        throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below the farm's. Fix: give a name, --labels labels",
+                                                    joined ? words[k].substr(9) : k + 1 < words.size() ? words[k + 1] : "nothing"));
     }
 }
 
@@ -137,7 +165,7 @@ std::string frames_key(const fs::path& run, std::size_t first, std::size_t frame
     return farm_key(parts);
 }
 
-BatchSource farm_source(const fs::path& dir, const FarmPlan& plan, std::string& sweep_text)
+BatchSource farm_source(const Folder& dir, const FarmPlan& plan, std::string& sweep_text)
 {
     BatchSource source{read_file(dir / "farm-scene.toml"), plan.source, plan.overrides, {}};
     sweep_text = read_file(dir / "farm-sweep.toml");
@@ -148,31 +176,23 @@ BatchSource farm_source(const fs::path& dir, const FarmPlan& plan, std::string& 
 
 Command render_command(const FarmPlan& plan, FarmPlan::Part part, const fs::path& dir)
 {
-    for (const std::string& word : plan.render)
-        for (const char* own : {"--raw", "--dicom", "--video", "--fps", "--resume", "--numbered", "--preview"})
-            if (word == own || word.starts_with(std::string(own) + "="))
-                throw Error(ExitCode::BadScene,
-                            fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it "
-                                        "out (a film: farm merge DIR --video FILE.mp4)",
-                                        own));
     CommandLine app("", "seldinger");
     Command chosen;
     add_render(app, chosen);
     std::vector<std::string> words = plan.render;
-    for (std::size_t k = 0; k + 1 < words.size(); ++k)
-        if (words[k] == "--labels") words[k + 1] = (dir / words[k + 1]).string();
     for (std::string word :
          {std::string("render"), plan.source.string(), std::string("--frames"),
           fmt::format("{}:{}", plan.first + part.begin, plan.first + part.end - 1), std::string("-o"),
-          (dir / "frame.png").string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
+          (dir / "frame.png").string(), std::string("--labels-in"), dir.string(), std::string("--resume"), std::string("--numbered"), std::string("--quiet")})
         words.push_back(std::move(word));
     std::rotate(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(plan.render.size()), words.end());
     if (const CommandLine::Parsed parsed = app.parse(std::move(words)); !parsed.error.empty())
         throw Error(ExitCode::BadScene, parsed.error + "; see `seldinger render --help`");
+    check_render_words(plan.render);
     return chosen;
 }
 
-ExitCode do_task(const fs::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
+ExitCode do_task(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options)
 {
     set_thread_count(options.threads);
     reopen_if_lost(dir, plan, task);
@@ -185,7 +205,7 @@ ExitCode do_task(const fs::path& dir, const FarmPlan& plan, std::size_t task, co
     return work_on(*claim, dir, plan, task, options);
 }
 
-ExitCode do_all_tasks(const fs::path& dir, const FarmPlan& plan, const TaskOptions& options)
+ExitCode do_all_tasks(const Folder& dir, const FarmPlan& plan, const TaskOptions& options)
 {
     ExitCode worst = ExitCode::Done;
     for (std::size_t task = 0; task < plan.tasks; ++task) {

@@ -17,16 +17,16 @@ struct TaskOptions {
                                      const std::vector<std::string>& render);
 
 /// The scene and sweep that a farm's folder carries. @param sweep_text  out. @throws Error
-[[nodiscard]] BatchSource farm_source(const std::filesystem::path& dir, const FarmPlan& plan, std::string& sweep_text);
+[[nodiscard]] BatchSource farm_source(const Folder& dir, const FarmPlan& plan, std::string& sweep_text);
 
 /// The render command of a part. @throws Error BadScene: options that `render` does not know or that a farm gives itself
 [[nodiscard]] Command render_command(const FarmPlan& plan, FarmPlan::Part part, const std::filesystem::path& dir);
 
 /// Does the task unless it is done or another living worker has it.
 /// @return Done, or TimeLimit, Interrupted when a signal asked (what was done is kept). @throws Error
-ExitCode do_task(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options);
+ExitCode do_task(const Folder& dir, const FarmPlan& plan, std::size_t task, const TaskOptions& options);
 
 /// Every task that nobody does, one after the other; one that fails does not keep the others from being done.
-ExitCode do_all_tasks(const std::filesystem::path& dir, const FarmPlan& plan, const TaskOptions& options);
+ExitCode do_all_tasks(const Folder& dir, const FarmPlan& plan, const TaskOptions& options);
 
 }  // namespace seldinger::apps

@@ -98,14 +98,14 @@ std::string origin(const Plan& plan, const PlanGoals& goals, const PlannedModel&
 void write_or_remove(const std::optional<PlannedModel>& model, const Plan& plan, const PlanGoals& goals,
                      const std::filesystem::path& file, bool meets)
 {
-    if (!model) {
-        std::filesystem::remove(file);
+    const auto folder = std::filesystem::absolute(file).parent_path();
+    make_folder(folder);
+    if (!model) {  // of an earlier plan
+        (void)Folder(folder).remove(file.filename().string());
         return;
     }
     Scene scene = model->scene;
     scene.planned = origin(plan, goals, *model, meets);
-    const auto folder = std::filesystem::absolute(file).parent_path();
-    make_folder(folder);
     write_file(file, write_scene(scene, folder));
 }
 

@@ -17,7 +17,7 @@
 #include <memory>
 
 #ifdef SEL_WITH_VIEW
-    #include "scene/scene.h"
+    #include "scene/run_scene.h"
     #include "view/model_export.h"
     #include "view/render.h"
 #endif
@@ -66,10 +66,10 @@ void set_look(const Options& options, RenderOptions& what)
     const auto per_length = options.force_max.find('/') != std::string::npos;
     if (per_length) what.load_max = parse_load("--force-max", options.force_max);
     else if (!options.force_max.empty()) what.force_max = parse_force("--force-max", options.force_max);
-    const std::filesystem::path scene = options.dir / "scene.toml";
-    if (!std::filesystem::exists(scene)) return;
+    const Folder run(options.dir);
+    if (!run.has("scene.toml")) return;
     try {
-        const SceneCArm arm = read_scene(scene).carm;
+        const SceneCArm arm = read_run_scene(run).carm;
         what.patient = {arm.head.normalized(), arm.back.normalized()};
     } catch (const Error&) {  // of another version, or without its mesh: a picture needs only the run's own files
     }

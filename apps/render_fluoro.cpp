@@ -11,6 +11,7 @@
 
 #ifdef SEL_WITH_VIEW
     #include "fluoro_scene.h"
+    #include "scene/run_scene.h"
 #endif
 #include "core/note.h"
 #include "study/sweep.h"
@@ -82,15 +83,15 @@ namespace fs = std::filesystem;
 /// The run's scene; where its mesh has gone, what the run wrote of the wall stands for it.
 Scene scene_of(const fs::path& dir, std::vector<std::string> overrides = {})
 {
-    const fs::path file = dir / "scene.toml";
-    if (!fs::exists(file)) return {};
+    const Folder run(dir);
+    if (!run.has("scene.toml")) return {};
     try {
-        return read_scene(file, overrides);
+        return read_run_scene(run, overrides);
     } catch (const Error& error) {
-        if (error.code() != ExitCode::BadFile || !fs::exists(dir / "vessel.vtp")) throw;
+        if (error.code() != ExitCode::BadFile || !run.has("vessel.vtp")) throw;
     }
     overrides.insert(overrides.end(), {"vessel.mesh=\"vessel.vtp\"", "vessel.units=\"m\""});
-    return read_scene(file, overrides);
+    return read_run_scene(run, overrides);
 }
 
 double in_range(const char* option, double value, double low, double high, const char* what)

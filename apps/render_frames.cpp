@@ -21,6 +21,7 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("--fps", fps, "frames per second of the film (default: as fast as it happened)")->type_name("N");
     command.add_option("--labels", labels, "beside every picture what is true about it: NAME.json and NAME_mask.png, into this folder")
         ->type_name("DIR");
+    command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it
     command.add_flag("--label-vessel", label_vessel, "with --labels: thickness of the lumen along each ray, NAME_lumen.png");
     command.add_option("--preview", preview, "16 of the pictures with their labels drawn in, on one sheet, and nothing else")
         ->type_name("FILE.png");
@@ -55,11 +56,13 @@ FrameChoice FrameArguments::choice() const
     if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
-    for (const std::string& file : {preview, labels})
+    if (!labels_in.empty() && !labels.empty() && !leads_below(labels))
+        throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
+    for (const std::string& file : {preview, labels_in.empty() ? labels : std::string()})
         if (!file.empty() && std::filesystem::is_directory(file) != (file == labels) && std::filesystem::exists(file))
             throw Error(ExitCode::BadFile, fmt::format("{}: is a {}, expected the name of a {}", file, file == labels ? "file" : "folder",
                                                        file == labels ? "folder" : "file"));
-    choice.labels = labels, choice.label_vessel = label_vessel, choice.preview = preview;
+    choice.labels = labels, choice.labels_in = labels_in, choice.label_vessel = label_vessel, choice.preview = preview;
     choice.output = output, choice.film = video;
     choice.rate = fps.value_or(0);
     choice.resume = resume, choice.numbered = numbered;

@@ -18,7 +18,7 @@ namespace seldinger::apps {
 class CommandLine;
 
 struct FrameArguments {
-    std::string frames, output, video, labels, preview;
+    std::string frames, output, video, labels, labels_in, preview;
     std::optional<double> fps;
     bool resume = false, numbered = false, quiet = false, label_vessel = false;
 

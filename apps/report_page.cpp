@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/sha256.h"
-#include "scene/scene.h"
+#include "scene/run_scene.h"
 #include "session/web_content.h"
 
 #include <fmt/format.h>
@@ -135,22 +135,22 @@ nlohmann::json playback_of(const fs::path&)
 #endif
 
 /// Of several instruments, each one's trace, in their order; empty where they have none of their own.
-nlohmann::json traces_of(const fs::path& dir, const nlohmann::json& instruments)
+nlohmann::json traces_of(const Folder& dir, const nlohmann::json& instruments)
 {
     nlohmann::json traces = nlohmann::json::array();
     if (instruments.size() < 2) return traces;
     for (const nlohmann::json& instrument : instruments) {
-        const fs::path file = dir / fmt::format("trace_{}.csv", instrument["name"].get<std::string>());
-        if (!fs::exists(file)) return nlohmann::json::array();
-        traces.push_back(plotted(table_of(read_file(file)), of_one));
+        const std::string file = fmt::format("trace_{}.csv", instrument["name"].get<std::string>());
+        if (!dir.has(file)) return nlohmann::json::array();
+        traces.push_back(plotted(table_of(read_file(dir / file)), of_one));
     }
     return traces;
 }
 
 /// Directions of the patient for the camera, as the live page has them.
-void add_directions(const fs::path& scene_file, nlohmann::json& data)
+void add_directions(const Folder& dir, nlohmann::json& data)
 {
-    const Scene scene = read_scene(scene_file);
+    const Scene scene = read_run_scene(dir);
     const bool arch = scene.vessel.shape == VesselShape::Arch;
     const Vec3 head = arch ? scene.vessel.axis : Vec3(Vec3::UnitZ()), front = arch ? scene.vessel.normal : Vec3(-Vec3::UnitY());
     data["head"] = {head.x(), head.y(), head.z()};
@@ -164,15 +164,15 @@ void add_directions(const fs::path& scene_file, nlohmann::json& data)
 constexpr int deepest_summary = 32;  // a run's has four; what writes the page calls itself once for each
 
 /// @throws Error BadFile
-nlohmann::json summary_in(const fs::path& dir)
+nlohmann::json summary_in(const Folder& dir)
 {
-    const fs::path file = dir / "summary.json";
+    const fs::path file = dir.path() / "summary.json";
     bool deep = false;
     const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
         deep |= depth > deepest_summary;
         return !deep;
     };
-    nlohmann::json summary = nlohmann::json::parse(read_file(file), shallow, false);
+    nlohmann::json summary = nlohmann::json::parse(read_file(dir / "summary.json"), shallow, false);
     if (deep)
         throw Error(ExitCode::BadFile,
                     fmt::format("{}: is nested deeper than {} levels; no run's is", file.string(), deepest_summary));
@@ -181,24 +181,24 @@ nlohmann::json summary_in(const fs::path& dir)
     return summary;
 }
 
-nlohmann::json run_data(const fs::path& dir)
+nlohmann::json run_data(const Folder& dir)
 {
-    nlohmann::json data{{"kind", "run"}, {"name", dir.filename().string()}};
+    nlohmann::json data{{"kind", "run"}, {"name", dir.path().filename().string()}};
     data["summary"] = summary_in(dir);
     data["settings"] = read_file(dir / "scene.toml");
     data["trace"] = plotted(table_of(read_file(dir / "trace.csv")), of_all);
-    data["playback"] = playback_of(dir);
+    data["playback"] = playback_of(dir.path());
     data["traces"] = traces_of(dir, data["playback"]["instruments"]);
-    add_directions(dir / "scene.toml", data);
+    add_directions(dir, data);
     return data;
 }
 
-nlohmann::json batch_data(const fs::path& dir)
+nlohmann::json batch_data(const Folder& dir)
 {
-    nlohmann::json data{{"kind", "batch"}, {"name", fs::absolute(dir).lexically_normal().filename().string()}};
+    nlohmann::json data{{"kind", "batch"}, {"name", fs::absolute(dir.path()).lexically_normal().filename().string()}};
     data["table"] = table_of(read_file(dir / "results.csv"));
-    data["summary"] = fs::exists(dir / "summary.json") ? summary_in(dir) : nlohmann::json::object();
-    data["settings"] = fs::exists(dir / "scene.toml") ? read_file(dir / "scene.toml") : "";
+    data["summary"] = dir.has("summary.json") ? summary_in(dir) : nlohmann::json::object();
+    data["settings"] = dir.has("scene.toml") ? read_file(dir / "scene.toml") : "";
     return data;
 }
 
@@ -220,14 +220,15 @@ void fill_in(std::string& page, const std::string& mark, const std::string& text
 
 }  // namespace
 
-std::string report_page(const fs::path& dir)
+std::string report_page(const fs::path& path)
 {
+    const Folder dir(path);  // the page is handed on: nothing is read that lies elsewhere
     nlohmann::json data;
-    if (fs::exists(dir / "results.csv")) data = batch_data(dir);
-    else if (fs::exists(dir / "trace.csv") && fs::exists(dir / "summary.json")) data = run_data(dir);
+    if (dir.has("results.csv")) data = batch_data(dir);
+    else if (dir.has("trace.csv") && dir.has("summary.json")) data = run_data(dir);
     else
         throw Error(ExitCode::BadFile, fmt::format("{}: holds neither a run that has ended nor a batch; expected what `seldinger run -o` or "
-                                                   "`batch -o` wrote", dir.string()));
+                                                   "`batch -o` wrote", path.string()));
     const fs::path folder = assets_folder() / "web";
     std::string page = read_file(folder / "report.html");
     const std::pair<const char*, std::string> scripts[] = {{"/*three*/", data["kind"] == "run" ? three_js() : ""},

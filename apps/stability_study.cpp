@@ -152,7 +152,7 @@ public:
     Workers(const StabilityWork& work, const StabilityOptions& options)
         : options_(options), scenes_(options.dir / "scenes"), table_(open_stability_table(options.dir))
     {
-        make_folder(scenes_);
+        (void)make_own_folder(scenes_);
         for (const StabilityMap& map : work.maps) {
             if (map.source.empty()) write_file(scenes_ / (map.name + ".toml"), map.scene);
             if (map.write_meshes) map.write_meshes(scenes_);

@@ -16,7 +16,7 @@ import matplotlib
 matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 
-from plot_style import BLUE, ORANGE, use_style
+from plot_style import BLUE, ORANGE, save, use_style
 
 use_style()
 COLOURS = {"light": ORANGE, "heavy": BLUE}
@@ -97,7 +97,7 @@ def main():
     figure.tight_layout()
     out = options.out or options.dir
     for suffix in ("svg", "png"):
-        figure.savefig(out / f"roofline.{suffix}", dpi=110, metadata={"Date": None} if suffix == "svg" else None)
+        save(figure, out / f"roofline.{suffix}", dpi=110, metadata={"Date": None} if suffix == "svg" else None)
 
 
 if __name__ == "__main__":

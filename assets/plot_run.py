@@ -17,7 +17,7 @@ matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 import numpy
 
-from plot_style import COLUMN, SMALL, use_style
+from plot_style import COLUMN, SMALL, save, use_style
 
 # column of trace.csv, what stands beside its axis, factor
 PANELS = [("hand_force_n", "hand force\n[mN]", 1e3), ("friction_n", "friction\n[mN]", 1e3),
@@ -92,7 +92,7 @@ def plot(folders, labels, output):
     if len(traces) > 1:
         all_axes[0, 0].legend(loc="upper left", ncols=min(len(traces), 4))
     figure.align_ylabels()
-    figure.savefig(output, dpi=200)
+    save(figure, output, dpi=200)
 
 
 def main():

@@ -17,7 +17,7 @@ matplotlib.use("Agg")  # no display needed
 import matplotlib.pyplot as plt
 from matplotlib.patches import Patch, Rectangle
 
-from plot_style import ORANGE, PURPLE, RED, SMALL, YELLOW, use_style
+from plot_style import ORANGE, PURPLE, RED, SMALL, YELLOW, save, use_style
 
 # The letter says what the colour does. From harmless to hopeless.
 OUTCOMES = {"hold": ("#bfe3f5", "·", "holds"), "unfinished": ("#ffffff", "?", "not finished"), "jitter": (YELLOW, "J", "jitter"),
@@ -139,9 +139,7 @@ def main():
     figure.tight_layout(rect=(0, 0.2 / figure.get_figheight() if said else 0, 1, 1 - 0.3 / figure.get_figheight()))
     out = options.o or (options.table if options.table.is_dir() else options.table.parent)
     out.mkdir(parents=True, exist_ok=True)
-    part = out / f".{options.name}.part.png"
-    figure.savefig(part, dpi=130)
-    part.replace(out / f"{options.name}.png")
+    save(figure, out / f"{options.name}.png", dpi=130)
 
 
 if __name__ == "__main__":

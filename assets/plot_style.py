@@ -1,5 +1,9 @@
 # One style for all plots: sizes that are readable at the width of a printed column, colours that a colour-blind reader tells apart,
 # and labels that do not lie on each other.
+import os
+import tempfile
+from pathlib import Path
+
 import matplotlib
 
 # [Okabe, Ito 2008, "Color universal design"]
@@ -16,6 +20,15 @@ def use_style():
         "axes.prop_cycle": matplotlib.cycler(color=[BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK]),
         "svg.fonttype": "none",  # text stays text: small files that can be searched
         "svg.hashsalt": "seldinger"})
+
+
+def save(figure, path, **how):
+    """Whole or not at all, under its name: a link in the place of the picture is replaced, and what it leads to left alone."""
+    path = Path(path)
+    with tempfile.TemporaryDirectory(dir=path.parent or ".", prefix=".plot-") as own:  # made for this picture alone
+        part = Path(own) / f"picture{path.suffix}"
+        figure.savefig(part, **how)
+        os.replace(part, path)
 
 
 def better(axes, where="left and down"):

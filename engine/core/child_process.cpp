@@ -38,7 +38,7 @@ struct HowToStart {
 
 }  // namespace
 
-pid_t start_program(const std::vector<std::string>& words, int input, int error, ProcessGroup group)
+pid_t start_program(const std::vector<std::string>& words, int input, int error, int output, ProcessGroup group)
 {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -47,6 +47,7 @@ pid_t start_program(const std::vector<std::string>& words, int input, int error,
     if (input >= 0) posix_spawn_file_actions_adddup2(&how.files, input, STDIN_FILENO);
     else posix_spawn_file_actions_addopen(&how.files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     if (error >= 0) posix_spawn_file_actions_adddup2(&how.files, error, STDERR_FILENO);
+    if (output >= 0) posix_spawn_file_actions_adddup2(&how.files, output, STDOUT_FILENO);
     sigset_t none;
     sigemptyset(&none);
     const int own_group = group == ProcessGroup::Own ? POSIX_SPAWN_SETPGROUP : 0;

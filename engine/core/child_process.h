@@ -16,10 +16,10 @@ enum class ProcessGroup { Shared, Own };
 /// Starts words[0], looked for in PATH, with words as its arguments. Signals that this process keeps off its threads (it may have one
 /// that waits for them) it hears as usual.
 /// @param input  its standard input; none: an empty one
-/// @param error  its standard error; none: that of this process
+/// @param error, output  its standard error and output; none: those of this process
 /// @return -1 where it cannot be started; errno says why: ENOENT where it is not installed, EAGAIN where no process is left
 [[nodiscard]] pid_t start_program(const std::vector<std::string>& words, int input = no_descriptor, int error = no_descriptor,
-                                  ProcessGroup group = ProcessGroup::Shared);
+                                  int output = no_descriptor, ProcessGroup group = ProcessGroup::Shared);
 
 /// Of a process that `parent` started: it gets `signal` when `parent` ends, however that ends, and at once where it has ended.
 void end_with_parent(pid_t parent, int signal);

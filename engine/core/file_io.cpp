@@ -14,6 +14,8 @@
 namespace seldinger {
 namespace {
 
+constexpr int most_taken = 1000;  // names beside a file that somebody else has; more is no accident
+
 [[noreturn]] void fail_writing(const std::filesystem::path& path, int error)
 {
     const char* advice = error == ENOSPC || error == EFBIG || error == EDQUOT ? "free some space or choose another folder with -o"
@@ -35,27 +37,39 @@ int write_all(int fd, std::string_view bytes)
     return 0;
 }
 
+/// What a place can hold that is written anew: nothing, a plain file, or a link (which is replaced, and not followed).
+void check_place(const FilePlace& place)
+{
+    struct stat status {};
+    if (::fstatat(place.start(), place.name().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return;
+    if (S_ISREG(status.st_mode) || S_ISLNK(status.st_mode)) return;
+    throw Error(ExitCode::BadFile, fmt::format("{}: is {}; give the name of a file", place.path().string(),
+                                               S_ISDIR(status.st_mode) ? "a folder" : "a pipe or a device, which would be lost"));
+}
+
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path, std::uint64_t most)
+std::string read_file(const FilePlace& place, std::uint64_t most)
 {
+    const std::string path = place.path().string();
     auto fail = [&](int error) {
-        throw Error(ExitCode::BadFile,
-                    fmt::format("{}: cannot be read: {}; check the path", path.string(), std::strerror(error)));
+        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read: {}; check the path", path, std::strerror(error)));
     };
     // without waiting: opening a pipe that no one writes to would never return
-    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    const int fd = ::openat(place.start(), place.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | place.read_flags());
+    if (fd < 0 && errno == ELOOP && place.read_flags() != 0)
+        throw Error(ExitCode::BadFile, path + ": is a link; what is read of this folder lies in it. Fix: put the file itself there");
     if (fd < 0) fail(errno);
     struct stat status {};
     if (::fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {
         ::close(fd);
         if (S_ISDIR(status.st_mode)) fail(EISDIR);
-        throw Error(ExitCode::BadFile, path.string() + ": is a pipe or a device, which may have no end; give a file");
+        throw Error(ExitCode::BadFile, path + ": is a pipe or a device, which may have no end; give a file");
     }
     if (static_cast<std::uint64_t>(status.st_size) > most) {
         ::close(fd);
         throw Error(ExitCode::BadFile, fmt::format("{}: has {} bytes, at most {} are read here; is it the right file?",
-                                                   path.string(), status.st_size, most));
+                                                   path, status.st_size, most));
     }
     std::string content;
     char block[1 << 16];
@@ -74,19 +88,47 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most)
     return content;
 }
 
-void write_file(const std::filesystem::path& path, std::string_view content, Durable durable)
+NewFile::NewFile(FilePlace place) : place_(std::move(place)), own_(place_)
 {
-    const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (fd < 0) fail_writing(path, errno);
-    int error = write_all(fd, content);
-    if (error == 0 && durable == Durable::Yes && ::fsync(fd) != 0) error = errno;
-    if (::close(fd) != 0 && error == 0) error = errno;
-    if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-    if (error != 0) {
-        ::unlink(temporary.c_str());
-        fail_writing(path, error);
+    check_place(place_);
+    const std::string name = place_.path().filename().string();
+    for (int taken = 0;; ++taken) {
+        own_ = place_.beside(fmt::format("{}.{}{}.tmp", name, taken > 0 ? fmt::format("{}.", taken) : "", ::getpid()));
+        fd_ = ::openat(own_.start(), own_.name().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (fd_ >= 0) return;
+        if (errno != EEXIST || taken == most_taken) fail_writing(place_.path(), errno);
     }
+}
+
+NewFile::~NewFile()
+{
+    if (fd_ < 0) return;
+    ::close(fd_);
+    ::unlinkat(own_.start(), own_.name().c_str(), 0);
+}
+
+void NewFile::write(std::string_view content)
+{
+    if (const int error = write_all(fd_, content); error != 0) fail_writing(place_.path(), error);
+}
+
+void NewFile::put_in_place(Durable durable)
+{
+    if (durable == Durable::Yes && ::fsync(fd_) != 0) fail_writing(place_.path(), errno);
+    check_place(place_);  // something else may have come there while a film was made
+    const int closed = ::close(std::exchange(fd_, -1)) == 0 ? 0 : errno;
+    const bool moved = closed == 0 && ::renameat(own_.start(), own_.name().c_str(), place_.start(), place_.name().c_str()) == 0;
+    if (moved) return;
+    const int error = closed != 0 ? closed : errno;
+    ::unlinkat(own_.start(), own_.name().c_str(), 0);
+    fail_writing(place_.path(), error);
+}
+
+void write_file(const FilePlace& place, std::string_view content, Durable durable)
+{
+    NewFile file(place);
+    file.write(content);
+    file.put_in_place(durable);
 }
 
 void make_folder(const std::filesystem::path& path)
@@ -97,25 +139,35 @@ void make_folder(const std::filesystem::path& path)
     if (error) fail_writing(path, error.value());
 }
 
-AppendFile::AppendFile(const std::filesystem::path& path, std::uint64_t keep) : path_(path), size_(keep)
+Folder make_own_folder(const std::filesystem::path& path)
 {
-    // not through a link, which may lead out of the folder, nor into a pipe that nobody reads
-    fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-    if (fd_ < 0 && errno != ELOOP && errno != ENXIO) fail_writing(path, errno);
-    struct stat status {};
-    if (fd_ < 0 || (::fstat(fd_, &status) == 0 && !S_ISREG(status.st_mode))) {
+    if (path.has_parent_path()) make_folder(path.parent_path());
+    return Folder(path.parent_path()).make(path.filename().string());
+}
+
+AppendFile::AppendFile(const FilePlace& place, std::uint64_t keep) : path_(place.path())
+{
+    const auto refuse = [&](const char* what) {
         if (fd_ >= 0) ::close(std::exchange(fd_, -1));
-        throw Error(ExitCode::BadFile, path.string() + ": is a link or no plain file; remove it, or choose another folder with -o");
-    }
-    const bool known = ::fstat(fd_, &status) == 0;
-    const bool too_short = known && static_cast<std::uint64_t>(status.st_size) < keep;
-    if (!known || too_short || ::ftruncate(fd_, static_cast<off_t>(keep)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
+        throw Error(ExitCode::BadFile, fmt::format("{}: {}; remove it, or choose another folder with -o", path_.string(), what));
+    };
+    // not through a link, which may lead out of the folder, nor into a pipe that nobody reads
+    fd_ = ::openat(place.start(), place.name().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (fd_ < 0 && errno != ELOOP && errno != ENXIO) fail_writing(path_, errno);
+    struct stat status {};
+    const bool known = fd_ >= 0 && ::fstat(fd_, &status) == 0;
+    if (fd_ < 0 || (known && !S_ISREG(status.st_mode))) refuse("is a link or no plain file");
+    if (known && status.st_nlink > 1) refuse("has a second name elsewhere (a hard link), which would be written to as well");
+    const auto size = static_cast<std::uint64_t>(status.st_size);
+    size_ = keep == everything ? size : keep;
+    const bool too_short = known && size < size_;
+    if (!known || too_short || ::ftruncate(fd_, static_cast<off_t>(size_)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
         const int error = errno;
         ::close(std::exchange(fd_, -1));
         if (too_short)
             throw Error(ExitCode::BadFile,
-                        fmt::format("{}: is shorter than its checkpoint says; run again with --overwrite", path.string()));
-        fail_writing(path, error);
+                        fmt::format("{}: is shorter than its checkpoint says; run again with --overwrite", path_.string()));
+        fail_writing(path_, error);
     }
 }
 

@@ -26,42 +26,59 @@ namespace fs = std::filesystem;
 constexpr std::time_t leftover_age = 60;  // [s] no file takes as long to be written
 
 /// Whether `fd` is still the file of that name: whoever had the lock before may have removed it in between.
-bool still_there(int fd, const fs::path& path)
+bool still_there(int fd, const FilePlace& lock)
 {
     struct stat opened {
     }, named{};
-    return ::fstat(fd, &opened) == 0 && ::lstat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-           opened.st_dev == named.st_dev;
+    return ::fstat(fd, &opened) == 0 && ::fstatat(lock.start(), lock.name().c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+           opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-/// ", process 123" where the lock says so.
-std::string holder(int fd)
+constexpr long unnamed = 0, no_lock = -1;
+
+/// The process that the lock names; unnamed while it is new; no_lock of a file in which anything else stands.
+long holder(int fd)
 {
+    struct stat status {};
     char text[32] = {};
-    const ssize_t got = ::pread(fd, text, sizeof text - 1, 0);
+    // a second name: what is written here would be written there
+    if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 1) return no_lock;
+    const ssize_t got = ::pread(fd, text, sizeof text, 0);
+    if (got == 0) return unnamed;
     long pid = 0;
-    if (got <= 0 || std::from_chars(text, text + got, pid).ec != std::errc() || pid <= 0) return "";
-    return fmt::format(", process {}", pid);
+    const auto [end, error] = std::from_chars(text, text + std::max<ssize_t>(got, 0), pid);
+    return error == std::errc() && pid > 0 && end + 1 == text + got && *end == '\n' ? pid : no_lock;
+}
+
+[[noreturn]] void refuse(const FilePlace& lock)
+{
+    throw Error(ExitCode::BadFile, lock.path().string() + ": is needed as a lock and is something else (a link, a file with a second name or "
+                                                          "with something in it); move it away, or choose another place with -o");
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks
-int take(const fs::path& what, const fs::path& lock, FileLock::Wait wait)
+int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
 {
     for (;;) {
-        const int fd = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        const int fd = ::openat(lock.start(), lock.name().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        if (fd < 0 && errno == ELOOP) refuse(lock);
         if (fd < 0)
             throw Error(ExitCode::BadFile, fmt::format("{}: cannot be written: {}; {}", what.string(), std::strerror(errno),
                                                        errno == ENOSPC ? "free some space or choose another place with -o"
                                                                        : "choose a place that can be written to with -o"));
+        const long by = holder(fd);
+        if (by == no_lock) {
+            ::close(fd);
+            refuse(lock);
+        }
         if (::flock(fd, wait == FileLock::Wait::Yes ? LOCK_EX : LOCK_EX | LOCK_NB) != 0) {
             const int error = errno;
-            const std::string by = holder(fd);
             ::close(fd);
             if (error == EINTR) continue;
             if (error != EWOULDBLOCK) return -1;
             throw Error(ExitCode::BadFile, fmt::format("{}: is being written by another run{}; wait for its end, stop it, or "
                                                        "choose another place with -o",
-                                                       what.string(), by));
+                                                       what.string(), by == unnamed ? "" : fmt::format(", process {}", by)));
         }
         if (still_there(fd, lock)) return fd;
         ::close(fd);
@@ -83,7 +100,7 @@ pid_t writer_of(const std::string& name)
 
 }  // namespace
 
-FileLock::FileLock(fs::path what, fs::path lock, Wait wait) : lock_(std::move(lock))
+FileLock::FileLock(const fs::path& what, FilePlace lock, Wait wait) : lock_(std::move(lock))
 {
     fd_ = take(what, lock_, wait);
     if (fd_ < 0) return;
@@ -101,23 +118,31 @@ FileLock FileLock::of_folder(const fs::path& dir)
         if (at == at.parent_path()) break;
     }
     make_folder(dir);
-    FileLock lock(dir, dir / ".lock");
+    FileLock lock = of_folder(Folder(dir));
     lock.folder_ = dir;
     lock.made_ = made;
-    remove_leftovers(dir);
     return lock;
 }
 
-FileLock FileLock::of_file(const fs::path& file, Wait wait)
+FileLock FileLock::of_folder(const Folder& folder)
 {
-    if (file.has_parent_path()) make_folder(file.parent_path());
-    return {file, file.string() + ".lock", wait};
+    FileLock lock(folder.path(), folder / ".lock");
+    remove_leftovers(folder);
+    return lock;
+}
+
+FileLock FileLock::of_file(const FilePlace& file, Wait wait)
+{
+    const fs::path& path = file.path();
+    if (file.start() == AT_FDCWD && path.has_parent_path()) make_folder(path.parent_path());
+    return {path, file.beside(path.filename().string() + ".lock"), wait};
 }
 
 FileLock::~FileLock()
 {
     if (fd_ < 0) return;
-    ::unlink(lock_.c_str());  // held until it is closed: nobody else has it under this name
+    // held until it is closed: nobody else has it under this name
+    if (still_there(fd_, lock_)) ::unlinkat(lock_.start(), lock_.name().c_str(), 0);
     if (!made_.empty() && ::rmdir(folder_.c_str()) == 0)
         for (fs::path at = folder_; at != made_ && at.has_parent_path();)
             if (at = at.parent_path(); ::rmdir(at.c_str()) != 0) break;
@@ -132,18 +157,22 @@ void FileLock::swap(FileLock& other) noexcept
     std::swap(fd_, other.fd_);
 }
 
-void remove_leftovers(const fs::path& dir)
+void remove_leftovers(const Folder& folder)
 {
-    std::error_code error;
-    std::vector<fs::path> left;
-    for (fs::directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) {
-        const pid_t pid = writer_of(at->path().filename().string());
-        struct stat status {};
-        if (pid == 0 || ::lstat(at->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-        const bool gone = pid == ::getpid() || (::kill(pid, 0) != 0 && errno == ESRCH);  // ours: the number came round again
-        if (gone || std::time(nullptr) - status.st_mtime > leftover_age) left.push_back(at->path());
+    std::vector<std::string> names;
+    try {
+        names = folder.names();
+    } catch (const Error&) {  // may be entered and not listed
     }
-    for (const fs::path& path : left) ::unlink(path.c_str());
+    for (const std::string& name : names) {
+        const pid_t pid = writer_of(name);
+        if (pid == 0) continue;
+        const FilePlace file = folder / name;
+        struct stat status {};
+        if (::fstatat(file.start(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(status.st_mode)) continue;
+        const bool gone = pid == ::getpid() || (::kill(pid, 0) != 0 && errno == ESRCH);  // ours: the number came round again
+        if (gone || std::time(nullptr) - status.st_mtime > leftover_age) (void)folder.remove(name);
+    }
 }
 
 }  // namespace seldinger

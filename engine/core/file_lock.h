@@ -2,6 +2,8 @@
 // One writer to a folder or to a file that grows: whoever comes second is refused in one line. The lock is the system's own
 // (flock), so that it ends with the process, however that ends. Who only reads takes none.
 
+#include "core/folder.h"
+
 #include <filesystem>
 #include <string>
 
@@ -12,11 +14,14 @@ public:
     FileLock() = default;
     /// Locks a folder by a file ".lock" in it, makes the folder where it is missing, and removes what a killed process has left
     /// half written there (name.PID.tmp). A folder that was made and stayed empty goes with the lock.
-    /// @throws Error BadFile: another process writes there, or the folder cannot be written to
+    /// @throws Error BadFile: another process writes there, the folder cannot be written to, or what has the lock's name is no lock: a
+    /// link, a file with a second name or with something in it
     [[nodiscard]] static FileLock of_folder(const std::filesystem::path& dir);
+    /// The same of a folder that is open.
+    [[nodiscard]] static FileLock of_folder(const Folder& folder);
     enum class Wait { No, Yes };  // for another process to end its writing
     /// Locks one file that is to be written, by "FILE.lock" beside it. @throws Error BadFile
-    [[nodiscard]] static FileLock of_file(const std::filesystem::path& file, Wait wait = Wait::No);
+    [[nodiscard]] static FileLock of_file(const FilePlace& file, Wait wait = Wait::No);
     ~FileLock();
     FileLock(const FileLock&) = delete;
     FileLock& operator=(const FileLock&) = delete;
@@ -28,15 +33,15 @@ public:
     }
 
 private:
-    FileLock(std::filesystem::path what, std::filesystem::path lock, Wait wait = Wait::No);
+    FileLock(const std::filesystem::path& what, FilePlace lock, Wait wait = Wait::No);
     void swap(FileLock& other) noexcept;
 
-    std::filesystem::path lock_, made_;  // made_: the first folder that there was not
-    std::filesystem::path folder_;
+    FilePlace lock_{""};
+    std::filesystem::path folder_, made_;  // made_: the first folder that there was not
     int fd_ = -1;
 };
 
 /// Removes files NAME.PID.tmp of processes that are no more.
-void remove_leftovers(const std::filesystem::path& dir);
+void remove_leftovers(const Folder& folder);
 
 }  // namespace seldinger

@@ -7,7 +7,7 @@
 
 namespace seldinger {
 
-void write_sealed(const std::filesystem::path& path, std::string_view magic, const std::vector<std::uint8_t>& payload)
+void write_sealed(const FilePlace& place, std::string_view magic, const std::vector<std::uint8_t>& payload)
 {
     std::vector<std::uint8_t> file;
     put_bytes(file, magic.data(), magic.size());
@@ -15,12 +15,12 @@ void write_sealed(const std::filesystem::path& path, std::string_view magic, con
     put_bytes(file, &size, 1);
     put_bytes(file, payload.data(), payload.size());
     put_bytes(file, &hash, 1);
-    write_file(path, {reinterpret_cast<const char*>(file.data()), file.size()}, Durable::Yes);
+    write_file(place, {reinterpret_cast<const char*>(file.data()), file.size()}, Durable::Yes);
 }
 
-std::vector<std::uint8_t> read_sealed(const std::filesystem::path& path, std::string_view magic)
+std::vector<std::uint8_t> read_sealed(const FilePlace& place, std::string_view magic)
 {
-    const std::string file = read_file(path);
+    const std::string file = read_file(place);
     const std::size_t frame = magic.size() + 2 * sizeof(std::uint64_t);
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(file.data());
     std::uint64_t size = 0, hash = 0;
@@ -34,7 +34,7 @@ std::vector<std::uint8_t> read_sealed(const std::filesystem::path& path, std::st
         std::memcpy(&hash, bytes + file.size() - sizeof hash, sizeof hash);
         whole = hash == fnv1a(payload, size);
     }
-    if (!whole) throw Error(ExitCode::BadFile, path.string() + ": is damaged or not a checkpoint; run again with --overwrite");
+    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": is damaged or not a checkpoint; run again with --overwrite");
     return {payload, payload + size};
 }
 

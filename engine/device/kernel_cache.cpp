@@ -1,6 +1,8 @@
 // Tries the cache's folder by a file of some size, walks through its shared objects, and finds another folder where it must.
 #include "device/kernel_cache.h"
 
+#include "core/error.h"
+#include "core/folder.h"
 #include "core/note.h"
 #include "core/printable.h"
 
@@ -44,35 +46,62 @@ int try_to_write(const fs::path& dir)
 
 /// Bitcode of LLVM whose blocks do not end where the file does: the compiler would end the process. [LLVM, bitstream format: a
 /// block is 2 bits "enter", 8 of its kind, 4 of its inner width, then, aligned, its length in words of 32 bits]
-bool is_cut_bitcode(const fs::path& file)
+bool is_cut_bitcode(int fd, const struct stat& status)
 {
-    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    struct stat status {};
-    if (fd < 0) return false;
     std::uint32_t words[2] = {};
-    bool sound = ::fstat(fd, &status) == 0 && ::pread(fd, words, 4, 0) == 4 && words[0] == 0xdec04342u;
+    bool sound = ::pread(fd, words, 4, 0) == 4 && words[0] == 0xdec04342u;
     const off_t size = status.st_size;
     for (off_t at = 4; sound && at < size; at += 8 + 4 * static_cast<off_t>(words[1]))
         sound = ::pread(fd, words, 8, at) == 8 && (words[0] & 3u) == 1 && 8 + 4 * static_cast<off_t>(words[1]) <= size - at;
-    ::close(fd);
     return !sound;
 }
 
 /// Shorter than its header says, or no shared object at all.
-bool is_cut_object(const fs::path& file)
+bool is_cut_object(int fd, const struct stat& status)
 {
-    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0) return false;
     Elf64_Ehdr header{};
-    struct stat status {};
-    const ssize_t got = ::pread(fd, &header, sizeof header, 0);
-    const bool known = ::fstat(fd, &status) == 0;
-    ::close(fd);
-    if (got != sizeof header || !known || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return true;
+    if (::pread(fd, &header, sizeof header, 0) != sizeof header || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return true;
     if (header.e_ident[EI_CLASS] != ELFCLASS64) return false;
     const auto size = static_cast<std::uint64_t>(status.st_size);  // the table of sections is the last thing in it
     const std::uint64_t table = std::uint64_t{header.e_shnum} * header.e_shentsize;
     return header.e_shoff > size || table > size - header.e_shoff;
+}
+
+bool is_cut(const FilePlace& file)
+{
+    const std::string kind = file.path().extension().string();
+    if (kind != ".so" && kind != ".bc") return false;
+    const int fd = ::openat(file.start(), file.name().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+    struct stat status {};
+    const bool looked = fd >= 0 && ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+    const bool cut = looked && (kind == ".so" ? is_cut_object(fd, status) : is_cut_bitcode(fd, status));
+    if (fd >= 0) ::close(fd);
+    return cut;
+}
+
+/// PoCL writes the digits of a hash as A to P.
+bool is_hash(const std::string& name, std::size_t digits)
+{
+    return name.size() == digits && name.find_first_not_of("ABCDEFGHIJKLMNOP") == std::string::npos;
+}
+
+constexpr int depth_of_hash = 2, depth_of_kernel = 4;  // HH/HASH, HH/HASH/KERNEL/SIZE
+
+int remove_cut_kernels(const Folder& folder, int depth)
+{
+    int removed = 0;
+    for (const std::string& name : folder.names()) {
+        const bool is_place = depth == 0 ? is_hash(name, 2) : depth > 1 || is_hash(name, 38);
+        // what the compiler is still writing has another name
+        if (!is_place || name.starts_with("temp")) continue;
+        if (depth >= depth_of_hash && is_cut(folder / name)) removed += folder.remove(name) == 0;
+        if (depth == depth_of_kernel || name.find('.') != std::string::npos) continue;
+        try {
+            removed += remove_cut_kernels(folder.inner(name), depth + 1);
+        } catch (const Error&) {  // a file, a link, or not to be read
+        }
+    }
+    return removed;
 }
 
 fs::path own_folder;
@@ -167,18 +196,11 @@ std::string kernel_cache_advice()
 
 int remove_cut_kernels(const fs::path& dir)
 {
-    int removed = 0;
-    std::error_code error;
-    for (fs::recursive_directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) {
-        const fs::path& file = at->path();
-        // what the compiler is still writing has another name
-        if (file.filename().string().starts_with("temp")) continue;
-        const fs::path kind = file.extension();
-        if (!(kind == ".so" && is_cut_object(file)) && !(kind == ".bc" && is_cut_bitcode(file))) continue;
-        std::error_code ignored;
-        removed += fs::remove(file, ignored);
+    try {
+        return remove_cut_kernels(Folder(dir), 0);
+    } catch (const Error&) {  // not there, or not to be read: PoCL says so
+        return 0;
     }
-    return removed;
 }
 
 void prepare_kernel_cache()

@@ -34,7 +34,8 @@ private:
 /// For the line of a build that failed: the folder, and what to do about it.
 [[nodiscard]] std::string kernel_cache_advice();
 
-/// Removes every shared object and bitcode file under `dir` that is shorter than it says itself. @return how many
+/// Removes the shared objects and bitcode files of PoCL in `dir` that are shorter than they say themselves: those that lie where PoCL
+/// puts them, under the names that it gives (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's. @return how many
 int remove_cut_kernels(const std::filesystem::path& dir);
 
 }  // namespace seldinger::device

@@ -1,4 +1,4 @@
-// Starts ffmpeg, feeds it pixels and renames what it wrote.
+// Starts ffmpeg, feeds it pixels or pictures, and puts what it wrote in place.
 #include "io/film_write.h"
 
 #include "core/child_process.h"
@@ -17,30 +17,24 @@
 namespace seldinger {
 namespace {
 
-/// The end of ffmpeg's command line: pictures of odd size are padded by a pixel.
-std::vector<std::string> output_words(const std::filesystem::path& file, const char* container)
+/// What ffmpeg reads: pixels.
+std::vector<std::string> pixel_words(int width, int height, double rate, FilmPixels pixels)
 {
-    return {"-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-            "-c:v",       "libx264",
-            "-preset",    "veryfast",
-            "-crf",       "18",
-            "-pix_fmt",   "yuv420p",
-            "-f",         container,
-            file.string()};
+    return {"-f", "rawvideo", "-pix_fmt", pixels == FilmPixels::Rgb ? "rgb24" : "gray", "-s", fmt::format("{}x{}", width, height),
+            "-r", fmt::format("{:.6g}", rate)};
 }
 
-/// ffmpeg's command line: pixels in.
-std::vector<std::string> command_line(const std::filesystem::path& file, int width, int height, double rate, FilmPixels pixels,
-                                      const char* container)
+std::vector<std::string> png_words(double rate) { return {"-f", "image2pipe", "-c:v", "png", "-framerate", fmt::format("{:.6g}", rate)}; }
+
+/// ffmpeg's command line, from its standard input to the file that is its standard output. Opened by this name it is that file, and can
+/// be gone back in, as MP4 needs; pictures of odd size are padded by a pixel.
+std::vector<std::string> command_line(const std::vector<std::string>& input, const char* container)
 {
-    std::vector<std::string> words = {"ffmpeg",    "-y",
-                                      "-loglevel", "error",
-                                      "-f",        "rawvideo",
-                                      "-pix_fmt",  pixels == FilmPixels::Rgb ? "rgb24" : "gray",
-                                      "-s",        fmt::format("{}x{}", width, height),
-                                      "-r",        fmt::format("{:.6g}", rate),
-                                      "-i",        "-"};
-    for (std::string& word : output_words(file, container)) words.push_back(std::move(word));
+    std::vector<std::string> words = {"ffmpeg", "-y", "-loglevel", "error"};
+    words.insert(words.end(), input.begin(), input.end());
+    for (const char* word : {"-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt",
+                             "yuv420p", "-f", container, "file:/proc/self/fd/1"})
+        words.emplace_back(word);
     return words;
 }
 
@@ -59,10 +53,10 @@ std::string first_line(int& said)
     return all.substr(0, all.find('\n'));
 }
 
-/// @param input, said  its standard input and error. @throws Error BadFile: there is no ffmpeg, or no process for it
-pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said)
+/// @param input, said, output  its standard input, error and output. @throws Error BadFile: there is no ffmpeg, or no process for it
+pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::string>& words, int input, int said, int output)
 {
-    const pid_t process = start_program(words, input, said);
+    const pid_t process = start_program(words, input, said, output);
     if (process < 0)
         throw Error(ExitCode::BadFile,
                     fmt::format("{}: a film needs ffmpeg: {}", film.string(),
@@ -70,17 +64,10 @@ pid_t start_ffmpeg(const std::filesystem::path& film, const std::vector<std::str
     return process;
 }
 
-void put_in_place(const std::filesystem::path& partial, const std::filesystem::path& film)
-{
-    std::error_code problem;
-    std::filesystem::rename(partial, film, problem);
-    if (problem) throw Error(ExitCode::BadFile, film.string() + ": cannot be written; is the folder read-only?");
-}
-
 std::string unfinished(const std::string& said)
 {
-    return fmt::format("ffmpeg could not finish the film{}; is the disk full, or is it without libx264?",
-                       said.empty() ? "" : " (" + said + ")");
+    if (!said.empty()) return fmt::format("ffmpeg could not finish the film ({})", said);
+    return "ffmpeg could not finish the film; is the disk full, or is it without libx264?";
 }
 
 const char* container_of(const std::filesystem::path& path)
@@ -95,19 +82,25 @@ const char* container_of(const std::filesystem::path& path)
 }  // namespace
 
 FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height, double rate, FilmPixels pixels)
-    : path_(path), partial_(path)
+    : FilmWriter(path, pixel_words(width, height, rate, pixels))
+{
+}
+
+FilmWriter::FilmWriter(const std::filesystem::path& path, double rate) : FilmWriter(path, png_words(rate)) {}
+
+FilmWriter::FilmWriter(const std::filesystem::path& path, const std::vector<std::string>& input) : path_(path)
 {
     const char* container = container_of(path);
     if (std::filesystem::is_directory(path))
         throw Error(ExitCode::BadFile, path.string() + ": is a folder, expected the name of a film");
-    partial_ += ".part";
+    file_.emplace(path);
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ExitCode::BadFile, path.string() + ": no pipe to ffmpeg could be opened");
     pipe_ = ends[1];
     // room for a picture of 1024 x 1024, so that the next one is drawn while ffmpeg encodes; where that is not allowed, it stays small
     (void)fcntl(pipe_, F_SETPIPE_SZ, 1 << 20);
     try {
-        encoder_ = start_ffmpeg(path, command_line(partial_, width, height, rate, pixels, container), ends[0], said_ = memory_file());
+        encoder_ = start_ffmpeg(path, command_line(input, container), ends[0], said_ = memory_file(), file_->fd());
     } catch (...) {
         close(ends[0]);
         close(pipe_);
@@ -120,10 +113,7 @@ FilmWriter::FilmWriter(const std::filesystem::path& path, int width, int height,
 FilmWriter::~FilmWriter()
 {
     (void)first_line(said_);
-    if (encoder_ < 0) return;
-    wait_for_end();
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
+    if (encoder_ >= 0) wait_for_end();
 }
 
 int FilmWriter::wait_for_end()
@@ -139,8 +129,7 @@ int FilmWriter::wait_for_end()
 void FilmWriter::fail(const std::string& why)
 {
     wait_for_end();
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
+    file_.reset();
     throw Error(ExitCode::BadFile, path_.string() + ": " + why);
 }
 
@@ -153,8 +142,11 @@ void FilmWriter::add(const std::vector<std::uint16_t>& grey)
 
 void FilmWriter::add(const std::vector<std::uint8_t>& rgb) { put(rgb.data(), rgb.size()); }
 
-void FilmWriter::put(const std::uint8_t* bytes, std::size_t size)
+void FilmWriter::add_png(std::string_view file) { put(file.data(), file.size()); }
+
+void FilmWriter::put(const void* pixels, std::size_t size)
 {
+    const auto* bytes = static_cast<const char*>(pixels);
     // an encoder that has gone is said here, not by a signal
     const auto before = std::signal(SIGPIPE, SIG_IGN);
     bool gone = false;
@@ -164,7 +156,10 @@ void FilmWriter::put(const std::uint8_t* bytes, std::size_t size)
         else gone = errno != EINTR;
     }
     std::signal(SIGPIPE, before);
-    if (gone) fail("ffmpeg ended before the film did; is the disk full?");
+    if (!gone) return;
+    wait_for_end();
+    const std::string said = first_line(said_);
+    fail(said.empty() ? "ffmpeg ended before the film did; is the disk full?" : unfinished(said));
 }
 
 void FilmWriter::finish()
@@ -172,39 +167,8 @@ void FilmWriter::finish()
     const int status = wait_for_end();
     const std::string said = first_line(said_);
     if (status != 0 || !said.empty()) fail(unfinished(said));
-    put_in_place(partial_, path_);
-}
-
-void write_film_of(const std::filesystem::path& pattern, std::size_t first, std::size_t count, double rate,
-                   const std::filesystem::path& path)
-{
-    const char* container = container_of(path);
-    if (std::filesystem::is_directory(path))
-        throw Error(ExitCode::BadFile, path.string() + ": is a folder, expected the name of a film");
-    std::filesystem::path partial = path;
-    partial += ".part";
-    std::vector<std::string> words = {"ffmpeg",
-                                      "-y",
-                                      "-loglevel",
-                                      "error",
-                                      "-start_number",
-                                      std::to_string(first),
-                                      "-framerate",
-                                      fmt::format("{:.6g}", rate),
-                                      "-i",
-                                      pattern.string(),
-                                      "-frames:v",
-                                      std::to_string(count)};
-    for (std::string& word : output_words(partial, container)) words.push_back(std::move(word));
-    int errors = memory_file();
-    const int status = wait_for_program(start_ffmpeg(path, words, no_descriptor, errors));
-    const std::string said = first_line(errors);
-    if (status != 0 || !said.empty()) {
-        std::error_code ignored;
-        std::filesystem::remove(partial, ignored);
-        throw Error(ExitCode::BadFile, path.string() + ": " + unfinished(said));
-    }
-    put_in_place(partial, path);
+    file_->put_in_place();
+    file_.reset();
 }
 
 }  // namespace seldinger

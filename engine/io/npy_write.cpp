@@ -10,7 +10,7 @@
 
 namespace seldinger {
 
-void write_npy(const std::filesystem::path& path, std::span<const float> values, const std::vector<std::size_t>& shape)
+void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape)
 {
     static_assert(std::endian::native == std::endian::little);
     std::size_t count = 1;
@@ -25,7 +25,7 @@ void write_npy(const std::filesystem::path& path, std::span<const float> values,
     file += static_cast<char>(header.size() >> 8);
     file += header;
     file.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-    write_file(path, file);
+    write_file(place, file);
 }
 
 }  // namespace seldinger

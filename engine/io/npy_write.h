@@ -1,7 +1,8 @@
 #pragma once
 // NumPy's .npy of float32 pictures, as numpy.load() reads it. [NEP 1, version 1.0]
 
-#include <filesystem>
+#include "core/folder.h"
+
 #include <span>
 #include <vector>
 
@@ -9,6 +10,6 @@ namespace seldinger {
 
 /// @param shape  e.g. {rows, columns}; its product is the number of values. The file appears only when it is complete.
 /// @throws Error BadFile
-void write_npy(const std::filesystem::path& path, std::span<const float> values, const std::vector<std::size_t>& shape);
+void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape);
 
 }  // namespace seldinger

@@ -3,30 +3,15 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "core/file_io.h"
 
 #include <png.h>
 #include <zlib.h>
 
-#include <fstream>
 #include <string>
 
 namespace seldinger {
 namespace {
-
-void write_whole(const std::filesystem::path& path, const char* bytes, std::size_t size)
-{
-    std::filesystem::path partial = path;
-    partial += ".part";
-    std::ofstream stream(partial, std::ios::binary);
-    stream.write(bytes, static_cast<std::streamsize>(size));
-    stream.close();
-    std::error_code problem;
-    if (stream) std::filesystem::rename(partial, path, problem);
-    if (!stream || problem) {
-        std::filesystem::remove(partial, problem);
-        throw Error(ExitCode::BadFile, path.string() + ": cannot be written; is the disk full or the folder read-only?");
-    }
-}
 
 /// What libpng writes goes to the end of a string.
 void append(png_structp png, png_bytep data, png_size_t size)
@@ -64,15 +49,15 @@ bool encode_grey(png_structp png, png_infop info, const GreyRows& grey, std::str
     return true;
 }
 
-void write_grey(const std::filesystem::path& path, const GreyRows& grey)
+void write_grey(const FilePlace& place, const GreyRows& grey)
 {
     std::string file;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool whole = info && encode_grey(png, info, grey, file);
     png_destroy_write_struct(&png, &info);
-    if (!whole) throw Error(ExitCode::BadFile, path.string() + ": could not be encoded as PNG");
-    write_whole(path, file.data(), file.size());
+    if (!whole) throw Error(ExitCode::BadFile, place.path().string() + ": could not be encoded as PNG");
+    write_file(place, file);
 }
 
 }  // namespace
@@ -91,7 +76,7 @@ void write_png(const std::filesystem::path& path, int width, int height, const s
     if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr)) {
         throw Error(ExitCode::BadFile, path.string() + ": " + image.message);
     }
-    write_whole(path, bytes.data(), size);
+    write_file(path, {bytes.data(), size});
 }
 
 void write_grey_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint16_t>& grey)
@@ -106,19 +91,19 @@ void write_grey_png(const std::filesystem::path& path, int width, int height, co
     write_grey(path, {width, height, 16, rows.data(), 12, false});
 }
 
-void write_label_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> labels)
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels)
 {
     SEL_ASSERT(labels.size() == static_cast<std::size_t>(width) * height);
-    write_grey(path, {width, height, 8, labels.data(), 0, true});
+    write_grey(place, {width, height, 8, labels.data(), 0, true});
 }
 
-void write_label_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> values)
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values)
 {
     SEL_ASSERT(values.size() == static_cast<std::size_t>(width) * height);
     std::vector<png_byte> rows;
     rows.reserve(2 * values.size());
     for (const std::uint16_t v : values) rows.push_back(static_cast<png_byte>(v >> 8)), rows.push_back(static_cast<png_byte>(v & 255));
-    write_grey(path, {width, height, 16, rows.data(), 0, false});
+    write_grey(place, {width, height, 16, rows.data(), 0, false});
 }
 
 }  // namespace seldinger

@@ -1,6 +1,8 @@
 #pragma once
 // Pictures to PNG files.
 
+#include "core/folder.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -19,7 +21,7 @@ void write_grey_png(const std::filesystem::path& path, int width, int height, co
 
 /// Numbers, not shades: 8 or 16 bits a pixel as they are, rows from the top. The file appears under its name only when it is complete.
 /// @throws Error BadFile
-void write_label_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> labels);
-void write_label_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint16_t> values);
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels);
+void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values);
 
 }  // namespace seldinger

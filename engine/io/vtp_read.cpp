@@ -314,9 +314,9 @@ PolyData parse_poly_data(const std::string& bytes, const std::string& name, Poly
     return data;
 }
 
-PolyData read_poly_data(const std::filesystem::path& path, PolyParts parts)
+PolyData read_poly_data(const FilePlace& place, PolyParts parts)
 {
-    return parse_poly_data(read_file(path), path.string(), parts);
+    return parse_poly_data(read_file(place), place.path().string(), parts);
 }
 
 }  // namespace seldinger

@@ -3,9 +3,10 @@
 // Little-endian only, as every writer of the last decades makes on common machines. What a file unpacks to is bounded by its size
 // (kMostUnpacked), whatever its headers promise.
 
+#include "core/folder.h"
+
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -40,7 +41,7 @@ constexpr std::uint64_t kMostUnpacked = 32;
 constexpr std::uint64_t kLeastUnpacked = 1 << 20;  // small files may, whatever their size [bytes]
 
 /// @throws Error BadFile: missing, not PolyData, cut short, an index outside the points, or more than kMostUnpacked
-[[nodiscard]] PolyData read_poly_data(const std::filesystem::path& path, PolyParts parts = PolyParts::All);
+[[nodiscard]] PolyData read_poly_data(const FilePlace& place, PolyParts parts = PolyParts::All);
 
 /// Same, from the bytes of a file; `name` is for messages.
 [[nodiscard]] PolyData parse_poly_data(const std::string& bytes, const std::string& name, PolyParts parts = PolyParts::All);

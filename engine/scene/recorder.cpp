@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace seldinger {
@@ -53,16 +54,13 @@ bool is_own(const std::string& name, const std::vector<std::string>& instruments
 }
 
 /// Instruments that a folder's run has: those of trace_NAME.csv.
-std::vector<std::string> instruments_in(const fs::path& dir)
+std::vector<std::string> instruments_in(const std::vector<std::string>& files)
 {
     std::vector<std::string> names;
-    std::error_code error;
     constexpr std::string_view before = "trace_", after = ".csv";
-    for (const auto& entry : fs::directory_iterator(dir, error)) {
-        const std::string name = entry.path().filename().string();
+    for (const std::string& name : files)
         if (name.starts_with(before) && name.ends_with(after) && name.size() > before.size() + after.size())
             names.push_back(name.substr(before.size(), name.size() - before.size() - after.size()));
-    }
     return names;
 }
 
@@ -70,24 +68,18 @@ bool due(std::int64_t step, int every) { return every > 0 && step % every == 0; 
 
 }  // namespace
 
-void remove_old_run(const fs::path& dir)
+void remove_old_run(const Folder& dir)
 {
-    std::error_code error;
-    std::vector<fs::path> old;
-    const std::vector<std::string> instruments = instruments_in(dir);
-    for (const auto& entry : fs::directory_iterator(dir, error))
-        if (is_own(entry.path().filename().string(), instruments)) old.push_back(entry.path());
-    for (const fs::path& path : old)
-        if (!fs::remove(path, error) && error)
-            throw Error(ExitCode::BadFile,
-                        fmt::format("{}: cannot be removed: {}; choose another folder with -o", path.string(), error.message()));
+    const std::vector<std::string> files = dir.names(), instruments = instruments_in(files);
+    for (const std::string& name : files)
+        if (const int error = is_own(name, instruments) ? dir.remove(name) : 0; error != 0)
+            throw Error(ExitCode::BadFile, fmt::format("{}: cannot be removed: {}; choose another folder with -o",
+                                                       (dir.path() / name).string(), std::strerror(error)));
 }
 
-bool holds_a_run(const fs::path& dir)
+bool holds_a_run(const Folder& dir)
 {
-    std::error_code ignored;
-    return std::any_of(std::begin(own_files), std::end(own_files),
-                       [&](const char* name) { return fs::exists(dir / name, ignored); });
+    return std::any_of(std::begin(own_files), std::end(own_files), [&](const char* name) { return dir.has(name); });
 }
 
 void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)

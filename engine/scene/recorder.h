@@ -19,10 +19,10 @@ namespace seldinger {
 enum class FolderUse { Refuse, Overwrite, Resume };
 
 /// Whether any of a run's own files is there.
-[[nodiscard]] bool holds_a_run(const std::filesystem::path& dir);
+[[nodiscard]] bool holds_a_run(const Folder& dir);
 
 /// Removes a run's own files. @throws Error BadFile
-void remove_old_run(const std::filesystem::path& dir);
+void remove_old_run(const Folder& dir);
 
 /// Before anything is loaded. @throws Error BadScene when `dir` holds a run and `use` is Refuse, when the run that is to be
 /// resumed began with another scene, or when the scene file itself would be overwritten

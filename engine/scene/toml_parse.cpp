@@ -61,6 +61,6 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
     }
 }
 
-std::string read_scene_file(const std::filesystem::path& file) { return read_file(file, most_bytes); }
+std::string read_scene_file(const FilePlace& file) { return read_file(file, most_bytes); }
 
 }  // namespace seldinger

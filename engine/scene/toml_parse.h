@@ -2,6 +2,8 @@
 // TOML of files and of --set, whose authors may mean no good: size and depth are looked at before the parser, which calls itself
 // once for each level and ends the process where there are too many.
 
+#include "core/folder.h"
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -20,6 +22,6 @@ inline constexpr int most_toml_depth = 32;
 [[nodiscard]] toml::table parse_toml(const std::string& text, const std::filesystem::path& file);
 
 /// The text of a scene or a sweep. @throws Error BadFile: unreadable, no plain file, or above 16 MB
-[[nodiscard]] std::string read_scene_file(const std::filesystem::path& file);
+[[nodiscard]] std::string read_scene_file(const FilePlace& file);
 
 }  // namespace seldinger

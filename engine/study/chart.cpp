@@ -157,8 +157,8 @@ public:
             chart_.reference = analytic_reference(chart_.benchmark, study_.scene);
             compare(chart_, trajectories_);
         } else {
-            const auto folder = store_.folder() / chart_.benchmark.name / ("reference-" + scene_key(study_.scene, plan_));
-            make_folder(folder);
+            const Folder of_scene = make_own_folder(store_.folder() / chart_.benchmark.name);
+            const auto folder = of_scene.make("reference-" + scene_key(study_.scene, plan_)).path();
             refine_wall(chart_.benchmark.refinement);
             Refiner refiner(study_, chart_.benchmark.refinement, plan_, chart_.benchmark.window, folder);
             PerObservable wanted;

@@ -4,6 +4,7 @@
 #include "core/bytes.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "core/file_lock.h"
 #include "core/fnv1a.h"
 #include "core/sealed_file.h"
 
@@ -45,9 +46,11 @@ std::string as_json(const FarmPlan& plan)
 }
 
 /// Opened and locked, or -1: another living worker has the lock, or the file is not there (any more).
-int open_locked(const fs::path& file)
+int open_locked(const FilePlace& file)
 {
-    const int fd = open(file.c_str(), O_RDWR | O_CLOEXEC);
+    const int fd = openat(file.start(), file.name().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0 && errno == ELOOP)
+        throw Error(ExitCode::BadFile, file.path().string() + ": is a link, where a farm has plain files. Fix: make a new farm");
     if (fd < 0) return -1;
     // a look at the farm holds the lock for a moment
     for (int attempt = 0; attempt < 3; ++attempt) {
@@ -57,7 +60,7 @@ int open_locked(const fs::path& file)
             throw Error(ExitCode::BadFile,
                         fmt::format("{}: this file system has no locks, so nobody can tell a dead worker from a living one; put "
                                     "the farm's folder on one that has (NFS, Lustre mounted with flock)",
-                                    file.string()));
+                                    file.path().string()));
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -65,23 +68,16 @@ int open_locked(const fs::path& file)
     return -1;
 }
 
-bool renamed(const fs::path& from, const fs::path& to)
-{
-    std::error_code problem;
-    fs::rename(from, to, problem);
-    if (problem && problem != std::errc::no_such_file_or_directory)
-        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be renamed ({})", from.string(), problem.message()));
-    return !problem;
-}
-
-/// running/000012@W, or empty.
-fs::path running_file(const fs::path& dir, std::size_t task)
+/// 000012@W in running/, or empty.
+std::string running_name(const Folder& running, std::size_t task)
 {
     const std::string start = number(task) + "@";
-    for (const auto& entry : fs::directory_iterator(dir / "running"))
-        if (entry.path().filename().string().starts_with(start)) return entry.path();
+    for (const std::string& name : running.names())
+        if (name.starts_with(start)) return name;
     return {};
 }
+
+constexpr const char* mark = ".farm";
 
 }  // namespace
 
@@ -95,30 +91,31 @@ std::string farm_key(const std::vector<std::string>& texts)
     return fmt::format("{:016x}", hash);
 }
 
-void write_farm(const fs::path& dir, const FarmPlan& plan)
+void write_farm(const Folder& dir, const FarmPlan& plan)
 {
-    if (fs::exists(dir / "farm.json")) {
+    if (dir.has("farm.json")) {
         const FarmPlan there = read_farm(dir);
         if (there.key != plan.key || there.tasks != plan.tasks)
             throw Error(
                 ExitCode::BadScene,
                 fmt::format("{}: holds a farm of another scene, sweep, options, version or number of tasks ({}); give the "
                             "same again to go on with it, or another folder with -o",
-                            dir.string(), there.tasks));
+                            dir.path().string(), there.tasks));
         return;
     }
-    for (const char* folder : {"todo", "running", "done", "rows", "log", "tasks"}) make_folder(dir / folder);
-    for (std::size_t t = 0; t < plan.tasks; ++t) write_file(dir / "todo" / number(t), "");
+    for (const char* folder : {"running", "done", "rows", "log", "tasks"}) (void)dir.make(folder);
+    const Folder todo = dir.make("todo");
+    for (std::size_t t = 0; t < plan.tasks; ++t) write_file(todo / number(t), "");
     write_file(dir / "farm.json", as_json(plan), Durable::Yes);  // last: a folder without it was never begun
 }
 
-FarmPlan read_farm(const fs::path& dir)
+FarmPlan read_farm(const Folder& dir)
 {
-    const fs::path file = dir / "farm.json";
-    if (!fs::exists(file))
-        throw Error(ExitCode::BadFile, dir.string() + ": no farm.json in it; give the folder that `seldinger farm -o` made");
+    const fs::path file = dir.path() / "farm.json";
+    if (!dir.has("farm.json"))
+        throw Error(ExitCode::BadFile, dir.path().string() + ": no farm.json in it; give the folder that `seldinger farm -o` made");
     try {
-        const Json in = Json::parse(read_file(file));
+        const Json in = Json::parse(read_file(dir / "farm.json"));
         const auto count = [&](const char* key, std::size_t most) {
             const Json& value = in.at(key);
             if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
@@ -135,6 +132,9 @@ FarmPlan read_farm(const fs::path& dir)
             plan.first = count("first", last_frame);
             plan.render = in.at("render").get<std::vector<std::string>>();
             plan.files = in.value("files", plan.files);
+            if (plan.files.empty() || !std::all_of(plan.files.begin(), plan.files.end(), leads_below))
+                throw Error(ExitCode::BadFile, file.string() + ": got files outside of the farm's folder; expected names below it. Fix: make the "
+                                                               "farm again in another folder");
         }
         plan.items = count(plan.kind == FarmKind::Sweep ? "runs" : "frames", most_items);
         plan.tasks = count("tasks", std::min(plan.items, most_tasks));
@@ -150,7 +150,11 @@ FarmPlan read_farm(const fs::path& dir)
 std::string farm_worker()
 {
     const char *job = std::getenv("SLURM_ARRAY_JOB_ID"), *task = std::getenv("SLURM_ARRAY_TASK_ID");
-    if (job && task) return fmt::format("slurm-{}_{}", job, task);
+    if (job && task) {
+        std::string name = fmt::format("slurm-{}_{}", job, task);
+        std::replace(name.begin(), name.end(), '/', '_');  // of a file in running/
+        return name;
+    }
     char host[256] = "host";
     (void)gethostname(host, sizeof host - 1);
     return fmt::format("{}-{}", host, getpid());
@@ -158,33 +162,34 @@ std::string farm_worker()
 
 // ---------------------------------------------------------------- claims
 
-std::optional<TaskClaim> TaskClaim::take(const fs::path& dir, std::size_t task, const std::string& worker)
+std::optional<TaskClaim> TaskClaim::take(const Folder& dir, std::size_t task, const std::string& worker)
 {
-    if (fs::exists(dir / "done" / number(task))) return std::nullopt;
-    const fs::path waiting = dir / "todo" / number(task), mine = dir / "running" / (number(task) + "@" + worker);
+    const std::string waiting = number(task), mine = waiting + "@" + worker;
+    if (dir.inner("done").has(waiting)) return std::nullopt;
+    const Folder todo = dir.inner("todo"), running = dir.inner("running");
     // the lock comes before the rename, so that a task in running/ without a lock has a dead worker
-    if (const int lock = open_locked(waiting); lock >= 0) {
-        if (renamed(waiting, mine)) return TaskClaim(dir, task, mine, lock, false);
+    if (const int lock = open_locked(todo / waiting); lock >= 0) {
+        if (todo.rename(waiting, running, mine)) return TaskClaim(dir, task, mine, lock, false);
         close(lock);
     }
-    const fs::path theirs = running_file(dir, task);
+    const std::string theirs = running_name(running, task);
     if (theirs.empty()) return std::nullopt;
-    const int lock = open_locked(theirs);
+    const int lock = open_locked(running / theirs);
     if (lock < 0) return std::nullopt;
-    if (renamed(theirs, mine)) return TaskClaim(dir, task, mine, lock, true);
+    if (running.rename(theirs, running, mine)) return TaskClaim(dir, task, mine, lock, true);
     close(lock);
     return std::nullopt;
 }
 
-TaskClaim::TaskClaim(fs::path dir, std::size_t task, fs::path file, int lock, bool taken_over)
-    : dir_(std::move(dir)), file_(std::move(file)), task_(task), lock_(lock), taken_over_(taken_over)
+TaskClaim::TaskClaim(Folder dir, std::size_t task, std::string name, int lock, bool taken_over)
+    : dir_(std::move(dir)), task_(task), name_(std::move(name)), lock_(lock), taken_over_(taken_over)
 {
 }
 
 TaskClaim::TaskClaim(TaskClaim&& other) noexcept
     : dir_(std::move(other.dir_)),
-      file_(std::move(other.file_)),
       task_(other.task_),
+      name_(std::move(other.name_)),
       lock_(other.lock_),
       taken_over_(other.taken_over_)
 {
@@ -198,7 +203,7 @@ TaskClaim::~TaskClaim()
 
 void TaskClaim::move_to(const char* folder)
 {
-    (void)renamed(file_, dir_ / folder / number(task_));
+    (void)dir_.inner("running").rename(name_, dir_.inner(folder), number(task_));
     close(lock_);
     lock_ = -1;
 }
@@ -208,55 +213,77 @@ void TaskClaim::give_back() { move_to("todo"); }
 
 // ---------------------------------------------------------------- log and results
 
-void log_event(const fs::path& dir, std::size_t task, const std::string& worker, const TaskEvent& event)
+void log_event(const Folder& dir, std::size_t task, const std::string& worker, const TaskEvent& event)
 {
-    const fs::path file = dir / "log" / (number(task) + ".csv");
-    std::error_code absent;
-    const std::uintmax_t size = fs::file_size(file, absent);
-    AppendFile log(file, absent ? 0 : size);
-    if (absent) log.append("unix_s,event,worker,process_s,work_s,message\n");
+    AppendFile log(dir.inner("log") / (number(task) + ".csv"), AppendFile::everything);
+    if (log.size() == 0) log.append("unix_s,event,worker,process_s,work_s,message\n");  // new, or the disk was full when it was
     const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     log.append(
         fmt::format("{:.3f},{},{},{:.4f},{:.4f},{}\n", now, event.event, worker, event.process_s, event.work_s, event.message));
 }
 
-void write_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows)
+void write_rows(const Folder& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows)
 {
     std::vector<std::uint8_t> bytes;
     put_bytes(bytes, plan.key.data(), plan.key.size());
     put_rows(bytes, rows);
-    write_sealed(dir / "rows" / (number(task) + ".rows"), rows_magic, bytes);
+    write_sealed(dir.inner("rows") / (number(task) + ".rows"), rows_magic, bytes);
 }
 
-fs::path frame_file(const fs::path& dir, const std::string& pattern, std::size_t frame)
+// A batch there that is none of this farm's would be resumed, replaced and removed like one: the mark tells them apart. An empty folder
+// is one that a worker was killed in before it had marked it, or after.
+Folder open_task_folder(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
-    constexpr std::string_view mark = "######";
+    const Folder own = dir.inner("tasks").make(number(task));
+    if (!own.has(mark)) {
+        remove_leftovers(own);
+        if (!own.names().empty())
+            throw Error(ExitCode::BadFile, fmt::format("{}: holds what this farm did not put there (it has no {}). Fix: move it away",
+                                                       own.path().string(), mark));
+        write_file(own / mark, plan.key);
+    } else if (read_file(own / mark, 64) != plan.key) {
+        throw Error(ExitCode::BadFile, own.path().string() + ": is of another farm. Fix: move it away");
+    }
+    return own;
+}
+
+void close_task_folder(const Folder& dir, std::size_t task)
+{
+    const Folder tasks = dir.inner("tasks");
+    if (tasks.inner(number(task)).remove(mark) == 0) (void)tasks.remove(number(task));
+}
+
+std::string frame_file(const std::string& pattern, std::size_t frame)
+{
+    constexpr std::string_view digits = "######";
     std::string name = pattern;
-    if (const std::size_t at = name.find(mark); at != std::string::npos) name.replace(at, mark.size(), fmt::format("{:06}", frame));
-    return dir / name;
+    if (const std::size_t at = name.find(digits); at != std::string::npos) name.replace(at, digits.size(), fmt::format("{:06}", frame));
+    return name;
 }
 
-bool has_result(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+bool has_result(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
-    if (plan.kind == FarmKind::Sweep) return fs::exists(dir / "rows" / (number(task) + ".rows"));
+    if (plan.kind == FarmKind::Sweep) return dir.inner("rows").has(number(task) + ".rows");
     const FarmPlan::Part part = plan.part(task);
     for (std::size_t i = part.begin; i < part.end; ++i)
         for (const std::string& pattern : plan.files)
-            if (!fs::exists(frame_file(dir, pattern, plan.first + i))) return false;
+            if (!dir.has_below(frame_file(pattern, plan.first + i))) return false;
     return true;
 }
 
-void reopen_if_lost(const fs::path& dir, const FarmPlan& plan, std::size_t task)
+void reopen_if_lost(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
-    const fs::path done = dir / "done" / number(task);
-    if (fs::exists(done) && !has_result(dir, plan, task)) (void)renamed(done, dir / "todo" / number(task));
+    const Folder done = dir.inner("done");
+    if (done.has(number(task)) && !has_result(dir, plan, task)) (void)done.rename(number(task), dir.inner("todo"), number(task));
 }
 
-std::optional<std::vector<BatchRow>> read_rows(const fs::path& dir, const FarmPlan& plan, std::size_t task, std::size_t instruments)
+std::optional<std::vector<BatchRow>> read_rows(const Folder& dir, const FarmPlan& plan, std::size_t task, std::size_t instruments)
 {
-    const fs::path file = dir / "rows" / (number(task) + ".rows");
-    if (!fs::exists(file)) return std::nullopt;
-    const std::vector<std::uint8_t> bytes = read_sealed(file, rows_magic);
+    const Folder folder = dir.inner("rows");
+    const std::string name = number(task) + ".rows";
+    if (!folder.has(name)) return std::nullopt;
+    const fs::path file = folder.path() / name;
+    const std::vector<std::uint8_t> bytes = read_sealed(folder / name, rows_magic);
     const std::uint8_t *at = bytes.data(), *end = at + bytes.size();
     std::string key(std::min(plan.key.size(), bytes.size()), ' ');
     take_bytes(at, end, key.data(), key.size());

@@ -7,10 +7,15 @@
 //   done/000012        finished: never done again
 //   rows/000012.rows   results of a sweep's task, there whole or not at all
 //   log/000012.csv     what happened to the task
+//   tasks/000012/      where its batch is while it runs, marked by .farm with the plan's key; goes with it
+//
+// All of it is reached from the open folder and never through a link, and what goes again is the task's own folder, by its mark and the
+// names that a batch gives: a farm may be made by somebody else, or lie where others write.
 //
 // A task moves from one folder to the next by rename, which only one worker can win. What a task yields depends on the plan and
 // its number alone, so that the merged table has the same bits for any cut, any number of machines and any failures.
 
+#include "core/folder.h"
 #include "study/batch_table.h"
 
 #include <filesystem>
@@ -46,9 +51,9 @@ struct FarmPlan {
 
 /// Writes farm.json and one file in todo/ per task; with the same plan there already, leaves all as it is.
 /// @throws Error BadScene: another plan is there, BadFile
-void write_farm(const std::filesystem::path& dir, const FarmPlan& plan);
+void write_farm(const Folder& dir, const FarmPlan& plan);
 /// @throws Error BadFile: not a farm's folder, or damaged
-[[nodiscard]] FarmPlan read_farm(const std::filesystem::path& dir);
+[[nodiscard]] FarmPlan read_farm(const Folder& dir);
 
 /// "slurm-JOB_TASK" in an array job, which Slurm never runs twice at once, so that a requeued task takes over from itself; else
 /// host and process.
@@ -58,7 +63,7 @@ void write_farm(const std::filesystem::path& dir, const FarmPlan& plan);
 class TaskClaim {
 public:
     /// @return nothing where the task is finished or another living worker has it. @throws Error BadFile
-    [[nodiscard]] static std::optional<TaskClaim> take(const std::filesystem::path& dir, std::size_t task,
+    [[nodiscard]] static std::optional<TaskClaim> take(const Folder& dir, std::size_t task,
                                                        const std::string& worker);
     TaskClaim(TaskClaim&& other) noexcept;
     TaskClaim& operator=(TaskClaim&&) = delete;
@@ -69,10 +74,11 @@ public:
     void give_back();
 
 private:
-    TaskClaim(std::filesystem::path dir, std::size_t task, std::filesystem::path file, int lock, bool taken_over);
+    TaskClaim(Folder dir, std::size_t task, std::string name, int lock, bool taken_over);
     void move_to(const char* folder);
-    std::filesystem::path dir_, file_;
+    Folder dir_;
     std::size_t task_;
+    std::string name_;  // in running/
     int lock_;
     bool taken_over_;
 };
@@ -83,21 +89,26 @@ struct TaskEvent {
     double process_s = 0, work_s = 0;  // since the process began; of that in the loop itself
     std::string message;               // of a failure
 };
-void log_event(const std::filesystem::path& dir, std::size_t task, const std::string& worker, const TaskEvent& event);
+void log_event(const Folder& dir, std::size_t task, const std::string& worker, const TaskEvent& event);
 
-void write_rows(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows);
+void write_rows(const Folder& dir, const FarmPlan& plan, std::size_t task, const std::vector<BatchRow>& rows);
 /// Nothing where there are none. @param instruments  of a run, BatchRow::instruments @throws Error BadFile: damaged, or of another plan
-[[nodiscard]] std::optional<std::vector<BatchRow>> read_rows(const std::filesystem::path& dir, const FarmPlan& plan,
+[[nodiscard]] std::optional<std::vector<BatchRow>> read_rows(const Folder& dir, const FarmPlan& plan,
                                                              std::size_t task, std::size_t instruments);
 
-/// A file of a frame. @param pattern  of FarmPlan::files
-[[nodiscard]] std::filesystem::path frame_file(const std::filesystem::path& dir, const std::string& pattern, std::size_t frame);
+/// tasks/000012, made where there is none. @throws Error BadFile: holds what this farm did not put there
+[[nodiscard]] Folder open_task_folder(const Folder& dir, const FarmPlan& plan, std::size_t task);
+/// When its batch has gone: nothing else that may be in it goes.
+void close_task_folder(const Folder& dir, std::size_t task);
+
+/// A file of a frame, below the farm's folder. @param pattern  of FarmPlan::files
+[[nodiscard]] std::string frame_file(const std::string& pattern, std::size_t frame);
 
 /// Whether all that a task is to leave is there.
-[[nodiscard]] bool has_result(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task);
+[[nodiscard]] bool has_result(const Folder& dir, const FarmPlan& plan, std::size_t task);
 
 /// A finished task whose result somebody has removed is to be done again.
-void reopen_if_lost(const std::filesystem::path& dir, const FarmPlan& plan, std::size_t task);
+void reopen_if_lost(const Folder& dir, const FarmPlan& plan, std::size_t task);
 
 enum class TaskState { Todo, Running, Lost, Done };
 struct FarmReport {
@@ -111,9 +122,9 @@ struct FarmReport {
     [[nodiscard]] std::string list_missing() const;
 };
 /// Where each task stands. One whose result is there is done, whatever became of its worker. @throws Error BadFile
-[[nodiscard]] std::vector<TaskState> task_states(const std::filesystem::path& dir, const FarmPlan& plan);
+[[nodiscard]] std::vector<TaskState> task_states(const Folder& dir, const FarmPlan& plan);
 /// The same, with what the logs say. @throws Error BadFile
-[[nodiscard]] FarmReport look_at_farm(const std::filesystem::path& dir, const FarmPlan& plan);
+[[nodiscard]] FarmReport look_at_farm(const Folder& dir, const FarmPlan& plan);
 
 /// "3, 17-19" of increasing numbers.
 [[nodiscard]] std::string list_ranges(const std::vector<std::size_t>& numbers, const char* between = ", ");

@@ -16,20 +16,17 @@
 namespace seldinger {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// The task that a file's name begins with, or `tasks`.
-std::size_t task_of(const fs::path& file, std::size_t tasks)
+std::size_t task_of(const std::string& name, std::size_t tasks)
 {
-    const std::string name = file.filename().string();
     char* end = nullptr;
     const unsigned long task = std::strtoul(name.c_str(), &end, 10);
     return end == name.c_str() ? tasks : std::min<std::size_t>(task, tasks);
 }
 
-bool worker_lives(const fs::path& file)
+bool worker_lives(const FilePlace& file)
 {
-    const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const int fd = openat(file.start(), file.name().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) return true;  // has just moved on
     const bool lives = flock(fd, LOCK_SH | LOCK_NB) != 0;
     close(fd);
@@ -43,14 +40,14 @@ struct Story {
     std::string last, message;
 };
 
-Story read_story(const fs::path& file)
+Story read_story(const Folder& log, const std::string& name)
 {
     Story story;
-    if (!fs::exists(file)) return story;
-    std::istringstream lines(read_file(file));
+    if (!log.has(name)) return story;
+    std::istringstream lines(read_file(log / name));
     std::string line, cell[6];
-    std::getline(lines, line);
     while (std::getline(lines, line)) {
+        if (line.starts_with("unix_s,")) continue;  // the head; logs of earlier versions may be without
         std::istringstream cells(line);
         for (int k = 0; k < 5; ++k) std::getline(cells, cell[k], ',');
         std::getline(cells, cell[5]);  // a message may hold commas
@@ -86,28 +83,26 @@ std::string FarmReport::list_missing() const
     return list_ranges(missing);
 }
 
-std::vector<TaskState> task_states(const fs::path& dir, const FarmPlan& plan)
+std::vector<TaskState> task_states(const Folder& dir, const FarmPlan& plan)
 {
     std::vector<TaskState> states(plan.tasks, TaskState::Todo);
-    try {
-        for (const auto& entry : fs::directory_iterator(dir / "running"))
-            if (const std::size_t t = task_of(entry.path(), plan.tasks); t < plan.tasks)
-                states[t] = worker_lives(entry.path()) ? TaskState::Running : TaskState::Lost;
-        for (std::size_t t = 0; t < plan.tasks; ++t)
-            if (has_result(dir, plan, t)) states[t] = TaskState::Done;
-    } catch (const fs::filesystem_error& error) {
-        throw Error(ExitCode::BadFile, fmt::format("{}: cannot be read ({})", dir.string(), error.code().message()));
-    }
+    const Folder running = dir.inner("running");
+    for (const std::string& name : running.names())
+        if (const std::size_t t = task_of(name, plan.tasks); t < plan.tasks)
+            states[t] = worker_lives(running / name) ? TaskState::Running : TaskState::Lost;
+    for (std::size_t t = 0; t < plan.tasks; ++t)
+        if (has_result(dir, plan, t)) states[t] = TaskState::Done;
     return states;
 }
 
-FarmReport look_at_farm(const fs::path& dir, const FarmPlan& plan)
+FarmReport look_at_farm(const Folder& dir, const FarmPlan& plan)
 {
     FarmReport report;
     report.state = task_states(dir, plan);
+    const Folder log = dir.inner("log");
     std::vector<double> overheads;
     for (std::size_t t = 0; t < plan.tasks; ++t) {
-        const Story story = read_story(dir / "log" / fmt::format("{:06}.csv", t));
+        const Story story = read_story(log, fmt::format("{:06}.csv", t));
         report.began += story.began;
         if (story.began > 1) report.begun_again += story.began - 1;
         if (story.finished > 1) report.finished_again += story.finished - 1;

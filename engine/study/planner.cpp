@@ -29,7 +29,7 @@ constexpr double plainly_cheaper = 0.95;
 class Planner {
 public:
     Planner(const StudyScene& scene, const PlanOptions& options)
-        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(options.trials)
+        : scene_(scene), options_(options), goals_(options.goals), cost_(options.device), store_(make_own_folder(options.trials).path())
     {
         is_static_ = scene.scene.integrator.scheme == Scheme::Static;
         wall_ = wall_edges(scene.setup);

@@ -107,7 +107,8 @@ std::optional<RunRecord> RunStore::get(const std::string& scene_name, const Stud
 {
     const std::string settings = settings_of(model, scene.scene);
     const ResultTable::Row keys = {scene_name, scene_key(scene.scene, plan), label(model), settings};
-    const auto file = folder_ / scene_name / fmt::format("{}-{}.trajectory", keys[1], hex(settings));
+    const auto name = fmt::format("{}-{}.trajectory", keys[1], hex(settings));
+    const auto file = folder_ / scene_name / name;
     Trajectory kept;
     if (const ResultTable::Row* row = table_.find(keys); row && load_trajectory(file, kept)) {
         RunRecord record = record_of(*row);
@@ -122,8 +123,7 @@ std::optional<RunRecord> RunStore::get(const std::string& scene_name, const Stud
     ++fresh_;
     RunRecord record = record_of(run, plan);
     record.trajectory = file;
-    make_folder(file.parent_path());
-    save_trajectory(file, run.trajectory);
+    save_trajectory(make_own_folder(folder_ / scene_name) / name, run.trajectory);
     table_.append(row_of(keys, record));  // last: a row stands for a run whose trajectory is there
     if (trajectory) *trajectory = run.trajectory;
     return record;

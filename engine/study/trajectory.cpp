@@ -72,7 +72,7 @@ std::vector<double> accumulate_forces(const std::vector<ForceAt>& forces, double
     return up_to;
 }
 
-void save_trajectory(const std::filesystem::path& file, const Trajectory& trajectory)
+void save_trajectory(const FilePlace& file, const Trajectory& trajectory)
 {
     std::vector<std::uint8_t> bytes;
     put_bytes(bytes, &magic, 1);
@@ -91,9 +91,8 @@ void save_trajectory(const std::filesystem::path& file, const Trajectory& trajec
     write_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
-bool load_trajectory(const std::filesystem::path& file, Trajectory& trajectory)
+bool load_trajectory(const FilePlace& file, Trajectory& trajectory)
 {
-    if (!std::filesystem::exists(file)) return false;
     try {
         const std::string text = read_file(file);
         const auto* at = reinterpret_cast<const std::uint8_t*>(text.data());

@@ -1,6 +1,7 @@
 #pragma once
 // What is kept of a run: its observables on a grid of times that all models share, so that any two runs can be compared.
 
+#include "core/folder.h"
 #include "study/peaks.h"
 #include "study/simulation.h"
 
@@ -33,8 +34,8 @@ struct Trajectory {
 [[nodiscard]] std::vector<double> accumulate_forces(const std::vector<ForceAt>& forces, double wire_length);
 
 /// Binary, checksummed, written in one go. @throws Error BadFile
-void save_trajectory(const std::filesystem::path& file, const Trajectory& trajectory);
+void save_trajectory(const FilePlace& file, const Trajectory& trajectory);
 /// @return false when the file is missing, damaged, of another version or holds what no run makes (then the run is simply done again)
-[[nodiscard]] bool load_trajectory(const std::filesystem::path& file, Trajectory& trajectory);
+[[nodiscard]] bool load_trajectory(const FilePlace& file, Trajectory& trajectory);
 
 }  // namespace seldinger

@@ -74,9 +74,24 @@ std::vector<std::uint16_t> micrometres(const std::vector<float>& metres)
     return out;
 }
 
-fs::path beside(const FrameChoice& choice, const fs::path& picture, const char* ending)
+std::string name_of(const fs::path& picture, const char* ending) { return picture.stem().string() + ending; }
+
+bool is_there(const FrameChoice& choice, const std::string& name)
 {
-    return choice.labels / (picture.stem().string() + ending);
+    if (choice.labels_in.empty()) return fs::exists(choice.labels / name);
+    return Folder(choice.labels_in).has_below(choice.labels / name);
+}
+
+/// Made where there is none.
+Folder open_labels(const FrameChoice& choice)
+{
+    if (choice.labels_in.empty()) {
+        make_folder(choice.labels);
+        return choice.labels;
+    }
+    Folder at(choice.labels_in);
+    for (const fs::path& part : choice.labels) at = at.make(part.string());
+    return at;
 }
 
 }  // namespace
@@ -97,19 +112,19 @@ std::string label_json(const PictureTruth& truth, const std::string& picture)
 bool labels_exist(const FrameChoice& choice, const fs::path& picture)
 {
     return choice.labels.empty() ||
-           (fs::exists(beside(choice, picture, ".json")) && fs::exists(beside(choice, picture, "_mask.png")) &&
-            (!choice.label_vessel || fs::exists(beside(choice, picture, "_lumen.png"))));
+           (is_there(choice, name_of(picture, ".json")) && is_there(choice, name_of(picture, "_mask.png")) &&
+            (!choice.label_vessel || is_there(choice, name_of(picture, "_lumen.png"))));
 }
 
 void write_labels(const FrameChoice& choice, const fs::path& picture, const PictureTruth& truth)
 {
-    make_folder(choice.labels);
+    const Folder folder = open_labels(choice);
     const int columns = truth.view.columns, rows = truth.view.rows;
-    write_label_png(beside(choice, picture, "_mask.png"), columns, rows, truth.mask);
-    if (!truth.lumen.empty()) write_label_png(beside(choice, picture, "_lumen.png"), columns, rows, micrometres(truth.lumen));
+    write_label_png(folder / name_of(picture, "_mask.png"), columns, rows, truth.mask);
+    if (!truth.lumen.empty()) write_label_png(folder / name_of(picture, "_lumen.png"), columns, rows, micrometres(truth.lumen));
     if (!truth.depth.empty())
-        write_npy(beside(choice, picture, "_depth.npy"), truth.depth, {static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)});
-    write_file(beside(choice, picture, ".json"), label_json(truth, picture.filename().string()));
+        write_npy(folder / name_of(picture, "_depth.npy"), truth.depth, {static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)});
+    write_file(folder / name_of(picture, ".json"), label_json(truth, picture.filename().string()));
 }
 
 }  // namespace seldinger

@@ -30,9 +30,10 @@ namespace fs = std::filesystem;
 Vec3 to_vec3(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 
 /// Triangles and fans of larger polygons.
-WallMesh read_wall(const fs::path& path)
+WallMesh read_wall(const FilePlace& file)
 {
-    const PolyData data = read_poly_data(path);
+    const fs::path& path = file.path();
+    const PolyData data = read_poly_data(file);
     WallMesh mesh;
     mesh.vertices.reserve(data.points.size());
     for (const auto& p : data.points) {
@@ -72,10 +73,11 @@ struct Listed {
     std::string name;  // of the instrument, among several
 };
 
-std::vector<Listed> read_collection(const fs::path& pvd)
+std::vector<Listed> read_collection(const FilePlace& place)
 {
+    const fs::path& pvd = place.path();
     pugi::xml_document document;
-    const std::string text = read_file(pvd);
+    const std::string text = read_file(place);
     const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
     if (!parsed) fail(pvd, std::string("not a ParaView collection (") + parsed.description() + ")");
     std::vector<Listed> list;
@@ -91,7 +93,7 @@ std::vector<Listed> read_collection(const fs::path& pvd)
     return list;
 }
 
-std::vector<FrameFile> read_frame_list(const fs::path& pvd)
+std::vector<FrameFile> read_frame_list(const FilePlace& pvd)
 {
     std::vector<FrameFile> frames;
     for (const Listed& listed : read_collection(pvd)) {
@@ -102,7 +104,7 @@ std::vector<FrameFile> read_frame_list(const fs::path& pvd)
         frames.back().wires.push_back(listed.file);
         frames.back().names.push_back(listed.name);
     }
-    if (frames.empty()) fail(pvd, "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
+    if (frames.empty()) fail(pvd.path(), "names no frame: nothing was recorded, so there is nothing to draw ([output] wire_every)");
     return frames;
 }
 
@@ -115,7 +117,7 @@ std::vector<std::string> split(const std::string& line)
 }
 
 /// Columns are found by name; a trace without them is not an error, only a legend without those lines.
-std::vector<TraceRow> read_trace(const fs::path& path)
+std::vector<TraceRow> read_trace(const FilePlace& path)
 {
     std::istringstream stream(read_file(path));
     std::string line;
@@ -160,9 +162,10 @@ const PolyArray& need(const PolyData& data, const char* name, int components, co
     return found->second;
 }
 
-std::vector<WireLine> read_wires(const fs::path& path)
+std::vector<WireLine> read_wires(const FilePlace& file)
 {
-    const PolyData data = read_poly_data(path);
+    const fs::path& path = file.path();
+    const PolyData data = read_poly_data(file);
     const PolyArray& radius = need(data, "radius", 1, path);
     const PolyArray* force = data.point_data.count("contact_force") > 0 ? &need(data, "contact_force", 3, path) : nullptr;
     std::vector<WireLine> wires;
@@ -183,9 +186,10 @@ std::vector<WireLine> read_wires(const fs::path& path)
     return wires;
 }
 
-std::vector<ContactMark> read_contacts(const fs::path& path)
+std::vector<ContactMark> read_contacts(const FilePlace& file)
 {
-    const PolyData data = read_poly_data(path);
+    const fs::path& path = file.path();
+    const PolyData data = read_poly_data(file);
     if (data.points.empty()) return {};
     const PolyArray& force = need(data, "normal_n", 1, path);
     const bool directed = data.point_data.count("normal") > 0;
@@ -226,15 +230,20 @@ std::vector<double> wall_values(const PolyData& data, WallQuantity quantity, con
     return values;
 }
 
+/// A file of a frame, by its name in the run's folder.
+FilePlace file_of(const RunFolder& run, const fs::path& file) { return run.folder / file.filename().string(); }
+
 }  // namespace
+
+bool is_there(const RunFolder& run, const fs::path& file) { return !file.empty() && run.folder.has(file.filename().string()); }
 
 MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity)
 {
     const fs::path& path = run.frames.at(index).wall;
-    if (path.empty() || !fs::exists(path))
+    if (!is_there(run, path))
         fail(path, "frame " + std::to_string(index) +
                        " of wire.pvd has no wall beside it; run with [output] contacts_every = wire_every");
-    const PolyData data = read_poly_data(path);
+    const PolyData data = read_poly_data(file_of(run, path));
     if (data.points.size() != run.wall.vertices.size())
         fail(path, fmt::format("has {} points, vessel.vtp has {}", data.points.size(), run.wall.vertices.size()));
     MovedWall now;
@@ -249,28 +258,28 @@ MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity 
 
 double largest_on_wall(const RunFolder& run, const fs::path& dir, WallQuantity quantity)
 {
-    const fs::path pvd = dir / "wall.pvd";
-    if (run.wall.vertices.empty() || !fs::exists(pvd))
+    if (run.wall.vertices.empty() || !run.folder.has("wall.pvd"))
         fail(dir,
              "no wall.pvd in it: its wall is rigid or was not recorded, so there is nothing to colour; run the scene with "
              "--set vessel.wall=elastic ([output] contacts_every above 0)");
     double most = 0;
-    for (const Listed& listed : read_collection(pvd))
-        for (const double v : wall_values(read_poly_data(listed.file), quantity, listed.file)) most = std::max(most, v);
+    for (const Listed& listed : read_collection(run.folder / "wall.pvd"))
+        for (const double v : wall_values(read_poly_data(file_of(run, listed.file)), quantity, listed.file)) most = std::max(most, v);
     return most;
 }
 
 RunFolder read_run_folder(const fs::path& dir)
 {
     if (!fs::is_directory(dir)) fail(dir, "no such folder; give the folder that `seldinger run -o` wrote");
-    const fs::path pvd = dir / "wire.pvd", vessel = dir / "vessel.vtp";
-    if (!fs::exists(pvd)) fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
     RunFolder run;
-    run.frames = read_frame_list(pvd);
-    if (fs::exists(vessel)) run.wall = read_wall(vessel);
-    if (fs::exists(dir / "trace.csv")) run.trace = read_trace(dir / "trace.csv");
+    run.folder = Folder(dir);
+    if (!run.folder.has("wire.pvd")) fail(dir, "no wire.pvd in it: not a run's folder, or the run recorded no wire ([output] wire_every)");
+    run.frames = read_frame_list(run.folder / "wire.pvd");
+    if (run.folder.has("vessel.vtp")) run.wall = read_wall(run.folder / "vessel.vtp");
+    if (run.folder.has("trace.csv")) run.trace = read_trace(run.folder / "trace.csv");
     for (const std::string& name : run.frames.front().names)
-        if (const fs::path own = dir / ("trace_" + name + ".csv"); !name.empty() && fs::exists(own)) run.own_trace[name] = read_trace(own);
+        if (const std::string own = "trace_" + name + ".csv"; !name.empty() && run.folder.has(own))
+            run.own_trace[name] = read_trace(run.folder / own);
     return run;
 }
 
@@ -279,12 +288,12 @@ WireFrame read_frame(const RunFolder& run, std::size_t index)
     const FrameFile& file = run.frames.at(index);
     WireFrame frame;
     for (std::size_t k = 0; k < file.wires.size(); ++k)
-        for (WireLine& line : read_wires(file.wires[k])) {
+        for (WireLine& line : read_wires(file_of(run, file.wires[k]))) {
             line.name = file.names[k];
             frame.wires.push_back(std::move(line));
         }
     frame.contacts_known = run.wall.triangles.empty();  // without a wall none are written
-    if (!file.contacts.empty() && fs::exists(file.contacts)) frame.contacts = read_contacts(file.contacts), frame.contacts_known = true;
+    if (is_there(run, file.contacts)) frame.contacts = read_contacts(file_of(run, file.contacts)), frame.contacts_known = true;
     frame.time = file.time, frame.step = file.step;
     const TraceRow row = row_at(run.trace, file.time);
     frame.inserted = row.inserted;

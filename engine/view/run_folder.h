@@ -1,6 +1,7 @@
 #pragma once
 // Reads what `seldinger run` leaves in a folder, as far as a picture needs it.
 
+#include "core/folder.h"
 #include "view/renderer.h"
 
 #include <filesystem>
@@ -25,6 +26,7 @@ struct TraceRow {
 };
 
 struct RunFolder {
+    Folder folder;                  // where it all lies; a link in it is not followed
     WallMesh wall;                  // vessel.vtp, normals into the lumen; empty when there is none
     std::vector<FrameFile> frames;  // in the order of wire.pvd, at least one
     std::vector<TraceRow> trace;    // may be empty
@@ -33,6 +35,9 @@ struct RunFolder {
 
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file
 [[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& dir);
+
+/// Of a frame's files, the contacts and the wall, which may be absent.
+[[nodiscard]] bool is_there(const RunFolder& run, const std::filesystem::path& file);
 
 /// The wall where it had moved to in a frame. @throws Error BadFile: nothing recorded beside that frame, or damaged
 [[nodiscard]] MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity);

@@ -309,7 +309,7 @@ TEST_SUITE("apps/farm")
         check_refused(folder, "farm s.toml --vary v.toml -o ref", 2, "holds a batch");
         check_refused(folder, "farm missing.toml --vary v.toml -o f", 3, "missing.toml");
         check_refused(folder, "farm status ref", 3, "farm.json");
-        check_refused(folder, "farm merge nowhere", 3, "farm.json");
+        check_refused(folder, "farm merge nowhere", 3, "nowhere: cannot be opened as a folder");
         REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 3 --quiet").code == 0);
         check_refused(folder, "farm s.toml --vary v.toml -o f --tasks 4", 2, "number of tasks");
         check_refused(folder, "farm s.toml --vary v.toml -o f --tasks 3 --set scene.dt_s=0.002", 2, "another folder");

@@ -67,10 +67,10 @@ TEST_SUITE("device/kernel cache")
     TEST_CASE("property: of kernels cut anywhere none is left, and whole ones are")
     {
         const TemporaryFolder folder;
-        const auto dir = folder.path() / "AB/HASH/kernel";
+        const auto hash = folder.path() / "AB/CDEFGHIJKLMNOPABCDEFGHIJKLMNOPABCDEFGH", dir = hash / "kernel/64-1-1";
         std::filesystem::create_directories(dir);
         write_file(dir / "whole.so", object(1000));
-        write_file(dir / "program.bc", bitcode(25));
+        write_file(hash / "program.bc", bitcode(25));
         CHECK(device::remove_cut_kernels(folder.path()) == 0);
         for (const std::size_t size : {0, 1, 3, 40, 63, 64, 900, 999}) {
             CAPTURE(size);
@@ -81,10 +81,30 @@ TEST_SUITE("device/kernel cache")
         for (std::size_t size = 0; size < code.size(); ++size) {
             if (size == 4) continue;  // the mark alone is a file of no block
             CAPTURE(size);
-            write_file(dir / "cut.bc", code.substr(0, size));
+            write_file(hash / "cut.bc", code.substr(0, size));
             CHECK(device::remove_cut_kernels(folder.path()) == 1);
         }
         CHECK(std::filesystem::exists(dir / "whole.so"));
-        CHECK(std::filesystem::exists(dir / "program.bc"));
+        CHECK(std::filesystem::exists(hash / "program.bc"));
+    }
+
+    TEST_CASE("regression: what PoCL has not put there is not removed, whatever it is called; links are not followed")
+    {
+        const TemporaryFolder folder, theirs;
+        const auto hash = folder.path() / "AB/CDEFGHIJKLMNOPABCDEFGHIJKLMNOPABCDEFGH";
+        const std::filesystem::path others[] = {"notes.so", "model.bc", "lib/notes.so", "AB/notes.so", "AB/other/notes.so",
+                                                "AB/CDEFGHIJKLMNOPABCDEFGHIJKLMNOPABCDEFGH/kernel/64-1-1/deeper/notes.so"};
+        for (const auto& name : others) {
+            std::filesystem::create_directories((folder.path() / name).parent_path());
+            write_file(folder.path() / name, "no ELF");
+        }
+        write_file(theirs.path() / "program.bc", "no bitcode");
+        std::filesystem::create_directory_symlink(theirs.path(), folder.path() / "AC");
+        std::filesystem::create_directory_symlink(theirs.path(), hash / "linked");
+        std::filesystem::create_symlink(theirs.path() / "program.bc", hash / "program.bc");
+        CHECK(device::remove_cut_kernels(folder.path()) == 0);
+        for (const auto& name : others) CHECK(std::filesystem::exists(folder.path() / name));
+        CHECK(std::filesystem::exists(theirs.path() / "program.bc"));
+        CHECK(std::filesystem::is_symlink(hash / "program.bc"));
     }
 }

@@ -41,7 +41,7 @@ Fluorography::Fluorography(const fs::path& dir, const FluoroOptions& options, bo
       matter_(materials_of(options.instruments)),
       scope_(options.kev > 0 ? single_energy(options.kev) : tube_spectrum(options.kvp)),
       detector_({options.photons, options.blur / options.arm.pixel(), options.seed}),
-      walls_(std::any_of(run_.frames.begin(), run_.frames.end(), [](const FrameFile& f) { return fs::exists(f.wall); }))
+      walls_(std::any_of(run_.frames.begin(), run_.frames.end(), [this](const FrameFile& f) { return is_there(run_, f.wall); }))
 {
     if (options.auto_isocentre) arm_.isocentre = middle_of(run_);
     if (contrast_) scope_.set_bolus(find_bolus(run_, *options.contrast));
@@ -89,7 +89,7 @@ void Fluorography::aim(double time)
 WallMesh Fluorography::wall_of(std::size_t index) const
 {
     WallMesh wall = run_.wall;
-    if (fs::exists(run_.frames[index].wall))
+    if (is_there(run_, run_.frames[index].wall))
         wall.vertices = read_moved_wall(run_, index, WallQuantity::Displacement).vertices;
     return wall;
 }
