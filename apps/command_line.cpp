@@ -130,9 +130,9 @@ CommandLine::Parsed parsed(CLI::App& app, const Parse& parse)
     try {
         parse();
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() != 0) return {.error = error.what()};
+        if (error.get_exit_code() != 0) return {error.what(), false};
         app.exit(error);  // prints
-        return {.printed = true};
+        return {{}, true};
     }
     return {};
 }

@@ -7,7 +7,6 @@
 #include "study/chart.h"
 #include "study/planner.h"
 
-#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -22,6 +21,8 @@ namespace py = pybind11;
 namespace {
 
 using Texts = std::vector<std::string>;
+/// Eye and target [m], and the direction that is up.
+using CameraPose = std::optional<std::array<std::array<double, 3>, 3>>;
 
 /// Ctrl-C, seen while the interpreter's lock is not held: asked between steps, cheap. Throws what a signal handler raised.
 void check_signals()
@@ -133,9 +134,9 @@ struct Drawing {
     ~Drawing() { renderer.release(); }
 };
 
-void aim(Picture& picture, const WireFrame& frame, const std::optional<std::array<Vec3, 3>>& camera)
+void aim(Picture& picture, const WireFrame& frame, const CameraPose& camera)
 {
-    if (camera) picture.renderer.set_camera({(*camera)[0], (*camera)[1], (*camera)[2]});
+    if (camera) picture.renderer.set_camera({Vec3((*camera)[0].data()), Vec3((*camera)[1].data()), Vec3((*camera)[2].data())});
     else if (picture.looked_elsewhere) {
         std::vector<Vec3> points;
         for (const WireLine& wire : frame.wires) points.insert(points.end(), wire.nodes.begin(), wire.nodes.end());
@@ -162,7 +163,7 @@ WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
 }
 
 py::array render(Handle& handle, int width, int height, bool legend, double force_scale,
-                 const std::optional<std::array<Vec3, 3>>& camera)
+                 const CameraPose& camera)
 {
     py::array_t<std::uint8_t> pixels;
     std::vector<std::uint8_t> drawn;  // a copy: once the lock is gone another thread may draw, or close the world
@@ -197,7 +198,7 @@ py::array render(Handle& handle, int width, int height, bool legend, double forc
 
 #else
 
-py::array render(Handle&, int, int, bool, double, const std::optional<std::array<Vec3, 3>>&)
+py::array render(Handle&, int, int, bool, double, const CameraPose&)
 {
     throw Error(ExitCode::BadScene, "render: this build has no renderer; configure with -DSELDINGER_VIEW=ON");
 }

@@ -1,7 +1,6 @@
 // Names, shapes and units of what can be read of a world.
 #include "views.h"
 
-#include <pybind11/eigen.h>
 
 #include <cstddef>
 

@@ -18,10 +18,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
+struct TestFolder {
     fs::path path = fs::temp_directory_path() / ("seldinger_mesh_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-    Folder() { fs::create_directories(path); }
-    ~Folder() { fs::remove_all(path); }
+    TestFolder() { fs::create_directories(path); }
+    ~TestFolder() { fs::remove_all(path); }
     fs::path write(const std::string& name, const std::string& bytes) const
     {
         std::ofstream(path / name, std::ios::binary) << bytes;
@@ -85,7 +85,7 @@ TEST_SUITE("scene/mesh_file")
 {
     TEST_CASE("property: what is written comes back, in every format and unit")
     {
-        const Folder folder;
+        const TestFolder folder;
         const WallMesh tube = make_tube(tube_spec(0.01, 0.1, 600)).mesh;
         for (const char* units : {"m", "cm", "mm", "um", "in"})
             for (const char* name : {"a.stl", "a.obj", "a.ply", "a.vtp"}) {
@@ -111,7 +111,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: every encoding of .vtp that VTK writes gives the same tetrahedron")
     {
-        const Folder folder;
+        const TestFolder folder;
         for (const VtpSample& s : kVtpSamples) {
             CAPTURE(s.name);
             check_tetrahedron(read_mesh(folder.write("t.vtp", s.text), "cm"), 0.01);
@@ -120,7 +120,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: raw appended data, strips, quadrilaterals and several pieces")
     {
-        const Folder folder;
+        const TestFolder folder;
         // raw: UInt32 length before each array; bytes that look like tags must not matter
         const std::string points = as_bytes<float>({0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3}),
                           offsets = as_bytes<std::int32_t>({3, 6, 9, 12});
@@ -160,7 +160,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("analytic: a concave polygon is cut into triangles of its own area")
     {
-        const Folder folder;
+        const TestFolder folder;
         // an L of three unit squares; a fan from its first corner would cover what is not there
         const std::string text =
             "# vtk DataFile Version 3.0\nL\nASCII\nDATASET POLYDATA\nPOINTS 6 double\n2 0 0 2 1 0 1 1 0 1 2 0 0 2 0 0 0 0\n"
@@ -178,7 +178,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: legacy .vtk, ASCII and binary, old and new cells")
     {
-        const Folder folder;
+        const TestFolder folder;
         const std::string head = "# vtk DataFile Version 4.2\ntetrahedron\n", points_text = "0 0 0 1 0 0\n0 2 0 0 0 3\n";
         check_tetrahedron(
             read_mesh(folder.write("old.vtk", head + "ASCII\nDATASET POLYDATA\nPOINTS 4 float\n" + points_text +
@@ -205,7 +205,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: ASCII STL, and polygons of a PLY")
     {
-        const Folder folder;
+        const TestFolder folder;
         const std::string facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
         CHECK(read_mesh(folder.write("a.stl", "solid a\n" + facet + "endsolid a\n"), "mm").triangles.size() == 1);
         CHECK(refusal(folder.write("b.stl", "solid b\n" + facet)).find("truncated") != std::string::npos);
@@ -217,7 +217,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: coordinates far from the origin arrive as the doubles that the file holds, and float32 is told")
     {
-        const Folder folder;
+        const TestFolder folder;
         const char* const text[3] = {"2600.123456789012 -1.0000000000001 +3e0", "2601.123456789012 -1 3.25",
                                      "2600.123456789012 0.1 3"};
         const double exact[3][3] = {
@@ -273,7 +273,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: a PLY, OBJ or STL that lies is refused before anything is made room for")
     {
-        const Folder folder;
+        const TestFolder folder;
         const std::string vertices = "property float x\nproperty float y\nproperty float z\n",
                           faces = "property list uchar int vertex_indices\n", ascii = "ply\nformat ascii 1.0\n",
                           three = "element vertex 3\n", one = "element face 1\n", end = "end_header\n",
@@ -326,7 +326,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: broken files are refused with the file and the reason")
     {
-        const Folder folder;
+        const TestFolder folder;
         const WallMesh tube = make_tube(tube_spec(0.01, 0.1, 600)).mesh;
         CHECK_FALSE(refusal(folder.path / "missing.stl").empty());
         CHECK(refusal(folder.write("empty.stl", "")).find("empty") != std::string::npos);
@@ -374,7 +374,7 @@ TEST_SUITE("scene/mesh_file")
 
     TEST_CASE("property: a centreline written and read keeps its tree, radii and length")
     {
-        const Folder folder;
+        const TestFolder folder;
         Centreline line;
         line.points = {{0, 0, 0}, {0.01, 0, 0}, {0.02, 0, 0}, {0.03, 0.01, 0}, {0.03, -0.01, 0}, {0.04, -0.02, 0.01}};
         line.radius = {0.005, 0.005, 0.004, 0.003, 0.002, 0.001};

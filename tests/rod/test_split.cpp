@@ -181,7 +181,7 @@ TEST_SUITE("rod/split")
                     WireSpec spec = uniform_spec(10.0, bend, twist_stiffness, stretch);
                     set_rest_shape(wire.rod, spec, false);
                     REQUIRE(wire.accept(OwnedTrial(wire.rod)));
-                    spec.shaft.rest_curvature = {0, wire.frames.kappa2[1] > 0 ? 1 : -1};
+                    spec.shaft.rest_curvature = {0, wire.frames.kappa2[1] > 0 ? 1.0 : -1.0};
                     set_rest_shape(wire.rod, spec, false);
                     split_edge(wire.arrays, 0, tip ? 0 : edges - 1, fraction, spec, {});
                     wire.rod = wire.arrays.view(0);
