@@ -56,6 +56,8 @@ FrameChoice FrameArguments::choice() const
     if (label_vessel && labels.empty()) throw Error(ExitCode::BadScene, "--label-vessel: got no --labels; expected a folder. Fix: give --labels DIR");
     if (!preview.empty() && !video.empty())
         throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --video");
+    if (!preview.empty() && !labels.empty())
+        throw Error(ExitCode::BadScene, "--preview: only the sheet is written. Fix: leave out --labels, or run render once for each");
     if (!labels_in.empty() && !labels.empty() && !leads_below(labels))
         throw Error(ExitCode::BadScene, fmt::format("--labels: got {}; expected a folder below that of the farm. Fix: give a name, --labels labels", labels));
     for (const std::string& file : {preview, labels_in.empty() ? labels : std::string()})

@@ -213,7 +213,7 @@ TEST_SUITE("apps/labels")
     TEST_CASE("property: a preview is one sheet and nothing else, of any view")
     {
         const LabelRun folder;
-        REQUIRE(run_app(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --labels truth --preview sheet.png").code == 0);
+        REQUIRE(run_app(folder, "render run --view fluoro --size 200x100 --frames 0:10 --c-arm 0,0 --c-arm 90,0 --preview sheet.png").code == 0);
         CHECK_FALSE(fs::exists(folder.path / "truth"));
         CHECK_FALSE(fs::exists(folder.path / "run/fluoro_v1_000000.png"));
         const std::string png = slurp(folder.path / "sheet.png");
@@ -221,6 +221,7 @@ TEST_SUITE("apps/labels")
         CHECK(side(16) == 4 * 404 + 4);  // 16 of 22 pictures in four columns
         CHECK(side(20) == 4 * (200 + 22 + 4) + 4);
         check_refused(folder, "render run --view fluoro --preview s.png --video f.mp4", 2, "only the sheet");
+        check_refused(folder, "render run --view fluoro --preview s.png --labels truth", 2, "only the sheet");
         check_refused(folder, "render run --view fluoro --preview run", 3, "is a folder");
         check_refused(folder, "render run --view fluoro --label-vessel", 2, "--labels");
         check_refused(folder, "render run --view fluoro --labels sheet.png", 3, "is a file");
