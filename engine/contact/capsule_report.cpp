@@ -53,6 +53,7 @@ void CapsuleContact::add_loads(RodArrays& rods, std::span<WireLoads> loads)
 {
     for (int w = 0; w < rods.wire_count(); ++w) {
         const WireQuadrature& wire = quadrature_.wires[w];
+        loads[static_cast<std::size_t>(w)].samples.reserve(2 * static_cast<std::size_t>(wire.capacity));  // steps allocate nothing
         states_.for_each_contact(w, [&](int point, const ContactState& state) {
             const double* f = state.friction;
             loads[static_cast<std::size_t>(w)].add(

@@ -79,10 +79,11 @@ bool is_cut(const FilePlace& file)
     return cut;
 }
 
-/// PoCL writes the digits of a hash as A to P.
-bool is_hash(const std::string& name, std::size_t digits)
+/// PoCL writes the digits of a hash as A to P: two for a folder, the rest of its 160 bits, less those that versions leave out, for one in it
+/// (37 in PoCL 3.1).
+bool is_hash(const std::string& name, std::size_t least, std::size_t most)
 {
-    return name.size() == digits && name.find_first_not_of("ABCDEFGHIJKLMNOP") == std::string::npos;
+    return name.size() >= least && name.size() <= most && name.find_first_not_of("ABCDEFGHIJKLMNOP") == std::string::npos;
 }
 
 constexpr int depth_of_hash = 2, depth_of_kernel = 4;  // HH/HASH, HH/HASH/KERNEL/SIZE
@@ -91,7 +92,7 @@ int remove_cut_kernels(const Folder& folder, int depth)
 {
     int removed = 0;
     for (const std::string& name : folder.names()) {
-        const bool is_place = depth == 0 ? is_hash(name, 2) : depth > 1 || is_hash(name, 38);
+        const bool is_place = depth == 0 ? is_hash(name, 2, 2) : depth > 1 || is_hash(name, 36, 38);
         // what the compiler is still writing has another name
         if (!is_place || name.starts_with("temp")) continue;
         if (depth >= depth_of_hash && is_cut(folder / name)) removed += folder.remove(name) == 0;

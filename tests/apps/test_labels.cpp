@@ -16,7 +16,7 @@ namespace {
 struct LabelRun : ScratchFolder {
     LabelRun()
     {
-        write("s.toml", two_instruments("merged") + "[output]\nwire_every = 2\ncontacts_every = 2\n");
+        write("s.toml", two_instruments("merged") + "[output]\nwire_every = 1\ncontacts_every = 1\n");
         const AppResult run = run_app(*this, "run s.toml -o run --quiet");
         REQUIRE_MESSAGE(run.code == 0, run.err);
     }

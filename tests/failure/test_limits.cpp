@@ -117,8 +117,9 @@ TEST_SUITE("failure/limits")
     {
         if (std::getenv("ASAN_OPTIONS")) return skip("a program with the address sanitizer has no limit of addresses");
         const OpenFolder folder;
-        int megabytes = 400;
-        while (megabytes < 4000 && run_app(folder, "devices", fmt::format("ulimit -c 0 && ulimit -v {} &&", megabytes * 1000)).code != 0) megabytes += 20;
+        int megabytes = 700;
+        const auto warm = [&] { return fmt::format("ulimit -c 0 && ulimit -v {} && {}", megabytes * 1000, folder.cache()); };
+        while (megabytes < 4000 && run_app(folder, "run t.toml -o W --overwrite --quiet", warm()).code != 0) megabytes += 20;
         CAPTURE(megabytes);
         const AppResult result = run_app(folder, "run t.toml -o D --overwrite --quiet",
                                          fmt::format("ulimit -c 0 && ulimit -v {} && {} timeout 300", megabytes * 1000, folder.cache("cold")));

@@ -28,11 +28,11 @@ struct Shared : ScratchFolder {
         write("s.toml", free_scene(0.01));
         write("v.toml", "[vary]\n\"wire.density\" = [6000.0, 7000.0]\n");
         REQUIRE(run_app(*this, "farm s.toml --vary v.toml -o f --tasks 2 --dry-run").code == 0);
-        for (const char* at : {"theirs", "theirs/000000", "theirs/deeper"}) {
-            fs::create_directories(path / at);
+        const char* const folders[] = {"theirs", "theirs/000000", "theirs/deeper"};
+        for (const char* at : folders) fs::create_directories(path / at);
+        for (const char* at : folders)
             for (const char* name : {"000000", "000000.rows", "000000.csv", "results.csv", "checkpoint.bin", "scene.toml", "notes"})
                 if (!fs::exists(path / at / name)) write(std::string(at) + "/" + name, secret);
-        }
     }
     [[nodiscard]] std::map<std::string, std::string> theirs() const
     {
