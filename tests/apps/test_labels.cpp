@@ -16,8 +16,8 @@ namespace {
 struct LabelRun : ScratchFolder {
     LabelRun()
     {
-        write("s.toml", two_instruments("merged") + "[output]\nwire_every = 1\ncontacts_every = 1\n");
-        const AppResult run = run_app(*this, "run s.toml -o run --quiet");
+        write("s.toml", two_instruments("merged") + "[output]\nwire_every = 2\ncontacts_every = 2\n");
+        const AppResult run = run_app(*this, "run s.toml -o run --quiet --set scene.duration_s=0.04");
         REQUIRE_MESSAGE(run.code == 0, run.err);
     }
     [[nodiscard]] json read(const std::string& name) const { return json::parse(slurp(path / name)); }
