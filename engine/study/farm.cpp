@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
@@ -52,6 +53,10 @@ int open_locked(const FilePlace& file)
     if (fd < 0 && errno == ELOOP)
         throw Error(ExitCode::BadFile, file.path().string() + ": is a link, where a farm has plain files. Fix: make a new farm");
     if (fd < 0) return -1;
+    if (struct stat status {}; fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
+        close(fd);
+        throw Error(ExitCode::BadFile, file.path().string() + ": is a pipe or a device, where a farm has plain files. Fix: make a new farm");
+    }
     // a look at the farm holds the lock for a moment
     for (int attempt = 0; attempt < 3; ++attempt) {
         if (flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;

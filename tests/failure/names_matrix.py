@@ -45,7 +45,8 @@ def commands(bench):
     def farmed(d): cli("farm", "s.toml", "--vary", "v.toml", "-o", d, "--tasks", "2", "--quiet")
     def pictured(d): cli("farm", "R", "--frames", "0:1", "--size", "64x64", "-o", d, "--quiet")
     def runs(d): shutil.copytree(b"R", d)
-    C, every = Command, [
+    C = Command
+    every = [
         C("run", ["run", "s.toml", "-o", "{D}", "--quiet"], "run"),
         C("run --overwrite", ["run", "s.toml", "-o", "{D}", "--quiet", "--overwrite"], "run", run),
         C("run --resume", ["run", "s.toml", "-o", "{D}", "--quiet", "--resume"], "run", stopped),
@@ -149,8 +150,9 @@ def make_victims(names):
     shutil.rmtree("victims", ignore_errors=True)
     os.mkdir("victims")
     Path("victims/file").write_bytes(SECRET)
-    for inner in ("tree", "tree/000000"):
-        os.makedirs(f"victims/{inner}/deeper", exist_ok=True)
+    trees = ("tree", "tree/000000")
+    for inner in trees: os.makedirs(f"victims/{inner}/deeper", exist_ok=True)
+    for inner in trees:
         Path(f"victims/{inner}/deeper/notes").write_bytes(SECRET)
         for name in names:
             path = Path(f"victims/{inner}", Path(name).name)
