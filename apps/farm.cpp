@@ -190,6 +190,7 @@ ExitCode farm(Options& options)
     check_words(options);
     if (options.submit) need_slurm();
     options.dir = fs::absolute(options.dir).lexically_normal();
+    if (options.backend == "slurm") check_job_scripts(options.dir, options.sbatch);
     const auto [dir, plan] = make_farm(options);
     const std::string head =
         fmt::format("{}: {} {}s in {} tasks\n", options.dir.string(), plan.items, plan.item_word(), plan.tasks);

@@ -167,12 +167,7 @@ std::string head(const Folder& dir, const char* what, const char* output, const 
     std::string text =
         fmt::format("#!/bin/sh\n#SBATCH --job-name=seldinger-{}\n#SBATCH --output=\"{}/{}\"\n#SBATCH --open-mode=append\n", what,
                     slurm_text(dir.inner("log").path()), output);
-    for (const std::string& option : options) {
-        if (option.find_first_of("\r\n") != std::string::npos)
-            throw Error(ExitCode::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
-                                            "option, in one line, each time");
-        text += "#SBATCH " + option + "\n";
-    }
+    for (const std::string& option : options) text += "#SBATCH " + option + "\n";
     return text;
 }
 
@@ -239,6 +234,15 @@ ExitCode run_here(const Folder& dir, const FarmPlan& plan, const LocalBackend& b
     } while (worst == 0 && farm.asked() == 0 && left > 0 && (left < before || farm.waited()));
     if (farm.asked() != 0) return farm.asked() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit;
     return static_cast<ExitCode>(worst);
+}
+
+void check_job_scripts(const fs::path& dir, const std::vector<std::string>& options)
+{
+    (void)slurm_text(dir);
+    for (const std::string& option : options)
+        if (option.find_first_of("\r\n") != std::string::npos)
+            throw Error(ExitCode::BadScene, "--sbatch: got a line break, which would make the rest a command of the job's script. Fix: give one "
+                                            "option, in one line, each time");
 }
 
 std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const FarmPlan& plan, const SlurmBackend& backend)

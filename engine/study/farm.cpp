@@ -279,7 +279,7 @@ bool has_result(const Folder& dir, const FarmPlan& plan, std::size_t task)
 void reopen_if_lost(const Folder& dir, const FarmPlan& plan, std::size_t task)
 {
     const Folder done = dir.inner("done");
-    if (done.has(number(task)) && !has_result(dir, plan, task)) (void)done.rename(number(task), dir.inner("todo"), number(task));
+    if (done.has_file(number(task)) && !has_result(dir, plan, task)) (void)done.rename(number(task), dir.inner("todo"), number(task));
 }
 
 std::optional<std::vector<BatchRow>> read_rows(const Folder& dir, const FarmPlan& plan, std::size_t task, std::size_t instruments)

@@ -41,11 +41,13 @@ std::map<std::string, std::string> contents_of(const fs::path& dir)
     return all;
 }
 
-/// Only pictures and labels of a farm's folder.
+/// Only pictures and labels of a farm's folder; a process that is killed as it writes leaves a file of its own name, NAME.PID.tmp.
 std::map<std::string, std::string> pictures_of(const fs::path& dir)
 {
     std::map<std::string, std::string> all = contents_of(dir);
-    std::erase_if(all, [](const auto& file) { return !file.first.starts_with("frame_") && !file.first.starts_with("truth/"); });
+    std::erase_if(all, [](const auto& file) {
+        return file.first.ends_with(".tmp") || (!file.first.starts_with("frame_") && !file.first.starts_with("truth/"));
+    });
     return all;
 }
 
