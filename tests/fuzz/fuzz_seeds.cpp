@@ -119,6 +119,7 @@ int main(int count, char** words)
     const seldinger::TemporaryFolder scratch;
     seldinger::fuzz::make_checkpoints(words[1], scratch.path() / "checkpoint.bin");
     seldinger::fuzz::make_records(words[1], scratch.path() / "live.rec");
+    std::filesystem::create_directories(scratch.path() / "farm");
     seldinger::fuzz::make_farms(words[1], scratch.path() / "farm");
     seldinger::fuzz::make_kept(words[1], scratch.path() / "run.trajectory");
     seldinger::fuzz::make_packets(words[1]);
