@@ -164,8 +164,6 @@ public:
     {
         return std::sqrt(column_[0].squaredNorm() + column_[1].squaredNorm() + column_[2].squaredNorm());
     }
-    [[nodiscard]] double trace() const { return column_[0][0] + column_[1][1] + column_[2][2]; }
-    [[nodiscard]] double determinant() const { return column_[0].dot(column_[1].cross(column_[2])); }
     /// By cofactors: not for matrices that are nearly singular.
     [[nodiscard]] Mat3 inverse() const
     {
@@ -208,6 +206,9 @@ private:
 /// a b^T
 [[nodiscard]] inline Mat3 outer(const Vec3& a, const Vec3& b) { return Mat3::columns(a * b[0], a * b[1], a * b[2]); }
 
+/// v x (.) as a matrix.
+[[nodiscard]] inline Mat3 skew(const Vec3& v) { return Mat3::rows({0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0}); }
+
 /// A box with sides along the axes; empty until something is in it.
 class Box3 {
 public:
@@ -222,10 +223,10 @@ public:
     void extend(const Box3& b) { min_ = min_.cwiseMin(b.min_), max_ = max_.cwiseMax(b.max_); }
     [[nodiscard]] bool isEmpty() const { return min_.x() > max_.x() || min_.y() > max_.y() || min_.z() > max_.z(); }
     [[nodiscard]] bool contains(const Vec3& p) const { return min_.cwiseMin(p) == min_ && max_.cwiseMax(p) == max_; }
-    [[nodiscard]] bool contains(const Box3& b) const { return contains(b.min_) && contains(b.max_); }
+    /// How far a point is outside; 0 inside.
+    [[nodiscard]] double exteriorDistance(const Vec3& p) const { return (p - p.cwiseMax(min_).cwiseMin(max_)).norm(); }
     [[nodiscard]] Vec3 center() const { return (min_ + max_) / 2; }
     [[nodiscard]] Vec3 diagonal() const { return max_ - min_; }
-    [[nodiscard]] Vec3 sizes() const { return diagonal(); }
 
 private:
     Vec3 min_ = Vec3::Constant(std::numeric_limits<double>::max());

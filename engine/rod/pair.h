@@ -61,10 +61,6 @@ struct PairTerms {
     double aa = 0, ab = 0, bb = 0;
 };
 
-inline Mat3 skew(const Vec3& v)
-{
-    return Mat3::rows({0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0});
-}
 /// a b^T + b a^T
 inline Mat3 both(const Vec3& a, const Vec3& b)
 {

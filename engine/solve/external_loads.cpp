@@ -60,8 +60,7 @@ void DeadLoads::add_moments_to_tangent(const RodFrames& frames, BandRows& tangen
         const int j = load.edge, spin_unknown = RodDofs::spin(j);
         const double length = frames.edge_length[j];
         const Vec3 &t = frames.tangent[j], &m = load.moment;
-        const Mat3 cross = Mat3::rows({0, -m.z(), m.y()}, {m.z(), 0, -m.x()}, {-m.y(), m.x(), 0});
-        const Mat3 couple = cross * (Mat3::Identity() - outer(2 * t, t)) / (length * length);
+        const Mat3 couple = skew(m) * (Mat3::Identity() - outer(2 * t, t)) / (length * length);
         const Vec3 spin = (m - m.dot(t) * t) / length;
         add_edge_block(tangent, j, symmetric ? Mat3(-0.5 * (couple + couple.transpose())) : Mat3(-couple));
         if (load.member != 0) continue;

@@ -43,7 +43,7 @@ LumenGrid sample(const SweptLumen& lumen, double step)
             box.extend(tube.points[i] - Vec3::Constant(tube.radius[i] + margin));
         }
     grid.low = box.min();
-    for (int d = 0; d < 3; ++d) grid.size[d] = static_cast<int>(std::ceil(box.sizes()[d] / step)) + 2;
+    for (int d = 0; d < 3; ++d) grid.size[d] = static_cast<int>(std::ceil(box.diagonal()[d] / step)) + 2;
     const std::size_t count =
         static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * static_cast<std::size_t>(grid.size[2]);
     grid.value.assign(count, kFar);

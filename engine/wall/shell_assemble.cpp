@@ -12,12 +12,6 @@ using namespace shell_detail;
 
 namespace {
 
-/// u x (.) as a matrix.
-Mat3 cross_matrix(const Vec3& u)
-{
-    return Mat3::rows({0, -u.z(), u.y()}, {u.z(), 0, -u.x()}, {-u.y(), u.x(), 0});
-}
-
 /// N^ab in the frame of a point: 11, 22, 12 [N/m].
 Vec3 prestress_in_frame(const ShellPoint& q, const Prestress& prestress, double pressure)
 {
@@ -96,7 +90,7 @@ void Shell::add_pressure(const ShellPoint& q, const Prestress& prestress, const 
 {
     const auto w = weights(q);
     const Vec3 n = prestress_in_frame(q, prestress, spec_.pressure);
-    const Mat3 by_1 = -cross_matrix(q.e2), by_2 = cross_matrix(q.e1);
+    const Mat3 by_1 = -skew(q.e2), by_2 = skew(q.e1);
     add([&](std::size_t i, std::size_t j) {
         // the mesh faces the lumen: the volume's variation has the opposite sign of that with the outward normal
         const double geometric =

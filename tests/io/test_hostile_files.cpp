@@ -276,7 +276,7 @@ TEST_SUITE("io/hostile_files")
                 const double slack = 0.01 * box.diagonal().norm();
                 const Centreline line = extract_centreline(mesh, report.loops, LumenQuery(mesh, report.loops));
                 for (std::size_t i = 0; i < line.points.size(); ++i) {
-                    CHECK((line.points[i] - line.points[i].cwiseMax(box.min()).cwiseMin(box.max())).norm() <= slack);
+                    CHECK(box.exteriorDistance(line.points[i]) <= slack);
                     CHECK(line.radius[i] <= box.diagonal().norm());
                 }
             });

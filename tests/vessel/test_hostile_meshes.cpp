@@ -18,9 +18,6 @@ using namespace seldinger::test;
 
 namespace {
 
-/// How far a point is out of a box [m].
-double outside(const Box3& box, const Vec3& p) { return (p - p.cwiseMax(box.min()).cwiseMin(box.max())).norm(); }
-
 std::string refusal(WallMesh mesh)
 {
     try {
@@ -85,11 +82,11 @@ TEST_SUITE("vessel/hostile_meshes")
             const LumenQuery lumen(moved, report.loops);
             const MedialGraph graph = build_medial_graph(moved, report.loops, lumen);
             for (std::size_t b = 0; b < graph.ball_count(); ++b) {
-                CHECK(outside(box, graph.centre[b]) <= 1e-9);
+                CHECK(box.exteriorDistance(graph.centre[b]) <= 1e-9);
                 CHECK(std::isfinite(graph.radius[b]));
             }
             const Centreline line = extract_centreline(moved, report.loops, lumen);
-            for (const Vec3& p : line.points) CHECK(outside(box, p) <= 1e-4);
+            for (const Vec3& p : line.points) CHECK(box.exteriorDistance(p) <= 1e-4);
             CHECK(line.total_length() < 40 * 0.03);
         }
     }
