@@ -1,9 +1,11 @@
 #pragma once
 // The user's cache folder: files that can be made again at any time. Every failure is silent, since a cache only saves time.
 //
-// Processes share the folder without locks: a file appears whole (a temporary file of its own, then rename) or not at all, and
+// Processes share the folder without locks: a file appears whole or not at all (core/file_io.h), and
 // who reads a file that another process removes still has it open. Links in the folder are followed neither for reading nor for
 // writing.
+
+#include "core/folder.h"
 
 #include <cstdint>
 #include <optional>
@@ -16,13 +18,10 @@ class CacheFolder {
 public:
     /// The folder "seldinger" under XDG_CACHE_HOME, else under ~/.cache; made where it is missing.
     CacheFolder();
-    ~CacheFolder();
-    CacheFolder(const CacheFolder&) = delete;
-    CacheFolder& operator=(const CacheFolder&) = delete;
 
-    [[nodiscard]] bool is_open() const { return fd_ >= 0; }
+    [[nodiscard]] bool is_open() const { return folder_.has_value(); }
     /// For messages.
-    [[nodiscard]] std::string path_of(const std::string& name) const;
+    [[nodiscard]] std::string path_of(const std::string& name) const { return (folder_->path() / name).string(); }
 
     struct Entry {
         std::string bytes;
@@ -30,16 +29,15 @@ public:
     };
     /// @return nothing where there is no such file or it cannot be read. Marks the file as used now
     [[nodiscard]] std::optional<Entry> read(const std::string& name) const;
-    /// Replaces the file in one go. @return whether it is there now
-    bool write(const std::string& name, std::string_view content) const;
+    /// Replaces the file in one go, where it can.
+    void write(const std::string& name, std::string_view content) const;
     void remove(const std::string& name) const;
     /// Removes the longest unused files of that ending until those left have at most `most` bytes, and temporary files that a
     /// killed process left an hour ago.
     void trim(std::string_view ending, std::uint64_t most) const;
 
 private:
-    std::string path_;
-    int fd_ = -1;
+    std::optional<Folder> folder_;
 };
 
 }  // namespace seldinger

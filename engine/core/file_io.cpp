@@ -72,6 +72,7 @@ std::string read_file(const FilePlace& place, std::uint64_t most)
                                                    path, status.st_size, most));
     }
     std::string content;
+    content.reserve(static_cast<std::size_t>(status.st_size));
     char block[1 << 16];
     for (;;) {
         const ssize_t got = ::read(fd, block, sizeof block);

@@ -301,7 +301,7 @@ void keep_prepared(const std::string& key, const LoadedVessel& vessel)
     const std::string file = sealed(key, bytes_of(vessel));
     if (file.size() > limit) return;
     folder.trim(ending, limit - file.size());
-    (void)folder.write(file_of(key), file);
+    folder.write(file_of(key), file);
 }
 
 }  // namespace seldinger
