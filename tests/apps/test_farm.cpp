@@ -29,6 +29,8 @@ struct FarmFolder : ScratchFolder {
     {
         return nlohmann::json::parse(run_app(*this, "farm status " + dir + " --json").out);
     }
+    /// Whether the program in the background has said so.
+    [[nodiscard]] bool waits_for_one_task() const { return slurp(path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }
     void check_merged(const std::string& dir) const
     {
         const AppResult merged = run_app(*this, "farm merge " + dir);
@@ -136,7 +138,7 @@ TEST_SUITE("apps/farm")
         CHECK(folder.status("f").at("running") == 1);
         CHECK_FALSE(seldinger::TaskClaim::take(folder.path / "f", 0, "third"));
         BackgroundApp farm(folder.path, {"farm", "s.toml", "--vary", "v.toml", "-o", "f", "--tasks", "3"});
-        REQUIRE(farm.wait_until([&] { return slurp(folder.path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }));
+        REQUIRE(farm.wait_until([&] { return folder.waits_for_one_task(); }));
         CHECK(folder.status("f").at("done") == 2);
         check_refused(folder, "farm merge f", 3, "1 of 3 tasks are missing: 0 (runs 0-3)");
         held.reset();  // that worker dies
@@ -152,7 +154,7 @@ TEST_SUITE("apps/farm")
         REQUIRE(run_app(folder, "farm s.toml --vary v.toml -o f --tasks 1 --dry-run").code == 0);
         const auto held = seldinger::TaskClaim::take(folder.path / "f", 0, "another");
         BackgroundApp farm(folder.path, {"farm", "s.toml", "--vary", "v.toml", "-o", "f", "--tasks", "1"});
-        REQUIRE(farm.wait_until([&] { return slurp(folder.path / ".err-background").find("waiting for 1 tasks") != std::string::npos; }));
+        REQUIRE(farm.wait_until([&] { return folder.waits_for_one_task(); }));
         farm.send(SIGTERM);
         CHECK(farm.result().code == 75);
     }

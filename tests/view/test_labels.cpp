@@ -3,11 +3,10 @@
 #include "support/shared_folder.h"
 #include "view/view_fixtures.h"
 #include "view/xray/device_paths.h"
+#include "view/xray/reference_views.h"
 
 #include <doctest/doctest.h>
-#include <nlohmann/json.hpp>
 
-#include <fstream>
 #include <numbers>
 #include <random>
 
@@ -112,23 +111,14 @@ TEST_SUITE("view/labels")
     {
         const auto shared = test::shared_folder_or_skip();
         if (!shared) return;
-        const auto reference = nlohmann::json::parse(std::ifstream(*shared / "reference/17_xray.json"));
         int checked = 0;
-        for (const auto& c : reference["cases"]) {
-            if (c["kind"] != "carm") continue;
-            for (const auto& view : c["expected"]["views"]) {
-                CArm arm;
-                arm.sid = c["inputs"]["SID"], arm.sod = c["inputs"]["SOD"];
-                arm.rows = c["inputs"]["rows_columns"][0], arm.columns = c["inputs"]["rows_columns"][1];
-                arm.field = c["inputs"]["pixel"].get<double>() * arm.columns;
-                arm.primary = view["primary_deg"].get<double>() * degree, arm.secondary = view["secondary_deg"].get<double>() * degree;
-                const Projection p = projection_of(CArmView(arm));
-                for (const auto& point : view["points"]) {
-                    const auto at = pixel_by(p, Vec3(point["point"][0], point["point"][1], point["point"][2]));
-                    CHECK(std::abs(at[0] - point["column"].get<double>()) < 1e-6);
-                    CHECK(std::abs(at[1] - point["row"].get<double>()) < 1e-6);
-                    ++checked;
-                }
+        for (const auto& [arm, points] : test::reference_views(*shared)) {
+            const Projection p = projection_of(CArmView(arm));
+            for (const auto& point : points) {
+                const auto at = pixel_by(p, Vec3(point["point"][0], point["point"][1], point["point"][2]));
+                CHECK(std::abs(at[0] - point["column"].get<double>()) < 1e-6);
+                CHECK(std::abs(at[1] - point["row"].get<double>()) < 1e-6);
+                ++checked;
             }
         }
         REQUIRE(checked == 36);

@@ -2,12 +2,9 @@
 #include "core/error.h"
 #include "support/shared_folder.h"
 #include "view/xray/c_arm.h"
+#include "view/xray/reference_views.h"
 
 #include <doctest/doctest.h>
-#include <nlohmann/json.hpp>
-
-#include <fstream>
-#include <numbers>
 
 using namespace seldinger;
 
@@ -17,26 +14,15 @@ TEST_SUITE("view/xray/c_arm")
     {
         const auto shared = test::shared_folder_or_skip();
         if (!shared) return;
-        const auto reference = nlohmann::json::parse(std::ifstream(*shared / "reference/17_xray.json"));
         int checked = 0;
-        for (const auto& c : reference["cases"]) {
-            if (c["kind"] != "carm") continue;
-            for (const auto& view : c["expected"]["views"]) {
-                CArm arm;
-                arm.sid = c["inputs"]["SID"], arm.sod = c["inputs"]["SOD"];
-                arm.rows = c["inputs"]["rows_columns"][0], arm.columns = c["inputs"]["rows_columns"][1];
-                arm.field = c["inputs"]["pixel"].get<double>() * arm.columns;
-                arm.primary = view["primary_deg"].get<double>() * std::numbers::pi / 180;
-                arm.secondary = view["secondary_deg"].get<double>() * std::numbers::pi / 180;
-                for (const auto& p : view["points"]) {
-                    const CArmPoint at = project(CArmView(arm), Vec3(p["point"][0], p["point"][1], p["point"][2]));
-                    CHECK(std::abs(at.column - p["column"].get<double>()) < 1e-9);  // allowed: 0.05
-                    CHECK(std::abs(at.row - p["row"].get<double>()) < 1e-9);
-                    CHECK(at.magnification == doctest::Approx(p["magnification"].get<double>()).epsilon(1e-12));
-                    ++checked;
-                }
+        for (const auto& [arm, points] : test::reference_views(*shared))
+            for (const auto& p : points) {
+                const CArmPoint at = project(CArmView(arm), Vec3(p["point"][0], p["point"][1], p["point"][2]));
+                CHECK(std::abs(at.column - p["column"].get<double>()) < 1e-9);  // allowed: 0.05
+                CHECK(std::abs(at.row - p["row"].get<double>()) < 1e-9);
+                CHECK(at.magnification == doctest::Approx(p["magnification"].get<double>()).epsilon(1e-12));
+                ++checked;
             }
-        }
         REQUIRE(checked == 36);
     }
 
