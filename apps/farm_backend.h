@@ -23,7 +23,7 @@ struct SlurmBackend {
 /// Refuses a folder or an option that would become commands of a job's script. Before anything is made. @throws Error BadScene
 void check_job_scripts(const std::filesystem::path& dir, const std::vector<std::string>& options);
 /// Writes DIR/job.sh and DIR/merge.sh. @return the commands that submit the tasks that are not done, as words
-/// @throws Error BadScene: an option of more than one line, or a folder whose name Slurm cannot be told
+/// @throws Error BadScene: a folder whose name Slurm cannot be told
 [[nodiscard]] std::vector<std::vector<std::string>> write_slurm_jobs(const Folder& dir, const FarmPlan& plan,
                                                                      const SlurmBackend& backend);
 /// Submits them and the merge behind them. @return what to tell. @throws Error BadFile: no Slurm, or it refuses

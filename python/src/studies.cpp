@@ -149,7 +149,9 @@ WireFrame frame_of(const Output& output, const std::vector<std::string>& names)
 {
     WireFrame frame;
     for (std::size_t k = 0; k < output.wires.size(); ++k) {
-        WireLine line{output.wires[k].position, output.wires[k].radius, output.wires.size() > 1 ? names[k] : std::string()};
+        WireLine line;
+        line.nodes = output.wires[k].position, line.radius = output.wires[k].radius;
+        if (output.wires.size() > 1) line.name = names[k];
         frame.wires.push_back(std::move(line));
     }
     for (const ContactRow& row : output.contacts)
