@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/sealed_file.h"
 #include "elapsed.h"
+#include "io/json_text.h"
 #include "progress.h"
 #include "scene/scene_difference.h"
 #include "scene/toml_parse.h"
@@ -283,7 +284,7 @@ private:
         out["version"] = version();
         out["resumes"] = totals_.resumes;
         out["results"] = "results.csv";
-        return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+        return json_text(out, 2) + "\n";
     }
 
     RunOutcome stop(RunStatus status)

@@ -3,6 +3,7 @@
 
 #include "commit.h"
 #include "core/file_io.h"
+#include "io/json_text.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -190,7 +191,7 @@ std::string bench_json(const BenchResults& r)
     out["scenes"] = bare(scene_table(r));
     out["skipped"] = Json::array();
     for (const auto& skipped : r.skipped) out["skipped"].push_back({{"scene", skipped.scene}, {"reason", skipped.reason}});
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 std::string bench_summary(const BenchResults& r)

@@ -11,6 +11,7 @@
 #include "farm_backend.h"
 #include "farm_task.h"
 #include "io/film_write.h"
+#include "io/json_text.h"
 #include "render_frames.h"
 
 #include <fmt/format.h>
@@ -261,7 +262,7 @@ ExitCode merge_sweep(const Folder& dir, const FarmPlan& plan)
     write_file(dir / "scene.toml", resolved_scene(source, dir.path()));
     write_file(dir / "sweep.toml", sweep_text);
     write_file(dir / "results.npz", batch_npz(source.sweep, names, rows));
-    write_file(dir / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_file(dir / "summary.json", json_text(summary, 2) + "\n");
     write_file(dir / "results.csv", batch_csv(source.sweep, names, rows));
     print(fmt::format("{}: {} runs, {} stopped: results.csv, results.npz, summary.json\n", dir.path().string(), rows.size(), stopped));
     return stopped > 0 ? ExitCode::Stopped : ExitCode::Done;
@@ -321,7 +322,7 @@ void add_status(CommandLine& farm_command, Command& chosen)
             const Folder dir(options->dir);
             const FarmPlan plan = read_farm(dir);
             const FarmReport report = look_at_farm(dir, plan);
-            print(options->json ? status_json(plan, report).dump(2) + "\n" : status_text(dir, plan, report));
+            print(options->json ? json_text(status_json(plan, report), 2) + "\n" : status_text(dir, plan, report));
             return ExitCode::Done;
         };
     });

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "core/child_process.h"
 #include "core/note.h"
+#include "io/json_text.h"
 #include "quantity.h"
 #include "stop_signal.h"
 #include "study/planner.h"
@@ -64,7 +65,7 @@ ExitCode choose(const Options& options)
     } catch (const Error& error) {
         said = {{"code", static_cast<int>(error.code())}, {"message", error.what()}};
     }
-    print(said.dump() + "\n");
+    print(json_text(said) + "\n");
     return ExitCode::Done;
 }
 

@@ -2,6 +2,7 @@
 #include "plan_report.h"
 
 #include "core/file_io.h"
+#include "io/json_text.h"
 #include "scene/scene_names.h"
 
 #include <fmt/format.h>
@@ -313,7 +314,7 @@ std::string plan_json(const Plan& plan, const PlanGoals& goals, const PlanFiles&
     json["pilots"] = plan.trials;
     json["wall_s"] = plan.spent;
     json["notes"] = plan.notes;
-    return json.dump(2) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 }  // namespace seldinger::apps

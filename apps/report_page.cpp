@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/sha256.h"
+#include "io/json_text.h"
 #include "scene/run_scene.h"
 #include "session/web_content.h"
 
@@ -206,7 +207,7 @@ nlohmann::json batch_data(const Folder& dir)
 std::string inside_script(const nlohmann::json& data)
 {
     std::string out;
-    for (const char c : data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+    for (const char c : json_text(data))
         c == '<' ? out += "\\u003c" : out += c;
     return out;
 }

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/json_text.h"
 #include "stop_signal.h"
 
 #include <fmt/format.h>
@@ -373,7 +374,7 @@ std::string stability_json(const StabilityWork& work, const ResultTable& table, 
         if (!lines.empty()) entry["doubts"] = lines;
         json["maps"].push_back(std::move(entry));
     }
-    return json.dump(2) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 }  // namespace seldinger::apps

@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "core/file_io.h"
 #include "core/printable.h"
+#include "io/json_text.h"
 #include "io/mesh_file.h"
 #include "scene/scene.h"
 #include "scene/vessel_load.h"
@@ -156,7 +157,7 @@ ExitCode inspect(const Options& options)
         write_files(vessel, spec.units, options.dir);
         report["files_unit"] = spec.units;
     }
-    std::string text = options.json ? report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+    std::string text = options.json ? json_text(report, 2) + "\n"
                                     : for_people(report, printable(options.input.string()));
     if (!options.json && !options.dir.empty())
         text += fmt::format("  {}: vessel.stl, vessel.vtp{} (in {})\n", options.dir.string(),

@@ -23,8 +23,11 @@ def use_style():
 
 
 def save(figure, path, **how):
-    """Whole or not at all, under its name: a link in the place of the picture is replaced, and what it leads to left alone."""
+    """Whole or not at all, under its name: a link in the place of the picture is replaced, and what it leads to left alone. A pipe or
+    a device stays, as the command's own files have it."""
     path = Path(path)
+    if path.exists() and not (path.is_file() or path.is_symlink()):
+        raise SystemExit(f"{path}: is a folder, or a pipe or a device, which would be lost; give another file")
     with tempfile.TemporaryDirectory(dir=path.parent or ".", prefix=".plot-") as own:  # made for this picture alone
         part = Path(own) / f"picture{path.suffix}"
         figure.savefig(part, **how)

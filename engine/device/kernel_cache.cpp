@@ -208,7 +208,11 @@ void prepare_kernel_cache()
 {
     // PoCL ends the process over an empty one; to everybody else it is none
     if (const char* given = std::getenv("POCL_CACHE_DIR"); given && !*given) ::unsetenv("POCL_CACHE_DIR");
-    const fs::path dir = kernel_cache_folder();
+    fs::path dir = kernel_cache_folder();
+    if (dir.is_relative()) {  // PoCL's linker takes a name that begins with - for an option
+        dir = fs::absolute(dir);
+        ::setenv("POCL_CACHE_DIR", dir.c_str(), 1);
+    }
     const int problem = try_to_write(dir);
     if (problem == 0) {
         (void)remove_cut_kernels(dir);

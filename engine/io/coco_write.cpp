@@ -2,6 +2,7 @@
 #include "io/coco_write.h"
 
 #include "core/check.h"
+#include "io/json_text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -116,7 +117,7 @@ std::string CocoWriter::finish() const
                                      {"supercategory", "instrument"},
                                      {"keypoints", {"tip", "base"}},
                                      {"skeleton", Json::array({Json::array({1, 2})})}});
-    return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out) + "\n";
 }
 
 }  // namespace seldinger

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/animated_model.h"
+#include "io/json_text.h"
 #include "math/eigen.h"
 
 #include <nlohmann/json.hpp>
@@ -47,7 +48,7 @@ public:
         if (json_["meshes"].empty()) json_.erase("meshes");
         while (bytes_.size() % 4 != 0) bytes_.push_back('\0');
         json_["buffers"] = {{{"byteLength", bytes_.size()}}};
-        std::string text = json_.dump();
+        std::string text = json_text(json_);
         text.resize((text.size() + 3) / 4 * 4, ' ');
         std::string out = "glTF";
         const auto put = [&](std::size_t value) {

@@ -2,6 +2,7 @@
 #include "scene/summary.h"
 
 #include "core/error.h"
+#include "io/json_text.h"
 #include "scene/frames.h"
 #include "scene/vessel_load.h"
 
@@ -348,7 +349,7 @@ std::string summary_json(const World& world, const RunTally& tally, const Summar
     lost.insert(lost.begin(), number.lost().begin(), number.lost().end());
     out["warnings"] = all_warnings(world, tally, notes, lost);
     // names may hold bytes that are not UTF-8: replaced, never a crash
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 namespace {

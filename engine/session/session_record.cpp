@@ -4,6 +4,7 @@
 #include "core/bytes.h"
 #include "core/fnv1a.h"
 #include "engine.h"
+#include "io/json_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,11 +29,10 @@ constexpr double most_asked = 1e9;  // [m] or [rad], as of a scene's keys
 
 std::string header_text(const RecordHeader& h)
 {
-    return nlohmann::json{{"version", h.version},     {"scene", h.scene_name},
-                          {"device", h.device},       {"scene_hash", fmt::format("{:016x}", h.scene_hash)},
-                          {"dt_s", h.dt},             {"vessel_hash", fmt::format("{:016x}", h.vessel_hash)},
-                          {"instruments", h.instruments}}
-        .dump();
+    return json_text(nlohmann::json{{"version", h.version}, {"scene", h.scene_name},
+                                    {"device", h.device},   {"scene_hash", fmt::format("{:016x}", h.scene_hash)},
+                                    {"dt_s", h.dt},         {"vessel_hash", fmt::format("{:016x}", h.vessel_hash)},
+                                    {"instruments", h.instruments}});
 }
 
 RecordHeader header_from(const std::string& text)

@@ -1,6 +1,8 @@
 // What is left of a session on disk beside its record: summary and score sheet.
 #include "session/session.h"
 
+#include "io/json_text.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -68,7 +70,7 @@ std::string limit(double value, const char* form)
 
 }  // namespace
 
-std::string score_json(const Scene& scene, const ScoreNumbers& score) { return score_object(scene, score).dump(2) + "\n"; }
+std::string score_json(const Scene& scene, const ScoreNumbers& score) { return json_text(score_object(scene, score), 2) + "\n"; }
 
 std::string score_page(const Scene& scene, const ScoreNumbers& s)
 {
@@ -108,28 +110,27 @@ std::string Session::summary() const
                              {"advance_energy_lowest_j", it.advance.lowest_energy()},
                              {"turn_energy_lowest_j", it.turn.lowest_energy()}});
     const double steps = static_cast<double>(std::max<std::uint64_t>(1, pacer_.steps()));
-    return nlohmann::json{{"scene", scene_.name},
-                          {"version", version()},
-                          {"device", world_->device_name()},
-                          {"rate_hz", options_.rate},
-                          {"steps", pacer_.steps()},
-                          {"session_s", session},
-                          {"wall_s", ended_ - began_},
-                          {"stretched_s", pacer_.stretched()},
-                          {"late", pacer_.late()},
-                          {"late_share", static_cast<double>(pacer_.late()) / steps},
-                          {"step", quantiles(step_times)},
-                          {"wake_up", quantiles(wake_times)},
-                          {"input_to_force", quantiles(latencies)},
-                          {"scheduling", scheduling_},
-                          {"packets", packets},
-                          {"coupling", couplings},
-                          {"resets", resets_},
-                          {"record", options_.record.string()},
-                          {"failure", failure_},
-                          {"score", score_object(scene_, scorer().now())},
-                          {"state_hash", world_->state_hash()}}
-               .dump(2) + "\n";
+    return json_text(nlohmann::json{{"scene", scene_.name},
+                                    {"version", version()},
+                                    {"device", world_->device_name()},
+                                    {"rate_hz", options_.rate},
+                                    {"steps", pacer_.steps()},
+                                    {"session_s", session},
+                                    {"wall_s", ended_ - began_},
+                                    {"stretched_s", pacer_.stretched()},
+                                    {"late", pacer_.late()},
+                                    {"late_share", static_cast<double>(pacer_.late()) / steps},
+                                    {"step", quantiles(step_times)},
+                                    {"wake_up", quantiles(wake_times)},
+                                    {"input_to_force", quantiles(latencies)},
+                                    {"scheduling", scheduling_},
+                                    {"packets", packets},
+                                    {"coupling", couplings},
+                                    {"resets", resets_},
+                                    {"record", options_.record.string()},
+                                    {"failure", failure_},
+                                    {"score", score_object(scene_, scorer().now())},
+                                    {"state_hash", world_->state_hash()}}, 2) + "\n";
 }
 
 }  // namespace seldinger

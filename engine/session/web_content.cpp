@@ -4,6 +4,7 @@
 #include "core/assets.h"
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/json_text.h"
 #include "session/score_watch.h"
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ std::string scene_json(const Scene& scene, const WorldSetup& setup, const Scorer
     json["front"] = list(arch ? setup.vessel.normal : Vec3(-Vec3::UnitY()));
     if (task.target != TaskSpec::Target::None)
         json["target"] = {{"point", list(scorer.target().mark())}, {"radius", scorer.target().mark_radius()}};
-    return json.dump();
+    return json_text(json);
 }
 
 nlohmann::json instrument_json(const InstrumentNumbers& n)
@@ -106,11 +107,10 @@ void put_frame(const ViewFrame& frame, double wall_clock, int clients, std::stri
     const StepNumbers& n = frame.numbers;
     nlohmann::json instruments = nlohmann::json::array();
     for (int k = 0; k < n.instruments; ++k) instruments.push_back(instrument_json(n.instrument[static_cast<std::size_t>(k)]));
-    std::string json = nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
+    std::string json = json_text(nlohmann::json{{"step", n.step},       {"time", n.time},         {"clock", wall_clock},     {"late", n.late},
                                       {"stretched", n.stretched}, {"step_ms", 1e3 * n.step_time}, {"paused", n.paused}, {"stopped", n.stopped},
                                       {"fluoro", n.fluoroscopy}, {"contrast", n.contrast}, {"resets", n.resets}, {"clients", clients},
-                                      {"instruments", instruments}, {"score", score_object(n.score)}}
-                           .dump();
+                                      {"instruments", instruments}, {"score", score_object(n.score)}});
     json.resize((json.size() + 3) / 4 * 4, ' ');
     into.clear();
     const auto length = static_cast<std::uint32_t>(json.size());

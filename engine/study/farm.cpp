@@ -7,6 +7,7 @@
 #include "core/file_lock.h"
 #include "core/fnv1a.h"
 #include "core/sealed_file.h"
+#include "io/json_text.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -43,7 +44,7 @@ std::string as_json(const FarmPlan& plan)
     out[plan.kind == FarmKind::Sweep ? "runs" : "frames"] = plan.items;
     out["tasks"] = plan.tasks;
     out["key"] = plan.key;
-    return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 /// Opened and locked, or -1: another living worker has the lock, or the file is not there (any more).

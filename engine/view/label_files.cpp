@@ -2,6 +2,7 @@
 #include "view/label_files.h"
 
 #include "core/file_io.h"
+#include "io/json_text.h"
 #include "io/npy_write.h"
 #include "io/png_write.h"
 
@@ -106,7 +107,7 @@ std::string label_json(const PictureTruth& truth, const std::string& picture)
     out["camera"] = camera_json(truth);
     out["instruments"] = Json::array();
     for (const InstrumentTruth& of : truth.instruments) out["instruments"].push_back(instrument_json(of, truth.contacts_known));
-    return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out) + "\n";
 }
 
 bool labels_exist(const FrameChoice& choice, const fs::path& picture)
