@@ -1,6 +1,7 @@
 # One style for all plots: sizes that are readable at the width of a printed column, colours that a colour-blind reader tells apart,
 # and labels that do not lie on each other.
 import os
+import sys
 import tempfile
 from pathlib import Path
 
@@ -27,7 +28,8 @@ def save(figure, path, **how):
     a device stays, as the command's own files have it."""
     path = Path(path)
     if path.exists() and not (path.is_file() or path.is_symlink()):
-        raise SystemExit(f"{path}: is a folder, or a pipe or a device, which would be lost; give another file")
+        print(f"{path}: is a folder, or a pipe or a device, which would be lost; give another file", file=sys.stderr)
+        raise SystemExit(3)
     with tempfile.TemporaryDirectory(dir=path.parent or ".", prefix=".plot-") as own:  # made for this picture alone
         part = Path(own) / f"picture{path.suffix}"
         figure.savefig(part, **how)

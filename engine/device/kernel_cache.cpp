@@ -88,21 +88,44 @@ bool is_hash(const std::string& name, std::size_t least, std::size_t most)
 
 constexpr int depth_of_hash = 2, depth_of_kernel = 4;  // HH/HASH, HH/HASH/KERNEL/SIZE
 
-int remove_cut_kernels(const Folder& folder, int depth)
+/// Whether the entry is what PoCL keeps under such a name at such a depth: a folder or a file, no link and no device, which end the process.
+bool is_of_pocl(const FilePlace& place, int depth)
 {
-    int removed = 0;
+    const std::string& name = place.name();
+    const bool is_file = depth == depth_of_kernel || (depth >= depth_of_hash && (name.find('.') != std::string::npos || name == "last_accessed"));
+    struct stat status {};
+    if (::fstatat(place.start(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return true;  // another process has removed it
+    return is_file ? S_ISREG(status.st_mode) : S_ISDIR(status.st_mode);
+}
+
+fs::path clean(const Folder& folder, int depth)
+{
     for (const std::string& name : folder.names()) {
         const bool is_place = depth == 0 ? is_hash(name, 2, 2) : depth > 1 || is_hash(name, 36, 38);
         // what the compiler is still writing has another name
         if (!is_place || name.starts_with("temp")) continue;
-        if (depth >= depth_of_hash && is_cut(folder / name)) removed += folder.remove(name) == 0;
-        if (depth == depth_of_kernel || name.find('.') != std::string::npos) continue;
+        const FilePlace place = folder / name;
+        if (!is_of_pocl(place, depth)) return place.path();
+        if (depth >= depth_of_hash && is_cut(place)) (void)folder.remove(name);
+        if (depth == depth_of_kernel || name.find('.') != std::string::npos || name == "last_accessed") continue;
         try {
-            removed += remove_cut_kernels(folder.inner(name), depth + 1);
-        } catch (const Error&) {  // a file, a link, or not to be read
+            if (fs::path odd = clean(folder.inner(name), depth + 1); !odd.empty()) return odd;
+        } catch (const Error&) {  // gone, or not to be read
         }
     }
-    return removed;
+    return {};
+}
+
+/// @return what keeps PoCL from using the folder; empty: nothing
+std::string fault_of_cache(const fs::path& dir)
+{
+    const std::string shown = printable(dir.string());
+    if (const int problem = try_to_write(dir); problem != 0)
+        return fmt::format("the kernel cache {} cannot be written to: {}", shown, std::strerror(problem));
+    const fs::path odd = clean_kernel_cache(dir);
+    if (odd.empty()) return {};
+    return fmt::format("the kernel cache {} has something else in the place of a kernel: {}", shown,
+                       printable(odd.lexically_relative(dir).string()));
 }
 
 fs::path own_folder;
@@ -195,12 +218,12 @@ std::string kernel_cache_advice()
                        printable(kernel_cache_folder().string()));
 }
 
-int remove_cut_kernels(const fs::path& dir)
+fs::path clean_kernel_cache(const fs::path& dir)
 {
     try {
-        return remove_cut_kernels(Folder(dir), 0);
+        return clean(Folder(dir), 0);
     } catch (const Error&) {  // not there, or not to be read: PoCL says so
-        return 0;
+        return {};
     }
 }
 
@@ -213,20 +236,15 @@ void prepare_kernel_cache()
         dir = fs::absolute(dir);
         ::setenv("POCL_CACHE_DIR", dir.c_str(), 1);
     }
-    const int problem = try_to_write(dir);
-    if (problem == 0) {
-        (void)remove_cut_kernels(dir);
-        return;
-    }
-    const std::string what = fmt::format("seldinger: the kernel cache {} cannot be written to: {}", printable(dir.string()),
-                                         std::strerror(problem));
+    const std::string fault = fault_of_cache(dir);
+    if (fault.empty()) return;
     if (!make_own_folder()) {
-        note(fmt::format("{}; set POCL_CACHE_DIR to a folder that can\n", what));
+        note(fmt::format("seldinger: {}; set POCL_CACHE_DIR to another folder\n", fault));
         return;
     }
     ::setenv("POCL_CACHE_DIR", own_folder.c_str(), 1);
     std::atexit(remove_own_folder);
-    note(fmt::format("{}; kernels are built anew, for this run alone; set POCL_CACHE_DIR to a folder that can\n", what));
+    note(fmt::format("seldinger: {}; kernels are built anew, for this run alone; set POCL_CACHE_DIR to another folder\n", fault));
 }
 
 }  // namespace seldinger::device

@@ -8,8 +8,9 @@
 
 namespace seldinger::device {
 
-/// Before PoCL first looks: takes out compiled kernels that are cut off (mapping one ends the process by SIGBUS); where the
-/// folder cannot be written to, says so on stderr and has PoCL use a folder of this process alone, which goes at its end.
+/// Before PoCL first looks: takes out compiled kernels that are cut off (mapping one ends the process by SIGBUS); where the folder
+/// cannot be written to, or has a link or a device where PoCL keeps kernels, says so on stderr and has PoCL use a folder of this
+/// process alone, which goes at its end.
 void prepare_kernel_cache();
 
 /// What PoCL uses, by its own rules: POCL_CACHE_DIR, else pocl/kcache in XDG_CACHE_HOME or ~/.cache.
@@ -35,7 +36,8 @@ private:
 [[nodiscard]] std::string kernel_cache_advice();
 
 /// Removes the shared objects and bitcode files of PoCL in `dir` that are shorter than they say themselves: those that lie where PoCL
-/// puts them, under the names that it gives (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's. @return how many
-int remove_cut_kernels(const std::filesystem::path& dir);
+/// puts them, under the names that it gives (HH/HASH/KERNEL/SIZE/), and no links. Other things in the folder are somebody's.
+/// @return the first entry under such a name that PoCL has not made: a link, a pipe, a device, a file for a folder; empty: there is none
+[[nodiscard]] std::filesystem::path clean_kernel_cache(const std::filesystem::path& dir);
 
 }  // namespace seldinger::device

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <elf.h>
+#include <sys/stat.h>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -71,18 +72,20 @@ TEST_SUITE("device/kernel cache")
         std::filesystem::create_directories(dir);
         write_file(dir / "whole.so", object(1000));
         write_file(hash / "program.bc", bitcode(25));
-        CHECK(device::remove_cut_kernels(folder.path()) == 0);
+        CHECK(device::clean_kernel_cache(folder.path()).empty());
         for (const std::size_t size : {0, 1, 3, 40, 63, 64, 900, 999}) {
             CAPTURE(size);
             write_file(dir / "cut.so", object(1000).substr(0, size));
-            CHECK(device::remove_cut_kernels(folder.path()) == 1);
+            CHECK(device::clean_kernel_cache(folder.path()).empty());
+            CHECK_FALSE(std::filesystem::exists(dir / "cut.so"));
         }
         const std::string code = bitcode(25);
         for (std::size_t size = 0; size < code.size(); ++size) {
             if (size == 4) continue;  // the mark alone is a file of no block
             CAPTURE(size);
             write_file(hash / "cut.bc", code.substr(0, size));
-            CHECK(device::remove_cut_kernels(folder.path()) == 1);
+            CHECK(device::clean_kernel_cache(folder.path()).empty());
+            CHECK_FALSE(std::filesystem::exists(hash / "cut.bc"));
         }
         CHECK(std::filesystem::exists(dir / "whole.so"));
         CHECK(std::filesystem::exists(hash / "program.bc"));
@@ -102,9 +105,40 @@ TEST_SUITE("device/kernel cache")
         std::filesystem::create_directory_symlink(theirs.path(), folder.path() / "AC");
         std::filesystem::create_directory_symlink(theirs.path(), hash / "linked");
         std::filesystem::create_symlink(theirs.path() / "program.bc", hash / "program.bc");
-        CHECK(device::remove_cut_kernels(folder.path()) == 0);
+        CHECK_FALSE(device::clean_kernel_cache(folder.path()).empty());
         for (const auto& name : others) CHECK(std::filesystem::exists(folder.path() / name));
         CHECK(std::filesystem::exists(theirs.path() / "program.bc"));
         CHECK(std::filesystem::is_symlink(hash / "program.bc"));
+    }
+
+    TEST_CASE("regression: what lies in the place of a kernel and would end PoCL is named and left there; what PoCL makes is not")
+    {
+        const TemporaryFolder folder, theirs;
+        const std::filesystem::path hash = "AB/CDEFGHIJKLMNOPABCDEFGHIJKLMNOPABCDEFGH", inner = hash / "kernel/64-1-1";
+        const auto make = [&] {
+            std::filesystem::remove_all(folder.path() / "AB");
+            std::filesystem::create_directories(folder.path() / inner);
+            write_file(folder.path() / inner / "kernel.so", object(1000));
+            write_file(folder.path() / hash / "program.bc", bitcode(25));
+            write_file(folder.path() / hash / "last_accessed", "");
+        };
+        make();
+        CHECK(device::clean_kernel_cache(folder.path()).empty());
+        for (const std::filesystem::path& name : {std::filesystem::path("AB"), hash, hash / "kernel", inner, inner / "kernel.so", hash / "program.bc"}) {
+            CAPTURE(name.string());
+            make();
+            const auto place = folder.path() / name;
+            std::filesystem::remove_all(place);
+            std::filesystem::create_symlink(theirs.path(), place);
+            CHECK(device::clean_kernel_cache(folder.path()) == place);
+            std::filesystem::remove(place);
+            REQUIRE(::mkfifo(place.c_str(), 0600) == 0);
+            CHECK(device::clean_kernel_cache(folder.path()) == place);
+            std::filesystem::remove(place);
+            if (place.has_extension()) std::filesystem::create_directory(place);
+            else write_file(place, "a file for a folder");
+            CHECK(device::clean_kernel_cache(folder.path()) == place);
+            CHECK(std::filesystem::exists(place));
+        }
     }
 }
