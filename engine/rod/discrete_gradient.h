@@ -4,7 +4,7 @@
 // For any two configurations q0, q1 it gives G with
 //     G.(q1 - q0) = E(q1) - E(q0)     exactly, however far they are apart,
 // and G -> dE/dq as q1 -> q0, to second order at the middle of the step. With v1 + v0 = 2 (q1 - q0)/h and M (v1 - v0)/h = -G the
-// energy is then conserved to rounding and the solver's tolerance, whatever the step [Gonzalez96], [Simo92].
+// energy is then conserved to rounding and the solver's tolerance, whatever the step [Gonzalez96], [SimoTarnow92].
 //
 // E is a sum of functions of scalars that are bilinear in vectors: lengths |e|^2, products of edges e.f, and of tangents and
 // directors t.d. For such a product  Delta(a.b) = mean(a).Delta b + mean(b).Delta a,  and for a function of it a quotient of
