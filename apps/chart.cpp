@@ -54,7 +54,7 @@ ExitCode chart(Options& options)
     const std::string dir = what.dir.string();
     if (result.interrupted)
         throw Error(stop_asked_for() == SIGINT ? ExitCode::Interrupted : ExitCode::TimeLimit,
-                    fmt::format("interrupted after {} of {} runs, all kept in {}; the same command goes on", result.runs_done,
+                    fmt::format("interrupted after {} of {} runs, all kept in {}; the same command continues", result.runs_done,
                                 result.runs_wanted, dir));
     const bool drawn = draw_with("plot_chart.py", {dir});
     if (!options.quiet) {

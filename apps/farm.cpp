@@ -118,10 +118,10 @@ void check_words(const Options& options)
 {
     if (options.source.empty())
         throw Error(ExitCode::BadScene,
-                    "farm: of what? give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
+                    "farm: got no work; expected a sweep or frames. Fix: give SCENE.toml --vary SWEEP.toml, or the folder of a run with --frames 0:499");
     if (options.dir.empty()) throw Error(ExitCode::BadScene, "farm: give a folder that all machines share with -o DIR");
     if (options.submit && options.backend != "slurm")
-        throw Error(ExitCode::BadScene, "--submit: to whom? give --backend slurm with it");
+        throw Error(ExitCode::BadScene, "--submit: got no --backend slurm; expected it. Fix: give both");
     const bool frames = !options.frames.empty();
     if (!frames && !options.render.empty())
         throw Error(ExitCode::BadScene, fmt::format("{}: unknown option; see `seldinger farm --help`", options.render.front()));
@@ -212,7 +212,7 @@ ExitCode farm(Options& options)
     const FarmReport report = look_at_farm(dir, plan);
     if (!options.local.quiet) print(status_text(dir, plan, report));
     if (code == ExitCode::TimeLimit || code == ExitCode::Interrupted)
-        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same again to go on",
+        throw Error(code, fmt::format("stopped with {} of {} tasks done; run the same command again to continue",
                                       report.count(TaskState::Done), plan.tasks));
     if (report.count(TaskState::Done) < plan.tasks)
         throw Error(ExitCode::Stopped, fmt::format("{}: tasks {} are not done; `seldinger farm status {}` says why",

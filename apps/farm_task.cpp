@@ -128,7 +128,7 @@ void check_render_word(const std::string& word)
     const bool is_option = word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
     const std::string name = word.substr(0, word.find('='));
     if (!is_option || std::find(std::begin(looks), std::end(looks), name) != std::end(looks)) return;
-    throw Error(ExitCode::BadScene, fmt::format("{}: a farm's tasks draw numbered pictures with their labels and nothing else; leave it out (a "
+    throw Error(ExitCode::BadScene, fmt::format("{}: tasks of a farm make only numbered pictures and their labels; leave it out (a "
                                                 "film: farm merge DIR --video FILE.mp4)",
                                                 name));
 }

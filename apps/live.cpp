@@ -115,17 +115,17 @@ ExitCode live(Options& options)
 
 void add_what(CommandLine& command, Options& options)
 {
-    command.add_option("SCENE", options.scene, "scene file (TOML); its key frames give way to the hand")->required();
+    command.add_option("SCENE", options.scene, "scene file (TOML); the hand replaces its key frames")->required();
     command.add_option("--set", options.overrides, "change a key of the scene; repeats")->type_name("table.key=value")->allow_extra_args(false);
     command.add_option("--wire", options.wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
     command.add_option("--rate", options.session.rate, "steps a second (default: 1000)")->check(in_range(1.0, 10000.0))->type_name("N");
     command.add_option("--tolerance", options.model.tolerance, "choose the model by `plan`, at this rate: 0.5mm")->type_name("LENGTH");
-    command.add_option("--budget", options.model.budget, "with --tolerance: wall time to choose in (default: 300)")
+    command.add_option("--budget", options.model.budget, "with --tolerance: seconds by the clock to choose the model (default: 300)")
         ->check(positive())
         ->type_name("S");
-    command.add_flag("--lockstep", options.session.lockstep, "a step for each request of the hand, not by the clock: the same on any machine");
+    command.add_flag("--lockstep", options.session.lockstep, "one step for each request of the device, independent of the clock: the same on any machine");
     command.add_option("--record", options.session.record, "where the session is recorded (default: <scene>-live.record)")->type_name("FILE");
-    command.add_option("--duration", options.session.duration, "session time to end after (default: none)")
+    command.add_option("--duration", options.session.duration, "end after this session time (default: never)")
         ->check(positive())
         ->type_name("S");
     command.add_option("--device", options.device, "OpenCL device, as `seldinger devices` lists them")->check(not_negative())->type_name("N");

@@ -71,7 +71,7 @@ ExitCode plan_scene(Options& options)
     if (shows) note("\r\033[K");
     if (plan.status == PlanStatus::Interrupted)
         throw Error(exit_code(plan),
-                    fmt::format("interrupted; every run that was finished is kept in {}, and the same command goes on",
+                    fmt::format("interrupted; all finished runs are kept in {}, and the same command continues",
                                 what.trials.string()));
     write_plan(plan, what.goals, files);
     if (options.json) print(plan_json(plan, what.goals, files));
@@ -87,10 +87,10 @@ void add_plan(CommandLine& app, Command& chosen)
     auto options = std::make_shared<Options>();
     CommandLine* command = app.add_subcommand("plan", "the cheapest model that is good enough for a scene");
     command->add_option("SCENE", options->scene, "scene file (TOML)")->required();
-    command->add_option("--tolerance", options->tolerance, "how far the wire may be off, root mean square over the run: 0.2mm")
+    command->add_option("--tolerance", options->tolerance, "largest error of the wire, root mean square over the run: 0.2mm")
         ->required()
         ->type_name("LENGTH");
-    command->add_option("--force-tolerance", options->force_tolerance, "how far the hand force may be off: 5%, 10mN")
+    command->add_option("--force-tolerance", options->force_tolerance, "largest error of the hand force: 5%, 10mN")
         ->type_name("SHARE|FORCE");
     command
         ->add_option("--peak-force-tolerance", options->peak_tolerance,

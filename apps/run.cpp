@@ -40,7 +40,7 @@ void add_run(CommandLine& app, Command& chosen)
         ->type_name("table.key=value")
         ->allow_extra_args(false);
     run->add_option("--wire", options->wire, "another instrument of the catalogue: --set wire.preset=NAME")->type_name("NAME");
-    auto* resume = run->add_flag("--resume", options->resume, "go on with the run in DIR (from the start where there is none)");
+    auto* resume = run->add_flag("--resume", options->resume, "continue the run in DIR (without one: from the start)");
     run->add_option("--replay", options->run.replay, "take the inputs of a recorded live session in place of the key frames: the same bits")
         ->excludes(resume)
         ->type_name("FILE");

@@ -204,7 +204,7 @@ void check_elastic_wall(const WorldSetup& setup)
     bool has_rim = false;
     for (std::size_t k = 0; k < edges.count(); ++k) has_rim |= edges.uses(k).size() == 1;
     if (!vessel.rims_held || !has_rim)
-        refuse("vessel.support", fmt::format("is 0 and {}: the wall could fly away; expected tissue or held rims",
+        refuse("vessel.support", fmt::format("is 0 and {}: nothing holds the wall in place; expected tissue or held rims",
                                              has_rim ? "rims are free" : "the mesh has no rims"));
 }
 
@@ -233,7 +233,7 @@ void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub
 {
     if (hub.kind == Control::Hub::Kind::Stay) return;
     const auto refuse_it = [&](const std::string& what) { refuse(fmt::format("control: instrument {}", instrument), what); };
-    if (instrument >= state.wire_count()) refuse_it(fmt::format("is not there, expected an index below {}", state.wire_count()));
+    if (instrument >= state.wire_count()) refuse_it(fmt::format("index out of range; expected below {}", state.wire_count()));
     if (!state.feeds[instrument].on) refuse_it("is not fed (WireSetup::feed.on is false): it has no hub that could be moved");
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))

@@ -345,7 +345,7 @@ void LayerContact::check_keys(std::span<const Key> keys, int first_wire, int end
         const auto begin = static_cast<std::uint32_t>(rods_.node_begin(wire));
         if (!known || (k > 0 && !(keys[k - 1] < key)) || key.edge < begin ||
             key.edge - begin >= static_cast<std::uint32_t>(rods_.capacity(wire)) || key.triangle >= wall_.original.size())
-            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene has not");
+            throw Error(ExitCode::BadFile, "the saved state has contacts on edges or triangles that this scene does not have");
     }
 }
 

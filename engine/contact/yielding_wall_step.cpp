@@ -383,12 +383,12 @@ void YieldingWall::take_feet(const std::uint8_t*& bytes, const std::uint8_t* end
         if (foot.triangle >= wall_.surface().topology().triangle_count() ||
             !(foot.u >= 0 && foot.v >= 0 && foot.u + foot.v <= 1 + 1e-9) ||
             !std::all_of(std::begin(foot.node), std::end(foot.node), [](double x) { return std::isfinite(x); }))
-            throw Error(ExitCode::BadFile, "the saved state names a place that this scene's wall does not have");
+            throw Error(ExitCode::BadFile, "the saved state names a position that this scene's wall does not have");
         WallEnd& end_state = system.ends[i];
         take_bytes(bytes, end, &end_state, 1);
         const auto finite = [](double x) { return std::isfinite(x); };
         if (!std::ranges::all_of(end_state.x, finite) || !std::ranges::all_of(end_state.y, finite))
-            throw Error(ExitCode::BadFile, "the saved state holds a place that is no number");
+            throw Error(ExitCode::BadFile, "the saved state holds a position that is not finite");
     }
 }
 

@@ -52,8 +52,8 @@ long holder(int fd)
 
 [[noreturn]] void refuse(const FilePlace& lock)
 {
-    throw Error(ExitCode::BadFile, lock.path().string() + ": is needed as a lock and is something else (a link, a file with a second name or "
-                                                          "with something in it); move it away, or choose another place with -o");
+    throw Error(ExitCode::BadFile, lock.path().string() + ": is not a lock file (a link, a file with a second name or "
+                                                          "with something in it); move it away, or choose another folder with -o");
 }
 
 /// @return a descriptor that holds the lock; -1 where the file system knows no locks

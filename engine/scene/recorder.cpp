@@ -93,7 +93,7 @@ void check_run_folder(const fs::path& dir, FolderUse use, const Scene& scene)
             fmt::format("{}: the scene lies there itself and would be overwritten; choose another folder with -o", dir.string()));
     if (use == FolderUse::Refuse)
         throw Error(ExitCode::BadScene,
-                    fmt::format("{}: holds a run already; give --resume to go on with it, --overwrite to replace it, "
+                    fmt::format("{}: holds a run already; give --resume to continue it, --overwrite to replace it, "
                                 "or another folder with -o",
                                 dir.string()));
     if (use != FolderUse::Resume || !fs::exists(dir / "checkpoint.bin", ignored)) return;
@@ -148,7 +148,7 @@ Recorder::Recorder(const Scene& scene, const RepairReport& vessel, World& world,
                                                    scene.vessel.mesh.empty() ? "the vessel" : scene.vessel.mesh.string()));
     for (int k = 0; k < tally_.exits.count; ++k)
         if (tally_.exits.exit[k].opening >= static_cast<int>(vessel_.loops.size()))
-            throw Error(ExitCode::BadFile, fmt::format("{}: tells of an opening that there is not; run again with --overwrite",
+            throw Error(ExitCode::BadFile, fmt::format("{}: is corrupt: an opening is out of range; run again with --overwrite",
                                                        (dir_ / "checkpoint.bin").string()));
     if (world.device_name() != saved.device)
         warn(fmt::format("resumed on \"{}\" after \"{}\": the bits may differ from a run in one piece", world.device_name(),

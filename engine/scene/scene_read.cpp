@@ -92,7 +92,7 @@ void check_hard_law(const TableReader& t, const Scene& scene)
     const std::string_view law = word_of(normal_words, spec.normal);
     const Scheme scheme = scene.integrator.scheme;
     if (spec.detection == Detection::Layer)
-        t.fail("normal", fmt::format("\"{}\" lives on material samples, which detection = \"layer\" has not; use \"swept\" or "
+        t.fail("normal", fmt::format("\"{}\" needs material samples, which detection = \"layer\" does not have; use \"swept\" or "
                                      "\"capsule\", or normal = \"hunt-crossley\"",
                                      law));
     if (scheme == Scheme::Linearised || scheme == Scheme::Explicit)

@@ -187,7 +187,7 @@ void check_lumen(const TableReader& t, WireSpec& wire)
 void check_friction(const TableReader& t, double mu_static, double mu_sliding)
 {
     if (t.has("mu_static") && mu_static < mu_sliding)
-        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to go on; "
+        t.fail("mu_static", fmt::format("is {}, below mu_sliding, {}: a wire cannot need less force to start sliding than to continue; "
                                         "make it {} or more, or take it out",
                                         mu_static, mu_sliding, mu_sliding));
 }

@@ -193,9 +193,9 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
     const auto look = [&](const char* what, const ErrorBand& band) {
         if (band.resolved) return;
         if (band.band == 0)
-            list.push_back(fmt::format("{} of {:.3g} N: its error is not known, shorter steps found no state there", what, band.value));
+            list.push_back(fmt::format("{} of {:.3g} N: its error is unknown, because shorter steps did not converge there", what, band.value));
         else if (band.let_go)
-            list.push_back(fmt::format("{} of {:.3g} N is where something that held lets go, after a rise of {:.2g} N in {:.2g} s: when it does "
+            list.push_back(fmt::format("{} of {:.3g} N is a sudden release, after a rise of {:.2g} N in {:.2g} s: its time "
                                        "differs from run to run and is not resolved by steps of {:.3g} ms, the band is +- {:.2g} N; "
                                        "compare with other scene.dt_s",
                                        what, band.value, band.band, ReleaseWatch::release_time, 1e3 * e.dt, band.band));

@@ -224,8 +224,8 @@ std::vector<std::string> all_warnings(const World& world, const RunTally& tally,
                        "run, and report it with the scene");
     if (tally.far_steps > 0)
         list.push_back((tally.steps > 0 ? share(tally.far_steps) : std::string("what presses on it")) +
-                       " moved the wall by more than a fifth of the lumen's radius: beyond what its linear "
-                       "theory is good for (docs/wall.md)");
+                       " moved the wall by more than 20 % of the lumen's radius: beyond its linear "
+                       "theory (docs/wall.md)");
     if (tally.non_finite > 0)
         list.push_back(fmt::format("{} numbers were not finite: their CSV fields are empty", tally.non_finite));
     for (const std::string& key : lost) list.push_back(key + " is not finite: null stands for it");
@@ -358,13 +358,13 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir);
 /// The bands, against the same windows with shorter steps.
 std::string estimate_for_people(const Json& e)
 {
-    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
+    if (e.at("windows").get<long>() == 0) return "  error of the step: unknown, no window could be recomputed with shorter steps\n";
     const auto band = [&](const char* key) {
         return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
     };
     const double shortest = e.at("shortest_step_s").get<double>();
-    const char* more = shortest > 1e-3 ? "; --error-estimate on takes the largest again with steps of 1 ms or less" : "";
-    return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
+    const char* more = shortest > 1e-3 ? "; --error-estimate on recomputes the largest with steps of 1 ms or less" : "";
+    return fmt::format("  error of the step, from {} windows of {} steps recomputed with steps down to {:.3g} ms: hand {} (largest 20 ms "
                        "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
                        e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,
                        band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"),

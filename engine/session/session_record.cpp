@@ -131,7 +131,7 @@ RecordWriter::RecordWriter(const std::filesystem::path& path, const RecordHeader
         const bool is_record = std::filesystem::is_regular_file(path, missing) && read_file(path).starts_with(magic);
         if (!is_record)
             throw Error(ExitCode::BadScene,
-                        fmt::format("{}: is there and is no record, and would be lost; choose another file with --record", path.string()));
+                        fmt::format("{}: exists, is not a record and would be overwritten; choose another file with --record", path.string()));
     }
     if (path.has_parent_path()) make_folder(path.parent_path());
     file_ = AppendFile(path, 0);

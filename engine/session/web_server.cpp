@@ -271,7 +271,7 @@ private:
         if (path != "/ws" || hub_.sockets.size() >= most_sockets) {
             ++hub_.counts.refused;
             if (path != "/ws") return refuse(request, http::status::not_found, "nothing there");
-            return refuse(request, http::status::service_unavailable, "as many watch as can");
+            return refuse(request, http::status::service_unavailable, "too many pages are connected; close one");
         }
         stream_.expires_never();
         std::make_shared<Socket>(std::move(stream_), hub_, std::move(place_))->accept(std::move(request));

@@ -164,7 +164,7 @@ std::string chart_summary(const ChartResult& result)
             if (point.sound()) continue;
             if (point.run.over_limit)
                 text +=
-                    fmt::format("  {}: stopped at {:.3g} simulated s, too dear\n", point.model.model.name, point.run.simulated);
+                    fmt::format("  {}: stopped at {:.3g} simulated s, too expensive\n", point.model.model.name, point.run.simulated);
             else
                 text += fmt::format("  {}: {}{}\n", point.model.model.name, name(point.run.outcome),
                                     point.run.complete ? "" : fmt::format(" at {:.3g} s", point.run.failed_at));

@@ -244,7 +244,7 @@ SearchGrid search_grid(const PlanReference& reference, double interval, double l
 std::string not_vouched_for(const Model& model, const Scene& scene, bool touches)
 {
     const IntegratorSpec integrator = apply(model, scene).integrator;
-    if (integrator.scheme == Scheme::Linearised) return "one Newton step leaves what it likes of the equations";
+    if (integrator.scheme == Scheme::Linearised) return "one Newton iteration per step leaves an unbounded residual";
     if (integrator.scheme != Scheme::Static && integrator.newmark && touches) return "it makes energy in contact";
     return {};
 }

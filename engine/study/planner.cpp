@@ -104,14 +104,14 @@ private:
                 fmt::format("not even the coarsest run of this scene ended within --budget {:g}; give more", options_.budget));
         if (reference.levels.empty())
             return stop_with(PlanStatus::NothingHolds,
-                             fmt::format("no model gets through this scene: {}; make the scene itself milder (contact.stiffness, "
+                             fmt::format("no model completes this scene: {}; make the scene less severe (contact.stiffness, "
                                          "feed speed, wire), {}or look at it with `seldinger run`",
                                          failures(reference), reference.out_of_budget ? "give a larger --budget, " : ""));
         const double shape = at(reference.uncertainty, Observable::Shape),
                      force = at(reference.uncertainty, Observable::HandForce);
         if (!reference.converges && !reference.out_of_budget)
             return stop_with(PlanStatus::NoReference,
-                             fmt::format("refining the scene keeps moving the wire, by {} at {} nodes and {:.3g} ms: it has no "
+                             fmt::format("refinement does not converge: it still moves the wire by {} at {} nodes and {:.3g} ms; the scene has no "
                                          "single answer (a bifurcation, or "
                                          "chatter); shorten scene.duration_s to before that",
                                          as_length(reference.moved.empty() ? 0 : at(reference.moved.back(), Observable::Shape)),
@@ -123,8 +123,8 @@ private:
         if (reference.levels.size() < 2) {
             stop_with(
                 PlanStatus::BelowReference,
-                fmt::format("only one run of the reference ended within its share of --budget {:g}: nothing is known of its "
-                            "error; give more",
+                fmt::format("only one run of the reference ended within its share of --budget {:g}: its error is "
+                            "unknown; give more",
                             options_.budget));
             return;
         }
@@ -325,7 +325,7 @@ private:
         if (trials.stopped()) return stop_with(PlanStatus::Interrupted, "interrupted");
         result_.fast = planned(trials.all().at(label(model)), slowest);
         result_.message +=
-            fmt::format("; the quickest that was seen reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
+            fmt::format("; the fastest model found reaches {:.3g}", 1 / (result_.fast->slowest * model.dt.value_or(1)));
     }
 
     /// The winner and the few that come nearest are timed again, so that no single measurement decides. Another one wins only
@@ -377,7 +377,7 @@ private:
             fmt::format("nothing meets both: the cheapest that meets {} reaches {:.3g} of real time in its slowest stretch",
                         as_length(goals_.tolerance), 1 / best.slowest);
         if (result_.fast)
-            message += fmt::format("; the most accurate that keeps up is within {}", as_length(result_.fast->error));
+            message += fmt::format("; the most accurate model at this rate is within {}", as_length(result_.fast->error));
         stop_with(PlanStatus::NotBoth, std::move(message));
     }
 

@@ -14,8 +14,8 @@ from ._scene import Scene, SceneLike
 
 _FLAGS = {"halved": 1, "not_converged": 2, "wall_far": 4, "wall_penetration": 8, "non_finite": 16, "best_effort": 32, "energy": 64}
 _ADVICE = {
-    64: "energy comes from nowhere; make scene.dt_s smaller, or leave integrator.beta and gamma out",
-    16: "a value is no longer finite; check the wire's stiffness and density, make scene.dt_s smaller",
+    64: "the simulation gained energy; make scene.dt_s smaller, or leave integrator.beta and gamma out",
+    16: "a value is not finite; check the wire's stiffness and density, make scene.dt_s smaller",
     2: "the step did not converge, even divided; make scene.dt_s smaller or contact.stiffness lower",
 }
 

@@ -249,7 +249,7 @@ TEST_SUITE("apps/plan")
         text.replace(text.find("position = true"), 15, "position = true\nvelocity_m_s = [0.0, 0.0, 1e160]");
         folder.write("t.toml", text);
         const AppResult result = run_plan(folder, "t.toml --tolerance 1mm");
-        one_line(result, 4, "no model gets through this scene: 17 nodes");
+        one_line(result, 4, "no model completes this scene: 17 nodes");
         CHECK(result.err.find("blow-up") != std::string::npos);
         CHECK(result.err.find("411 nodes") != std::string::npos);
         CHECK_FALSE(fs::exists(folder.path / "planned.toml"));
