@@ -11,7 +11,7 @@ namespace seldinger::apps {
 [[nodiscard]] RunOutcome run_batch(const std::filesystem::path& scene, const std::filesystem::path& sweep,
                                    const RunOptions& options);
 
-/// What one task of many came to.
+/// Result of one task of many.
 struct BatchPart {
     RunOutcome outcome;
     std::vector<BatchRow> rows;  // of the runs that have ended, in any order

@@ -1,4 +1,4 @@
-// Does a task of a sweep by the batch loop and one of frames by `render`, and says in the log what it took.
+// Does a task of a sweep by the batch loop and one of frames by `render`, and writes its time to the log.
 #include "farm_task.h"
 
 #include "batch_loop.h"

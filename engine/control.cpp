@@ -1,4 +1,4 @@
-// Gathers what is asked of each hub.
+// Gathers the input of each hub.
 
 #include "control.h"
 

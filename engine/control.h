@@ -27,7 +27,7 @@ public:
     /// Removes everything prescribed.
     void clear() { hubs_.clear(); }
 
-    /// Of one hub.
+    /// Input of one hub.
     struct Hub {
         enum class Kind { Stay, MoveTo, Follow } kind = Kind::Stay;
         double advance = 0, turn = 0;   // MoveTo

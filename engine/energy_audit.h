@@ -55,7 +55,7 @@ struct EnergyAudit {
 /// and bends it to a radius of that.
 [[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
 
-/// Before a sub-step: what has become of the wire since the last one, by splits and merges.
+/// Before a sub-step: changes of the wire by splits and merges since the last one.
 void audit_remeshing(World::Impl& state, int wire);
 
 /// Before and after the feed has moved on by a sub-step.
@@ -78,7 +78,7 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 /// The same has been accepted.
 void accept_energy(World::Impl& state, int wire, double h);
 
-/// What a run goes on from. Of the saved state, but not of the state that is hashed: it changes nothing that moves.
+/// What a run goes on from. Part of the saved state, but not of the hashed one: it affects no motion.
 void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
 void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
 

@@ -55,7 +55,7 @@ public:
     /// From now on every step says in WireReadings::hand_stiffness how stiff its end is to the hand: one more solve of the step's
     /// own equations per fed wire. Changes no state.
     void watch_hand_stiffness();
-    /// Of the wall that a system moves; zeros where it is rigid. Stresses take a millisecond or so.
+    /// Readings of the wall that a system moves; zeros for a rigid wall. Stresses take a millisecond or so.
     [[nodiscard]] WallReadings wall_readings(int system = 0) const;
     [[nodiscard]] WallMechanics wall_mechanics() const;
     /// How the last step() or settle() went.

@@ -13,8 +13,8 @@
 // it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The line's material is
 // the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of material and remeshing.
 //
-// Each instrument touches the wall where no other one is around it, with its own radius, friction and stiffness, its slip being
-// that of its own material: what is fed of it past the line counts (contact/quadrature.h, `offset` and `exposed`).
+// Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
+// of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
 // Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of wall, loads and
 // links on instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
@@ -76,7 +76,8 @@ void lead_group(World::Impl& state, MergedGroup& group, double h);
 [[nodiscard]] double lead_change_after(const World::Impl& state, const MergedGroup& group, double dt);
 /// Advances and turns all hubs of the group to the end of the sub-step of `step`. @param h  in which time; infinite: at rest all the way [s]
 void feed_group(World::Impl& state, MergedGroup& group, double step, double h);
-/// Of the line its hold at the hub, and what loads and links do to any of the group at time t; of each what its own holds keep.
+/// Constraints: the line gets its hold at the hub and the loads and links of all instruments in the group at time t; each
+/// instrument gets its own holds.
 void constrain_member(World::Impl& state, const MergedGroup& group, int wire, double t);
 /// What its instruments' holds keep, of the line as placed. @throws Error BadScene: they cannot be held there
 void take_holds(World::Impl& state, MergedGroup& group);

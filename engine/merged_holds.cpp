@@ -1,4 +1,4 @@
-// What holds and pulls at instruments that share one centreline: the hub, and what the scene asks for at places of their material.
+// Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
 
 #include "core/error.h"
 #include "merged.h"

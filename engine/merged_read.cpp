@@ -11,7 +11,7 @@ namespace seldinger {
 
 namespace {
 
-/// Force of what is around on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
+/// Force of the surroundings on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].
 double axial_contact(World::Impl& state, const MergedGroup& group, int k)
 {
     const double load = axial_load(state, group, k);
@@ -29,7 +29,8 @@ double mass_rate(const WireSection* section)
     return section ? section->density * std::numbers::pi * section->radius * section->radius : 0.0;
 }
 
-/// A push takes away of what is twisted behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds [N].
+/// A push removes part of the twisted length behind the inlet: d(twist energy there)/d(length) at the angle that the hand holds
+/// [N].
 double twist_behind(const World::Impl& state, const MergedGroup& group, const CoaxialHands& hands, int k)
 {
     const double torque = hands.torque[k];
@@ -189,7 +190,7 @@ std::vector<Vec3> shown_contact_force(const World::Impl& state, int wire)
     const std::vector<Vec3>& all = state.results[wire].nodal_contact;
     const int from = state.shown_from[wire], n = state.shown->node_count(wire);
     std::vector<Vec3> force(static_cast<std::size_t>(n), Vec3::Zero());
-    // what is on the node before its tip is on the edge that the tip is on
+    // values on the node before its tip belong to the edge with the tip
     for (int i = 0; i < n && from + i < static_cast<int>(all.size()); ++i) force[i] = all[from + i];
     return force;
 }

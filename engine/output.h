@@ -1,5 +1,5 @@
 #pragma once
-// What can be read of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
+// Readings of a world after a step: how the step went, numbers per instrument, and a copy of its state that outlives it.
 
 #include "contact/contact_row.h"
 #include "contact/force_per_length.h"
@@ -120,7 +120,7 @@ struct WallOutput {
     std::vector<double> stress;      // there: von Mises, the larger of both surfaces [Pa]
 };
 
-/// A copy of what can be read, independent of the world it was read from: for a recorder, a picture, another thread.
+/// A copy of all readings, independent of its world: for a recorder, a picture, another thread.
 struct Output {
     enum Parts : unsigned {
         Numbers = 0,

@@ -8,7 +8,7 @@
 
 namespace seldinger {
 
-// ---- step_feed.cpp: what is asked of the hubs
+// ---- step_feed.cpp: input of the hubs
 
 /// Resolves the control to the way of each hub through the step.
 void take_control(World::Impl& state, const Control& control, double dt);
@@ -52,7 +52,7 @@ void adapt_nodes(World::Impl& state, double dt);
 void adapt_nodes_of(World::Impl& state, int wire, double dt);
 /// Nodes of an adaptive wire. @return whether any came or went
 bool adapt_wire(World::Impl& state, int wire, double dt, bool may_merge);
-/// What was read off the nodes follows them, sums kept, until the next step reads them anew. @param n  nodes before
+/// Readings of the nodes follow them, sums kept, until the next step reads them anew. @param n  nodes before
 void renumber_forces(std::vector<Vec3>& force, int n, const NodeChange& change);
 /// Takes the surplus of rest length that splits and merges have left out of a wire of constant length, as far as it fades in dt.
 void fade_surplus_of(World::Impl& state, int wire, double dt);

@@ -30,7 +30,7 @@ class CoaxialFriction;  // contact/coaxial_friction.h
 class LineHolds;        // solve/line_holds.h
 struct MergedGroup;     // merged.h
 
-/// What was read off a wire when its step was accepted.
+/// Readings of a wire when its step was accepted.
 struct WireResult {
     ContactTotals contact;
     double normal_between = 0;           // WireReadings::normal_between
@@ -154,7 +154,7 @@ struct World::Impl {
     [[nodiscard]] std::vector<std::uint8_t> state_bytes() const;
 };
 
-/// @throws Error BadScene: dt, or what is asked of a hub. Nothing has changed then
+/// @throws Error BadScene: dt, or the input of a hub. Nothing has changed then
 void check_request(const World::Impl& state, const Control& control, double dt);
 
 /// Whether nodes of a wire come and go by themselves (nodes = "adaptive").

@@ -238,7 +238,7 @@ void check_hub(const World::Impl& state, int instrument, const Control::Hub& hub
     for (std::size_t k = 0; k < hub.keys.size(); ++k)
         if (!std::isfinite(hub.keys[k].t) || (k > 0 && hub.keys[k].t <= hub.keys[k - 1].t))
             refuse_it(fmt::format("key {} is at {} s, expected times that increase", k, hub.keys[k].t));
-    // of a way that is known beforehand, what lies beyond this step need not be met by it
+    // later keys of a known path need not be satisfied by this step
     const FeedKey end = hub.kind == Control::Hub::Kind::MoveTo ? FeedKey{0, hub.advance, hub.turn}
                                                                : HubPath(hub.keys).at(state.wire_time[instrument] + dt);
     const double length = state.setup.wires[instrument].wire.length;

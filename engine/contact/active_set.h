@@ -31,7 +31,7 @@ public:
     [[nodiscard]] bool stale() const { return stale_; }
     /// @param active  wires that are evaluated next, the others keep their sums; empty: not said
     void rebuild(const NearWall& near, std::span<const std::uint8_t> active);
-    /// What was evaluated in earlier steps is forgotten.
+    /// Forgets evaluations of earlier steps.
     void forget();
     void forget(const WireQuadrature& wire);
 
@@ -43,7 +43,7 @@ public:
     /// Where a launch over all() leaves its sums, which read back are EdgeSums::edges; and where one over a part does.
     [[nodiscard]] const device::Buffer& sums_buffer(bool part) const { return part ? last_edge_buffer_ : edge_buffer_; }
     [[nodiscard]] EdgeForce* sums_target(bool part) { return part ? last_edges_.data() : sums_.edges.data(); }
-    /// What was read back of a part goes where these wires' sums are.
+    /// Copies the sums read back for a part into the sums of these wires.
     void spread(std::span<const std::uint8_t> active);
 
 private:

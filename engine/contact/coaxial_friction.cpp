@@ -192,7 +192,7 @@ void CoaxialFriction::add_coupling(const Group& group, const Pair& pair, const S
             }
 }
 
-// ---- what can be read off ---------------------------------------------------------------------------------------------------
+// ---- readings ------------------------------------------------------------------------------------------------------------------
 
 void CoaxialFriction::set_outside(int wire, double force)
 {

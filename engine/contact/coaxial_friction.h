@@ -17,9 +17,9 @@
 //
 // **Where the lumen presses**, friction is also mu times the force between the two. Without clearance that has no bound; it is what the
 // instruments' own clearance makes of their moments in the state accepted last (rod/lumen_press.h, places a cell apart), known in the
-// step as the wall's friction is not: a step behind. Of three and more, all that is around the lumen bends as one and all that is in
-// it. A tension T of what is in it, all that holds it back between its tip and there, presses by T kappa round a bend; what pulls at it
-// from outside does so beyond the mouth, by these sums.
+// step as the wall's friction is not: a step behind. With three instruments and more, all outside the lumen bend as one, and all
+// inside it. An inner instrument under a tension T presses by T kappa round a bend. T sums all that holds it back between its tip
+// and there; outside pulls act beyond the mouth by these sums.
 
 #include "contact/coaxial_slip.h"
 #include "rod/coaxial_moment.h"
@@ -64,7 +64,8 @@ public:
 
     /// What pulls at an instrument from outside in the accepted state, along the line, + towards the tip [N].
     void set_outside(int wire, double force);
-    /// Of the others on this instrument along the line at the last evaluation, + towards the tip [N]; in a group they add up to 0.
+    /// Force of the other instruments on this one along the line at the last evaluation, + towards the tip [N]. In a group they add
+    /// up to 0.
     [[nodiscard]] double along(int wire) const;
 
 private:
@@ -98,7 +99,7 @@ private:
         std::vector<LumenPress::Complex> off;
         std::vector<Part> parts;
         std::vector<double> weights;
-        // of the last evaluation: force along on the inner one [N], work on both, what it can give back [J]
+        // last evaluation: force along on the inner instrument [N], work on both, recoverable work [J]
         double along = 0, work = 0, stored = 0;
     };
     struct Group {

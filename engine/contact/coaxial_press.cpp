@@ -76,8 +76,8 @@ void CoaxialFriction::find_pressing(const Group& group, const CoaxialTrial& now,
     }
 }
 
-/// Tension of what is inside, from its tip on: what pulls at it from outside, and friction of all around it; times the curvature that
-/// place_at() has left in `lateral`.
+/// Tension of the inner instruments, from the tip on: outside pulls and friction of all around; times the curvature that place_at()
+/// left in `lateral`.
 void CoaxialFriction::set_lateral(const Group& group, const Pair& pair, const Overlap& lap, int first)
 {
     double outside = 0;

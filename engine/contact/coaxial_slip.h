@@ -8,7 +8,7 @@
 //
 // with e_0 the elastic slip that is remembered: dry friction of at most q per length in whatever direction the surfaces slip, which
 // gives way elastically by y before it does, and resistance c of a film. Backward Euler: f holds at the end of the step.
-// It takes -f . u = k e.u + c u.u/h, never less than 1/2 k (|e|^2 - |e_0|^2): nothing comes out of it but what was stored.
+// It takes -f . u = k e.u + c u.u/h, never less than 1/2 k (|e|^2 - |e_0|^2): it returns only stored energy.
 
 #include "math/vec3.h"
 
@@ -16,7 +16,7 @@
 
 namespace seldinger {
 
-/// Of a place on the surface between two instruments.
+/// Friction law at a point of the surface between two instruments.
 struct SlipLawPerLength {
     double limit = 0;      // q [N/m]
     double stiffness = 0;  // k [N/m^2], > 0 where q is

@@ -38,7 +38,7 @@ struct ContactPatch {
 /// @param radius_a, radius_b  [m]  @param inside  a lies in b's lumen, of radius_b
 [[nodiscard]] double overlap_width(double depth, double radius_a, double radius_b, bool inside);
 
-/// Of one contact point. @param model  of its quadrature point; `length` 0: the tip's point law
+/// Contact patch of one contact point. @param model  of its quadrature point; `length` 0: the tip's point law
 /// @param normal_law  SEL_NORMAL_*  @param gap  [m]  @param force  normal [N]; 0: nothing
 [[nodiscard]] ContactPatch contact_patch(const QuadratureModel& model, uint normal_law, double gap, double force);
 

@@ -6,7 +6,7 @@
 // the rounding of a product [Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 4.2]: twice that between two sums,
 // and as much again for the magnitudes that were rounded before. In a float32 context the device's sums round to 2^-24.
 //
-// What is read of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
+// A reading of the load along a wire (force_per_length.h) cannot exceed its sum. The load between two places is a difference of
 // running sums of slopes F/l times lengths up to the whole stretch S: wrong by 4 n eps (sum F + S sum F/l) at most, n the number of
 // ends.
 

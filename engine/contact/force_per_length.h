@@ -14,7 +14,7 @@
 //
 // The window W is one wire diameter: what a wire presses on is not known finer than the wire is thick. A box has the integral of
 // the load (the window hangs over at the wire's ends, where q falls to half of an even load) and makes of F at one place F/W,
-// wherever that is; an even load is q itself. What lies between two samples is borne by both, over 2 l: W is at least twice the
+// wherever that is; an even load is q itself. Two samples share the load between them over 2 l: W is at least twice the
 // samples' spacing, and the reading says so (`widened`). Normal forces are added as they are, without direction: a wire that is
 // pressed between two walls reads what presses on it from both sides.
 
@@ -25,7 +25,7 @@
 
 namespace seldinger {
 
-/// What one wire's contacts with the wall, or with other instruments, come to.
+/// Readings of one wire's contacts with the wall, or with other instruments.
 struct ContactAlong {
     double per_length_max = 0;    // largest q [N/m]
     double per_length_at = 0;     // there, from the tip [m]
@@ -68,7 +68,7 @@ public:
     [[nodiscard]] Place most_on(double length) const;
 
 private:
-    /// Load up to x, with what is borne at x itself or without it [N]. @param after  the first knot beyond x
+    /// Load up to x, with the load at x itself or without it [N]. @param after  the first knot beyond x
     [[nodiscard]] double upto(double x, bool closed, std::size_t after) const;
     [[nodiscard]] double upto(double x, bool closed) const;
     struct Knot {

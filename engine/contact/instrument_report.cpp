@@ -89,7 +89,7 @@ void InstrumentContact::restore_wire(const std::uint8_t*& bytes, const std::uint
     context_.enter(device::Queue::Inline);
     context_.write(device::Queue::Inline, states_t0_, states.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));
-    // epochs that are gone through again must not find what was written in them before
+    // a repeated epoch must not find marks of an earlier one
     context_.write(device::Queue::Inline, states_, no_states_.data(), states.size() * sizeof(InstrumentState),
                    first * sizeof(InstrumentState));
     context_.finish(device::Queue::Inline);

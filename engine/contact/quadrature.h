@@ -31,8 +31,8 @@ struct WireQuadrature {
         2;  // of the step being solved; commit raises it. From 2: a record of zeros must not pass for the last step's
     double spacing = 0;     // [m]
     double placed_to = -1;  // material coordinate of the last node but one when they were placed last [m]
-    // Of a wire that shares its nodes with others (D12): where its material is in their coordinate, s = own - offset, and how far
-    // from its tip it is not inside another one [m].
+    // For a wire that shares its nodes with others (D12): position of its material in their coordinate, s = own - offset, and the
+    // length from its tip that is not inside another one [m].
     double offset = 0, exposed = std::numeric_limits<double>::infinity();
     double placed_offset = 0;  // when they were placed last
     std::vector<double> s;  // [capacity] material coordinate [m]

@@ -17,8 +17,8 @@ constexpr double pi = std::numbers::pi;
 
 // A law given by the user holds as it was given up to 0.4 of the radius. Its pole stays where the wall's own is, at half the
 // radius: the axis is then always farther from the wall than the 0.45 radii that a node may move at once (`swept`), so that it
-// stays on its side of the wall. What is left between must be wide enough for Newton's steps: at a pole of a tenth of the radius
-// the force doubles within 0.036 radii.
+// stays on its side of the wall. The remaining range must be wide enough for Newton's steps: at a pole of 0.1 radii the force
+// doubles within 0.036 radii.
 constexpr double exact_part = 0.8;  // of depth_limit
 
 double own_weight(const WireSection& section)

@@ -11,7 +11,7 @@
 // G: what the wire does relative to the wall is carried back by its inverse. To first order in the slope of the displacement (2.5
 // % of what a move of a fifth of the lumen's radius over a decay length gives is second order) the gap at y is that to the moved
 // wall. A force f at y is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot: no work and
-// no momentum is lost between the two. What is far from the wall is not carried at all: U fades out between `full` and `none`.
+// no momentum is lost between the two. Nodes far from the wall are not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"
 #include "rod/rod_arrays.h"
@@ -35,8 +35,8 @@ struct WallStation {
     int row = -1;                  // among those that touch, or may
 };
 
-/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, for the last bits of
-/// what is found depend on it.
+/// Where the foot of a node near the wall was found last: the next search starts there. Part of the state, because the last bits of
+/// a foot depend on it.
 struct WallFoot {
     double node[3] = {1e30, 1e30, 1e30};  // y from which it was found [m]
     double u = 0, v = 0;

@@ -35,7 +35,7 @@ struct YieldingWall::System {
     void forget_base() { base_ = -1; }
     /// The wall where contact's answer sends it, by the linear equations at the trial, whose positions stay.
     void correct();
-    /// What is missed of the balance of wall and contact, against what may be.
+    /// Residual of the balance of wall and contact over the permitted one.
     /// @param of_force  of the largest force  @param of_radius  of the wire's radius
     [[nodiscard]] double misses(double of_force, double of_radius) const;
 

@@ -311,7 +311,7 @@ void YieldingWall::couple(const SystemUnknowns& unknowns, std::span<double> resi
         for (const auto& [unknown, value] : now.linear.e_transposed.row(k)) residual[unknown + by] += value * z[k];
     }
     if (!tangent) return;
-    // what add() has just asked contact for is what was said at the evaluation, but for a symmetric tangent
+    // add() uses the result of the last evaluation, except for a symmetric tangent
     if (!symmetric && system.wires.size() == 1) tangent->condensed.take(now.linear, unknowns.map.first(0));
     else linearise(system, &unknowns, tangent->condensed);
 }

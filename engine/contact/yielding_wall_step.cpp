@@ -1,4 +1,4 @@
-// Contact with a yielding wall from step to step: feet, what may touch, the wall's own step, saving.
+// Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
 
 #include "contact/yielding_system.h"
 
@@ -50,7 +50,7 @@ double YieldingWall::System::misses(double of_force, double of_radius) const
 
 // ---- start of a step ----
 
-/// Of the node that was at x; births and merges have renumbered it. Null: there was none.
+/// End state of the node that was at x; births and merges have renumbered it. Null: there was none.
 const WallEnd* YieldingWall::System::end_of(int first, int count, int node, const Vec3& x) const
 {
     const auto is = [&](int i) { return i >= 0 && i < count && Vec3(ends[first + i].x) == x; };
@@ -309,7 +309,7 @@ void YieldingWall::add_nodal_forces(int wire, std::span<Vec3> forces) const
 
 std::vector<ContactRow> YieldingWall::rows(RodArrays& rods)
 {
-    // what is only read leaves no trace: the last bits of a foot depend on where it was looked for before
+    // reading leaves no trace: the last bits of a foot depend on the start of its search
     std::vector<WallStations> before;
     for (const auto& system : systems_) before.push_back(system->stations);
     for (int w = 0; w < rods.wire_count(); ++w) carry_back(rods, w);

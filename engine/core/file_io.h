@@ -1,7 +1,7 @@
 #pragma once
 // Files that are never half written. Whole files appear under their name only when complete (temporary name, then rename);
 // tables that grow are appended row by row, so that a kill at any moment leaves every row that was written.
-// Every write is checked: a full disk is an Error(BadFile) at once, and what was there before stays. Nothing is written through a link,
+// Every write is checked: a full disk is an Error(BadFile) at once, and an existing file stays. Nothing is written through a link,
 // into a file that has a second name, or in the place of a pipe or a device.
 
 #include "core/folder.h"

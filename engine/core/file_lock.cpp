@@ -41,7 +41,7 @@ long holder(int fd)
 {
     struct stat status {};
     char text[32] = {};
-    // a second name: what is written here would be written there
+    // a second name: writing here would write there
     if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 1) return no_lock;
     const ssize_t got = ::pread(fd, text, sizeof text, 0);
     if (got == 0) return unnamed;

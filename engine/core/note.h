@@ -1,5 +1,5 @@
 #pragma once
-// What is said on stderr beside the work: notes, progress, the last line of an error.
+// Output on stderr beside the work: notes, progress, the last line of an error.
 
 #include <cstdio>
 #include <string_view>

@@ -11,8 +11,8 @@ namespace seldinger {
 /// than `most` bytes ends in "...".
 [[nodiscard]] std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
-/// The text with the middle of each word of more than `most` bytes left out and the word's length in its place: a line that quotes a
-/// name of a million letters still says what is wrong with it. @param most  of a word, 64 or more
+/// Shortens each word of more than `most` bytes: its middle is replaced by its length. A line that quotes a name of a million
+/// letters still shows the fault. @param most  of a word, 64 or more
 [[nodiscard]] std::string with_short_words(std::string_view text, std::size_t most);
 
 /// The text with line ends and other control characters made spaces: a message is one line, whatever it quotes.

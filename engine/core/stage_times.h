@@ -3,7 +3,7 @@
 
 namespace seldinger {
 
-/// Of one step, all systems together [s].
+/// Times of one step, all systems together [s].
 struct StageTimes {
     double detect = 0, evaluate = 0, reduce = 0, wall = 0, solve = 0, adapt = 0;
     [[nodiscard]] double in_all() const { return detect + evaluate + reduce + wall + solve + adapt; }

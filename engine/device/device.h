@@ -61,7 +61,7 @@ enum class Items { Branching, Short };
 
 class Context {
 public:
-    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first device with what is needed
+    /// @param index  as listed by list_devices(); -1: PoCL's CPU pair where present, else the first suitable device
     /// @param float32  build kernels for `float` arithmetic
     explicit Context(int index = -1, bool float32 = false);
     ~Context();
@@ -114,8 +114,8 @@ public:
     Kernel(Kernel&& other) noexcept;
     Kernel& operator=(Kernel&& other) noexcept;
 
-    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. What has for_each_argument(f)
-    /// stands for all that f is called with: arguments that kernels take together (contact/device_views.h).
+    /// Enqueues over `items` work-items (rounded up to the work-group size); nothing for 0 items. A type with for_each_argument(f)
+    /// is a group of kernel arguments (contact/device_views.h): f is called with each.
     template <class... Args>
     void launch(Queue queue, std::size_t items, const Args&... args)
     {

@@ -9,7 +9,7 @@
 // a column holds) y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution; so the residual of the whole is
 // checked, and the solution refined once by it where it is too large.
 //
-// Unknowns beside the band that are eliminated (math/condensed.h) come on top: what is left of them takes a few more solutions.
+// Unknowns beside the band that are eliminated (math/condensed.h) add a few more solutions for their remainder.
 //
 // Signs. With A positive definite and C symmetric, A + U C U^T has as many negative eigenvalues as S has:
 // A^-1/2 (A + U C U^T) A^-1/2 = I + W C W^T, W = A^-1/2 U, and W C W^T has the eigenvalues of C W^T W = C U^T A^-1 U beside zeros.

@@ -15,7 +15,7 @@
 
 namespace seldinger {
 
-/// Of one rod, counted from its own first unknown.
+/// Unknowns of one rod, counted from its own first unknown.
 struct RodDofs {
     static constexpr int per_node = 4;
     static constexpr int coordinates = 3;     // of them, which come first
@@ -37,7 +37,7 @@ struct RodDofs {
     [[nodiscard]] static constexpr bool is_spin(int unknown) { return unknown % per_node == spin_place; }
 };
 
-/// Of a system of rods.
+/// Unknowns of a system of rods.
 class DofMap {
 public:
     enum class Order {

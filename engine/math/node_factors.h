@@ -22,8 +22,8 @@ class NodeFactors {
 public:
     static constexpr int width = FarEntries::width;
 
-    /// LDL^T of the symmetric matrix band + far (reads the upper half of what is in elimination order), pivots raised as
-    /// BandMatrix does. @param fixed  [unknowns] whose far entries are left out: prescribed  @param order  [nodes] which node is
+    /// LDL^T of the symmetric matrix band + far (reads the upper half in elimination order), pivots raised as in BandMatrix.
+    /// @param fixed  [unknowns] whose far entries are left out: prescribed  @param order  [nodes] which node is
     /// eliminated first, second, ...; empty: as they lie
     /// @param fourth  whether every node's fourth unknown takes part, see BandMatrix::set_fourth()  @return pivots raised
     int factor_ldlt(const BandRows& band, const FarEntries& far, std::span<const unsigned char> fixed, std::span<const int> order,

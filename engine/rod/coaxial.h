@@ -23,8 +23,8 @@
 // node. With one instrument this is the energy of rod/elastic.h.
 //
 // **Unknowns** of node i: x, y, z, then for each instrument the angle of the edge that begins there; 3 + K, half bandwidth
-// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused:
-// prescribed, or joined to the hand by the twist of what is still behind it (CoaxialBase). Angles of edges that an instrument
+// 2 (3 + K) + 2, 12 for two. The last node's angles are those of the hub's clamp, in the places that a wire leaves unused. They are
+// prescribed, or joined to the hand by the twist of the length still behind it (CoaxialBase). Angles of edges that an instrument
 // does not reach are of no account: coaxial_idle() says which; the solver holds them and follow_idle() keeps them level with the
 // rest.
 
@@ -143,7 +143,7 @@ void accept_coaxial(CoaxialRod& rod, const RodView& line, const CoaxialTrial& tr
 [[nodiscard]] double coaxial_energy(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,
                                     const CoaxialBase& base, const RodFrames& frames);
 
-/// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). What is said at add_elastic() of
+/// Adds +dE/dq to `gradient` (CoaxialDofs; may be empty) and d2E/dq2 to `hessian` (may be null). The remark at add_elastic() on
 /// moving a frame while changing shape holds here too. `Projected`: every stencil positive semidefinite, Gauss-Newton where
 /// natural curvature is felt. O(n), no allocation.
 void add_coaxial(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial, const CoaxialBase& base,
@@ -156,8 +156,8 @@ struct CoaxialHands {
     std::array<double, most_coaxial> torque{};        // that the hand exerts, + in the sense of increasing theta [N m]
 
     /// Force of the hand on instrument k, + when it pushes. The hand of the one whose tip the centreline's coordinate counts from
-    /// (`leader`) makes the centreline longer while the others stay at the hub: o_l falls. The weight of what is fed is not in
-    /// it.
+    /// (`leader`) makes the centreline longer while the others stay at the hub: o_l falls. The weight of fed material is not
+    /// included.
     [[nodiscard]] double push(int k, int leader, int instruments) const;
 };
 [[nodiscard]] CoaxialHands coaxial_hands(const CoaxialRod& rod, const RodView& line, const CoaxialTrial& trial,

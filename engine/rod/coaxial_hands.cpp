@@ -73,7 +73,7 @@ struct HandForces {
         return force;
     }
 
-    /// Half of what is gained goes to the cell before the hub's, half to the hub's, whose other end moves on.
+    /// Half of the gain goes to the cell before the hub's, half to the hub's, whose other end moves.
     [[nodiscard]] double line_force() const
     {
         const int hub = line.n - 1;

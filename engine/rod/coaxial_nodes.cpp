@@ -91,7 +91,7 @@ RodClamp sleeve_of(const RodView& line, const CoaxialBase& base)
     return clamp;
 }
 
-/// What one instrument says of an edge before it is split.
+/// Data of one instrument on an edge before it is split.
 struct OldSpin {
     double theta = 0, spin = 0, momentum = 0;
     double twist_rate[2] = {}, slope[2] = {};  // of angle [rad/m] and of spin along the line [1/(s m)], at both nodes

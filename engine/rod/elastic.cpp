@@ -120,8 +120,8 @@ struct Walk {
         return p;
     }
 
-    /// Calls put(lane, terms) for all stencils from `first` on that lanes do not know: natural curvature, which takes the place
-    /// of what is there, and clamps, which add to it. @param terms_of  which derivatives are wanted
+    /// Calls put(lane, terms) for all stencils from `first` on that lanes cannot do: natural curvature, which replaces the terms
+    /// there, and clamps, which add to them. @param terms_of  which derivatives are wanted
     template <class Replace, class Add>
     void for_others(int first, bool every, HessianMode terms_of, const Replace& replace, const Add& add) const
     {
@@ -300,7 +300,7 @@ struct Walk {
         }
     }
 
-    /// Of the tip's clamp, in the last lane.
+    /// Forces of the tip's clamp, in the last lane.
     [[nodiscard]] StencilForces end_forces() const
     {
         StencilForces s{};
@@ -444,9 +444,8 @@ void add_elastic(const RodView& rod, std::span<const RodClamp> clamps, const Rod
 // The sum of both cells' halves is -M^2/(2B) for k = 0: the configurational force of a sleeve, [Bosi14]. The material fed is
 // taken to be like that of its cell; the moment a change of section passes the clamp is not seen.
 //
-// N is the force in the middle of the base edge. Of a length dl that comes in at the inlet x_hub, dl/2 becomes mass of either
-// node of the edge: its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, e from before
-// to hub.
+// N is the force in the middle of the base edge. If a length dl enters at the inlet x_hub, dl/2 becomes mass of either node of the
+// edge. Its weight does the work -rho A dl g.(x_hub + x_before)/2 + rho A dl g.x_hub = m_hub g.e dl/l, with e from before to hub.
 double feed_force(const RodView& rod, std::span<const RodClamp> clamps, const RodFrames& frames, const Vec3& gravity)
 {
     SEL_ASSERT(frames.spins);

@@ -25,7 +25,7 @@ class LumenPress {
 public:
     using Complex = std::complex<double>;
 
-    /// Of the inner one at places a `spacing` apart from the overlap's end to the hub.
+    /// Data of the inner instrument at places a `spacing` apart, from the overlap's end to the hub.
     struct Place {
         double stiffness = 0;  // B [N m^2]
         Complex moment = 0;    // M [N m]

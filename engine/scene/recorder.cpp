@@ -196,7 +196,7 @@ void Recorder::take_in(const Output& now, const StepReport& report)
     tally_.row_flags |= report.flags;
 }
 
-/// The greatest loads and moves of what was read, and flags that only reading shows.
+/// The greatest loads and moves of the readings, and flags that only reading shows.
 void Recorder::take_greatest(const Output& now)
 {
     unsigned seen = 0;
@@ -319,7 +319,7 @@ void Recorder::checkpoint(const World& world, RunStatus status, double wall)
 
 std::string Recorder::finish(const World& world, RunStatus status, double wall)
 {
-    // what an interrupted run shows is not what it goes on from: the checkpoint comes before the extra row and frame
+    // an interrupted run does not resume from the row that it shows: the checkpoint comes before the extra row and frame
     const bool goes_on = status == RunStatus::TimeLimit || status == RunStatus::Interrupted;
     if (goes_on) checkpoint(world, status, wall);
     const auto start = Clock::now();

@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_include = 8;
-// Of all that a scene includes, each as often as it is named: ten files that include ten others, eight deep, would be read for hours.
+// Limits on all included files, each counted as often as it is named: ten files that include ten others, eight deep, would be read
+// for hours.
 constexpr std::size_t most_includes = 100, most_included_bytes = 16u << 20;
 constexpr std::string_view stiffness_keys[] = {"bend_nm2", "twist_nm2", "stretch_n"};
 constexpr std::string_view material_keys[] = {"youngs_pa", "poisson"};

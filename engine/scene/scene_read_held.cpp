@@ -1,4 +1,4 @@
-// What holds, pulls and ties the instruments: [[hold]], [[load]], [[link]].
+// Holds, loads and links of the instruments: [[hold]], [[load]], [[link]].
 #include "scene/scene_read.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Several instruments: [[instrument]] with their feeds, and [coaxial], which says what is inside what.
+// Several instruments: [[instrument]] with their feeds, and [coaxial], which says which instrument is inside which.
 #include "rod/coaxial.h"
 #include "scene/scene_layers.h"
 #include "scene/scene_read.h"

@@ -11,7 +11,7 @@
 namespace seldinger {
 namespace {
 
-/// Properties that the wire and its sections share; what is absent stays as it was (a section inherits the shaft's).
+/// Properties that the wire and its sections share; an absent one keeps its value (a section inherits the shaft's).
 void read_properties(const TableReader& t, WireSection& s)
 {
     t.number("radius_m", s.radius, positive);

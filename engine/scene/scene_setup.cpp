@@ -89,7 +89,7 @@ void check_size(const Scene& scene, const WireSpec& spec, const LoadedVessel& ve
              unit == scene.vessel.units ? "check wire.radius_m too (metres)" : fmt::format("units = \"{}\" would fit", unit)));
 }
 
-/// @return what was chosen, for every output
+/// @return choices made, for every output
 std::string place_feed(const Scene& scene, int k, const LoadedVessel& vessel, FeedSpec& feed)
 {
     const SceneFeed& asked = scene.instrument(k).feed;
@@ -130,7 +130,7 @@ public:
                          p.x(), p.y(), p.z(), where));
     }
 
-    /// @return what was done to have it start inside
+    /// @return the move that puts its start inside
     std::string check(const Scene& scene, int k, WireSpec& wire)
     {
         StartInside start = start_inside(wire, vessel_.centreline, lumen());
@@ -170,8 +170,8 @@ double start_distance(const WireSetup& a, const WireSetup& b, std::span<const Ve
     return axis_distance(rods.view(0), rods.view(1));
 }
 
-/// Two instruments that are not inside each other start beside each other. Less than half of what they are thick between their
-/// axes is one place, not two that touch.
+/// Two instruments that are not inside each other start beside each other. Axes closer than half of their thickness coincide; they
+/// do not touch.
 void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span<const Vec3> path)
 {
     for (int b = 1; b < scene.instrument_count(); ++b)

@@ -5,7 +5,7 @@
 // the samples on the lumen's side are pushed, from depths far beyond what the law is made for, by the one face along the wire and
 // by the other against it. No step changes that, none converges, and each is halved as often as it may be.
 //
-// What lies on either side of the piercing stretch says on which side of the wall the wire is meant to be. The stretch moves as
+// The parts on either side of the piercing stretch show on which side of the wall the wire belongs. The stretch moves as
 // one, along the mean of the directions into the lumen: off a face along its normal, off the ridge between two vessels across it.
 // A smooth step over ten radii on each side carries the rest of the wire along, and nodes are then laid along the moved axis with
 // their rest lengths, so that the start is as free of stretch as any (rod/place.h).

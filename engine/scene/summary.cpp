@@ -139,7 +139,7 @@ void set_forces_and_energies(Numbers& number, Json& out, const RunTally& tally, 
     number.set("gravitational_j", r.gravitational);
 }
 
-/// Of a wall that yields; a rigid one has none of these.
+/// Readings of an elastic wall; a rigid one has none of these.
 void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& world)
 {
     const WallMechanics made = world.wall_mechanics();
@@ -358,13 +358,13 @@ std::string lines_of(const std::string& json, const std::filesystem::path& dir);
 /// The bands, against the same windows with shorter steps.
 std::string estimate_for_people(const Json& e)
 {
-    if (e.at("windows").get<long>() == 0) return "  error of the step: unknown, no window could be recomputed with shorter steps\n";
+    if (e.at("windows").get<long>() == 0) return "  error of the step: not known, no window could be taken again with shorter ones\n";
     const auto band = [&](const char* key) {
         return fmt::format("{:.3g} +- {:.2g} N", e.at(key).at("value").get<double>(), e.at(key).at("band").get<double>());
     };
     const double shortest = e.at("shortest_step_s").get<double>();
-    const char* more = shortest > 1e-3 ? "; --error-estimate on recomputes the largest with steps of 1 ms or less" : "";
-    return fmt::format("  error of the step, from {} windows of {} steps recomputed with steps down to {:.3g} ms: hand {} (largest 20 ms "
+    const char* more = shortest > 1e-3 ? "; --error-estimate on takes the largest again with steps of 1 ms or less" : "";
+    return fmt::format("  error of the step, from {} windows of {} steps taken again with steps down to {:.3g} ms: hand {} (largest 20 ms "
                        "mean {}), friction {} (largest {}), tip +- {:.2g} mm{}\n",
                        e.at("windows").get<long>(), e.at("window_steps").get<int>(), 1e3 * shortest,
                        band("hand_force_n"), band("hand_force_peak_n"), band("friction_n"), band("friction_peak_n"),

@@ -1,6 +1,6 @@
 #pragma once
-// Reads one table of a scene file, key by key, and turns every mistake into one line that says where it is, what was
-// expected and what to do. Knows TOML and messages, nothing of wires.
+// Reads one table of a scene file, key by key, and turns every mistake into one line with place, expected value and fix. Knows TOML
+// and messages, nothing of wires.
 
 #include "rod/wire_spec.h"
 #include "scene/scene_names.h"
@@ -37,7 +37,8 @@ inline constexpr double smallest = 1e-30;
 
 /// Number of edits (insert, delete, replace, swap of neighbours) between two words.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
-/// What is longer is compared by its beginning: no key is as long, and edits take a time of the product of both lengths.
+/// A longer key is compared by its beginning: no known key is as long, and the edit distance takes a time of the product of both
+/// lengths.
 inline constexpr std::size_t longest_word = 64;
 /// The word of `known` with the fewest edits from `word`.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string_view> known);
@@ -84,7 +85,7 @@ public:
 
     /// Error when the key is absent; `why` says when it is needed.
     void need(std::string_view key, std::string_view why = {}) const;
-    /// Error when the key is there; `why` says what it contradicts.
+    /// Error when the key is there; `why` names the contradiction.
     void refuse(std::string_view key, std::string_view why) const;
     /// Error at the key's value, or at the table when the key is absent.
     [[noreturn]] void fail(std::string_view key, std::string_view message) const;

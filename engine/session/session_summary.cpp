@@ -1,4 +1,4 @@
-// What is left of a session on disk beside its record: summary and score sheet.
+// Files of a session beside its record: summary and score sheet.
 #include "session/session.h"
 
 #include <fmt/format.h>

@@ -15,7 +15,7 @@ public:
 
     /// Where the writer writes; holds some older value.
     [[nodiscard]] T& back() { return places_[back_]; }
-    /// What was written becomes the newest.
+    /// The written buffer becomes the newest.
     void publish() { back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & place; }
     void put(const T& value)
     {

@@ -1,5 +1,5 @@
 #pragma once
-// Who may talk to the session's web server, decided from text alone: token, origin, host, and how much a client may send.
+// Access to the session's web server, decided from text alone: token, origin, host, and limits for a client.
 
 #include <map>
 #include <string>

@@ -81,8 +81,8 @@ struct Hub {
                      options.address, options.token);
     }
 
-    /// Whether `who` may have another connection. Where there are as many as may be, who has waited longest without a whole request
-    /// gives way: a page's comes at once.
+    /// Whether `who` may have another connection. At the limit the connection that has waited longest without a whole request is
+    /// closed; a page's request comes at once.
     bool make_room(const std::string& who);
     bool give_way(const std::string* of);
 

@@ -16,7 +16,7 @@ struct WebOptions {
     int port = 8080;  // 0: any that is free
 };
 
-/// What has come and gone.
+/// Counts of bytes and connections.
 struct WebCounts {
     std::uint64_t requests = 0, refused = 0, malformed = 0, sockets = 0, frames = 0, frames_dropped = 0;
     std::uint64_t gave_way = 0;      // connections that were closed for newer ones

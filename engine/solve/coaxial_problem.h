@@ -28,7 +28,7 @@ public:
     void mirror();
     /// Elastic forces at the trial into the wires' residuals, and the torques of dead moments on passengers' spins.
     void add_residual();
-    /// What is on passengers' positions goes to the line's.
+    /// Forces on passengers' positions go to the line's.
     void fold_residual();
     /// Elastic tangent into band and far entries of the system. @param all  start of the system's vector of unknowns
     /// @param symmetric  the symmetric part of what dead moments do

@@ -30,7 +30,7 @@ struct WireEnergy {
     [[nodiscard]] bool finite() const { return std::isfinite(kinetic + stored + contact); }
 };
 
-/// Of one step or sub-step.
+/// Energy input of one step or sub-step.
 struct EnergyInput {
     double work = 0;     // done on the wire by hands, holds, loads and links [J]
     double carried = 0;  // brought in by material that was fed [J]

@@ -82,7 +82,7 @@ struct BaseEdge {
 /// Limits for a base edge that is to become `whole`. @param pushed, pulled  how far the wire goes in the next step [m]
 [[nodiscard]] BaseEdge base_edge_limits(double whole, double pushed, double pulled);
 
-/// Lets the surplus fade over h [s], without a jump of force or speed. @return what is to be added to the rest length [m]
+/// Lets the surplus fade over h [s], without a jump of force or speed. @return rest length to add [m]
 [[nodiscard]] double fade_surplus(FeedState& state, double h);
 
 /// What adapt_hub works with; kept, so that a split allocates nothing.

@@ -1,5 +1,5 @@
 #pragma once
-// The linear equations of a Newton iteration: which matrix is factorised, and what is solved with it.
+// The linear equations of a Newton iteration: which matrix is factorised, and which systems are solved with it.
 //
 // The exact Hessian where the matrix it gives is positive definite, else its projection to positive semidefinite stencils (and the
 // exact one again, by LU, once the projected one has brought three full steps: near the root it converges where the projected one

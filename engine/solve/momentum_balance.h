@@ -5,7 +5,7 @@
 
 namespace seldinger {
 
-/// Of the last sub-step; all in newtons.
+/// Balance of the last sub-step; all in newtons.
 struct MomentumBalance {
     Vec3 held = Vec3::Zero();  // by all holds, and by the inlet of a fed wire
     Vec3 weight = Vec3::Zero();

@@ -56,7 +56,7 @@ public:
 
     /// After convergence, the terms' multipliers having changed: Newton goes on from where it is.
     void resume();
-    /// They have not settled, and will not: the system has failed, or takes what it has (best effort).
+    /// They have not settled, and will not: the system has failed, or takes its best state (best effort).
     void stop_short();
     /// Whether the last advance() took its trial: the next ones start from there.
     [[nodiscard]] bool took_trial() const { return took_trial_; }

@@ -1,7 +1,7 @@
 #pragma once
 // Time integration and equilibrium of all systems (D4, D5): Newton on the banded equations of each, in lockstep over systems so
 // that force terms (contact) are evaluated for all of them in one set of launches. A system, one wire or several that can touch
-// each other, is what is solved, converges or fails; its result does not depend on the others.
+// each other, is solved, converges or fails as one; its result does not depend on the others.
 
 #include "rod/elastic.h"
 #include "solve/coaxial_group.h"
@@ -32,7 +32,7 @@ public:
     /// One step of length h [s] of wires with active[w] != 0; those of a system are solved together. Constraints are those at the
     /// end of the step. On success the wires' positions, velocities, spins and frames are the new ones; on failure (converged ==
     /// false, for the whole system) they are untouched.
-    /// @param terms  what acts on the wires beside weight, loads and links
+    /// @param terms  forces on the wires beside weight, loads and links
     void step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
               std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
@@ -42,7 +42,7 @@ public:
         std::int64_t steps = 0, without = 0;
         std::int32_t wait = 0, last_wait = 0;
     };
-    /// Of the wire's system.
+    /// Spin record of the wire's system.
     [[nodiscard]] SpinRecord& spin_record(int wire) { return spin_records_[system_of_[wire]]; }
 
     /// Last resort of the caller when even the shortest step fails: step() then ends at the last trial that was taken.
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] Vec3 load_force(int wire) const;
     /// How far unknown i went in the last step [m or rad].
     [[nodiscard]] double displacement(int wire, int unknown) const;
-    /// Work that what is left on the free unknowns, within the tolerance, did on the wire in the last step [J].
+    /// Work of the residual on the free unknowns, within the tolerance, on the wire in the last step [J].
     [[nodiscard]] double residual_work(int wire) const;
     /// What backward Euler and damping have taken in the last step, see WireProblem.
     [[nodiscard]] StepLosses losses(int wire) const;

@@ -108,9 +108,9 @@ NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
     return ++jumps_passed_ <= most_jumps ? Jump::Passed : Jump::None;
 }
 
-/// The correction is below a millionth of the wire's radius (a nanometre's half), and what is left of the force is either
-/// rounding (of a single-precision gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets'
-/// blends meet: the position is known to that half nanometre, and no position has a smaller residual.
+/// The correction is below 1e-6 of the wire's radius (half a nanometre). The remaining force is rounding (of a single-precision
+/// gap, say) or the jump of a contact force at a kink of the faceted wall, where three facets blend. The position is known to that
+/// half nanometre, and no position has a smaller residual.
 bool NewtonSystem::at_kink(const ForceTerms& terms) const
 {
     if (iterations_ < 4 || options_.shifted) return false;

@@ -83,17 +83,17 @@ void WireProblem::begin_frames(const IntegratorSpec& spec, bool leave_spins)
     set_stiffness_damping(spec);
 }
 
-/// Tension of an edge that is so long, without what was fed since: EA h v/l pushes with tens of newtons until this step has moved
-/// the wire on, and as stiffness against turning it buckles the base edge.
+/// Tension of an edge of that length, without the material fed since: EA h v/l pushes with tens of newtons until this step has
+/// moved the wire on, and as stiffness against turning it buckles the base edge.
 double WireProblem::tension_before_feed(int j, double length) const
 {
     const double fed_in = j == rod.n - 2 ? constraints_->base_grown : 0.0;
     return rod.stretch_stiffness[j] * (length / (rod.rest_length[j] - fed_in) - 1);
 }
 
-/// Tension of an edge as the equations of the last step had it, which is what one Newton step takes against turning (the
-/// geometric stiffness of stretching). The state at the start of the step has it changed by EA phi^2/2 where the edge turned by
-/// phi, which no linear equation has seen, which is gone one step later and which, as stiffness, holds the wire.
+/// Tension of an edge in the equations of the last step; one Newton step uses it against turning (the geometric stiffness of
+/// stretching). The state at the start of the step has it changed by EA phi^2/2 where the edge turned by phi, which no linear
+/// equation has seen, which is gone one step later and which, as stiffness, holds the wire.
 double WireProblem::tension_before(int j) const
 {
     const Vec3 now = rod.pos(j + 1) - rod.pos(j);

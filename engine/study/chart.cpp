@@ -110,7 +110,7 @@ void compare(SceneChart& chart, const std::vector<Trajectory>& trajectories)
     }
 }
 
-/// A tenth of the smallest error charted; infinite for what is not charted.
+/// 10 % of the smallest error in the chart; infinite if an observable is not in it.
 PerObservable wanted_uncertainty(const SceneChart& chart)
 {
     PerObservable wanted;

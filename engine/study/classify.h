@@ -16,11 +16,11 @@
 // every ten steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
-// most S = (normal + friction) * overlap. What was made is the largest rise of B above the least B + S before it. It is a blow-up
-// when it shows as kinetic energy and exceeds a tenth of all energy that was honestly turned over: kinetic at the start, |work|,
-// and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A hand that
-// changes its speed within a step does work that forces at the ends of steps say nothing of, up to m v^2 of what is inside (an
-// inelastic jerk): it is counted as not known (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
+// most S = (normal + friction) * overlap. Generated energy is the largest rise of B above the least B + S before it. It is a
+// blow-up when it shows as kinetic energy and exceeds a tenth of all energy that was honestly turned over: kinetic at the start,
+// |work|, and the largest fall of the stored energy. A tenth: the work is a sum over steps (trapezoid in the hand's force). A
+// hand that changes its speed within a step does work that forces at the ends of steps do not show, up to m v^2 of the length
+// inside (an inelastic jerk). It counts as unknown (`jerk`). Below 1 uJ, 1 mN over 1 mm, nothing is judged.
 
 #include "engine.h"
 #include "solve/energy_balance.h"

@@ -9,8 +9,8 @@
 //   log/000012.csv     what happened to the task
 //   tasks/000012/      where its batch is while it runs, marked by .farm with the plan's key; goes with it
 //
-// All of it is reached from the open folder and never through a link, and what goes again is the task's own folder, by its mark and the
-// names that a batch gives: a farm may be made by somebody else, or lie where others write.
+// All of it is reached from the open folder and never through a link. Only a task's own folder is removed, by its mark and the
+// names that a batch gives: a farm may come from somebody else, or lie where others write.
 //
 // A task moves from one folder to the next by rename, which only one worker can win. What a task yields depends on the plan and
 // its number alone, so that the merged table has the same bits for any cut, any number of machines and any failures.

@@ -33,7 +33,7 @@ bool worker_lives(const FilePlace& file)
     return lives;
 }
 
-/// What one task's log says.
+/// Contents of one task's log.
 struct Story {
     std::size_t began = 0, finished = 0;
     double process = 0, work = 0;  // of the attempt that finished [s]

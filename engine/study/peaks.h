@@ -5,8 +5,8 @@
 // wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h) [N/m]. Values of one step
 // are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
 //
-// A peak is one number, so that two runs may agree in it by chance where nothing else agrees. What a refinement has moved counts
-// therefore as half of what the one before moved at least (first order: what it moves when nothing is left to chance).
+// A peak is one number, so that two runs may agree in it by chance where nothing else agrees. A refinement's movement therefore
+// counts as at least half of the previous one (first order: the movement without chance).
 
 #include "math/running_peak.h"
 
@@ -28,7 +28,7 @@ inline constexpr std::array<PeakWord, peak_count> peak_words = {
 /// |a - b|, one by one.
 [[nodiscard]] Peaks difference(const Peaks& a, const Peaks& b);
 
-/// What is left of the last of these movements, see the top. Infinite where there is none.
+/// The remainder after the last of these movements, see the top. Infinite where there is none.
 [[nodiscard]] Peaks peaks_left(const std::vector<Peaks>& moved);
 
 /// How far peaks may be off.

@@ -35,7 +35,7 @@ struct PlanReference {
     std::vector<std::string> failures;  // levels that broke off, and how
 };
 
-/// What is needed of the reference: refinement goes on until its uncertainties are below.
+/// Requirements on the reference: refinement continues until its uncertainties are below.
 struct ReferenceGoals {
     double shape = 0, force = 0;                                // [m], [N]; force infinity: not asked
     bool force_is_relative = false;                             // then of the rms hand force

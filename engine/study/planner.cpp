@@ -162,7 +162,7 @@ private:
                            reference.failures.back());
     }
 
-    /// What is promised of the reference itself.
+    /// Promises for the reference itself.
     PlannedModel described(const Model& model, const Trajectory&)
     {
         PlannedModel planned;
@@ -275,7 +275,7 @@ private:
         return as_trial(model);
     }
 
-    /// What the reference says for itself a trial leaves to the scene, but for the order in time of what touches nothing.
+    /// A trial keeps the reference's settings from the scene, except for the order in time without contact.
     Model as_trial(Model model) const
     {
         model.tolerance.reset();
@@ -384,8 +384,7 @@ private:
     void nothing_meets(TrialRuns& trials, const SearchGrid& grid)
     {
         const Model& finest = result_.reference.model;
-        // with a rate, steps may not be as long as the tolerance allows, but they may be as short: what is missing is found at
-        // the reference
+        // with a rate, steps are limited from above only: the remaining accuracy is found at the reference
         result_.accurate = described(finest, result_.reference.values);
         if (goals_.rate > 0) add_fast(starting_model(), trials, grid);
         stop_with(goals_.rate > 0 ? PlanStatus::NotBoth : PlanStatus::BelowReference,
@@ -404,8 +403,7 @@ private:
         if (!trials.stopped()) result_.fast = planned(trials.all().at(label(*fast)), slowest);
     }
 
-    // ---- what was left out
-    // ------------------------------------------------------------------------------------------------------
+    // ---- simplifications -----------------------------------------------------------------------------------------------------
 
     /// The wall that was not chosen, elastic or rigid, at the nodes and steps of the chosen model: run to its end, budget or not,
     /// since the reason for the choice comes of it.

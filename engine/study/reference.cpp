@@ -108,7 +108,7 @@ void Refiner::judge()
             return judge_movements(moved, noise[k]);
         };
         // Medians do not see a jump that comes a little earlier or later; rms values do not see noise where most samples hardly
-        // move. What is uncertain is the rms in either case.
+        // move. The uncertainty is the rms in either case.
         reference_.convergence[k] = judged(reference_.moved);
         if (reference_.convergence[k] != Convergence::Falling) reference_.convergence[k] = judged(reference_.moved_median);
         reference_.uncertainty[k] =

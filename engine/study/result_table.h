@@ -43,7 +43,7 @@ private:
 [[nodiscard]] std::string csv_number(double value);
 /// NaN for an empty text.
 [[nodiscard]] double number_in(const std::string& text);
-/// 0 of what is no count that an int holds: a table may have been written by anyone.
+/// 0 for a value that is no valid int: anyone may have written the table.
 [[nodiscard]] int count_in(const std::string& text);
 
 }  // namespace seldinger

@@ -1,5 +1,5 @@
 #pragma once
-// Feeds a run's FailureWatch (classify.h) with what it cannot see in the readings: the work that holds and loads do on the wire.
+// Feeds a run's FailureWatch (classify.h) with data that readings lack: the work of holds and loads on the wire.
 
 #include "study/classify.h"
 #include "study/simulation.h"

@@ -30,7 +30,7 @@ struct StabilityMap {
     std::filesystem::path source;      // the file that `scene` was read from, where it is the user's; else empty
     std::vector<double> values;        // SI, rising
     std::vector<double> quick_values;  // a subset
-    /// --set texts for one value. @param dt  the cell's step [s], for what has to be prescribed step by step
+    /// --set texts for one value. @param dt  the cell's step [s], for input that is prescribed step by step
     /// @param pace  by how much all prescribed motion is slowed down, 1 or more
     /// @param folder  where meshes were written (write_stability_meshes); only named here
     std::function<std::vector<std::string>(double value, double dt, double pace, const std::filesystem::path& folder)> set;
@@ -63,7 +63,7 @@ struct CellResult {
     bool over_limit = false;   // took longer than the limit and was ended
     bool stopped = false;      // by `stop`: says nothing
     long wall_far_steps = 0;   // in which a wall that yields was beyond what its linear theory is good for
-    /// What was seen to fail; "unfinished" where nothing had failed when the limit ended it: no run that did not end has held.
+    /// The observed failure; "unfinished" if nothing had failed when the limit ended the run: only a run that ends can hold.
     [[nodiscard]] const char* outcome() const { return over_limit && verdict.held() ? "unfinished" : name(verdict.outcome); }
 };
 

@@ -14,7 +14,7 @@ struct WallEdges {
     [[nodiscard]] bool yields() const { return own > 0; }
     /// Edges worth trying, longest first: multiples of `own`, down to it.
     [[nodiscard]] std::vector<double> trials() const;
-    /// Of level k of a reference, twice `own` at first and refined by `ratio`: as far as `least`.
+    /// Edge of level k of a reference, twice `own` at first and refined by `ratio`, down to `least`.
     [[nodiscard]] double of_level(int level, double ratio) const;
 };
 

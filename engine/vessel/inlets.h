@@ -23,7 +23,7 @@ struct Inlet {
 /// once. Empty without centreline and openings.
 [[nodiscard]] std::vector<Inlet> find_inlets(const std::vector<BoundaryLoop>& openings, const Centreline& centreline);
 
-/// Its place in metres and millimetres, its radius and what it is, in words.
+/// Its place in metres and millimetres, its radius and its kind, in words.
 [[nodiscard]] std::string describe(const Inlet& inlet);
 
 /// The first of them. @throws Error BadFile when the vessel has no way in

@@ -1,5 +1,5 @@
 #pragma once
-// How far a wall may reach, and how far apart its corners may lie for what they are.
+// Limits for the extent of a wall, and for the distance of its corners relative to its size.
 
 #include "vessel/wall_mesh.h"
 

@@ -1,4 +1,4 @@
-// Repair, first half: what is not finite, not welded, degenerate or there twice.
+// Repair, first half: removes non-finite, degenerate and double triangles, and welds vertices.
 #include "core/check.h"
 #include "vessel/mesh_edges.h"
 #include "vessel/repair_steps.h"

@@ -42,7 +42,7 @@ private:
     double fillet_;
 };
 
-/// A plane that ends the lumen: what lies beyond `point` along `outward`, within `reach` of it, is cut off.
+/// A plane that ends the lumen: it cuts off everything beyond `point` along `outward`, within `reach` of it.
 struct LumenEnd {
     Vec3 point, outward;
     double reach;  // [m]

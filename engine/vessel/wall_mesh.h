@@ -1,5 +1,5 @@
 #pragma once
-// The vessel's wall as a triangle soup with shared vertices, and what was done to it on import.
+// The vessel's wall as a triangle soup with shared vertices, and the changes made to it on import.
 
 #include "math/vec3.h"
 #include "vessel/vessel_spec.h"

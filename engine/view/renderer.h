@@ -63,7 +63,7 @@ struct WireFrame {
     double per_length = std::numeric_limits<double>::quiet_NaN();  // largest load on the wire; else the contacts' largest [N/m]
 };
 
-/// What does not.
+/// Constant data.
 struct Look {
     bool legend = true;       // text, scale bars, force scale; needs a font (canvas.h); left out below about 290 rows
     bool inset = true;        // magnified view of the tip where the whole view shows the wire under 4 pixels wide

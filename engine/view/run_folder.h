@@ -36,7 +36,7 @@ struct RunFolder {
 /// @throws Error BadFile: no such folder, no wire.pvd, no frame in it, a damaged file
 [[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& dir);
 
-/// Of a frame's files, the contacts and the wall, which may be absent.
+/// Whether a file of a frame exists: contacts and wall may be absent.
 [[nodiscard]] bool is_there(const RunFolder& run, const std::filesystem::path& file);
 
 /// The wall where it had moved to in a frame. @throws Error BadFile: nothing recorded beside that frame, or damaged

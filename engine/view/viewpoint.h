@@ -35,7 +35,7 @@ struct CameraMotion {
 /// @throws Error BadScene
 [[nodiscard]] CameraMotion parse_motion(const std::string& text);
 
-/// What is looked at, and over which times.
+/// The objects in view, and the times covered.
 struct Scenery {
     const WallMesh* wall = nullptr;
     std::vector<Vec3> nodes;  // of every frame

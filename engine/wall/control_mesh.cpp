@@ -50,7 +50,7 @@ void check_edges(const WallMesh& wall, const MeshEdges& edges)
                            in_words(against_at)));
 }
 
-/// Pieces would each need tissue or rims of their own to hold them, and what is there in two pieces by mistake is debris.
+/// Each piece would need its own tissue or rims to hold it, and a piece that is there by mistake is debris.
 void check_one_piece(const WallMesh& wall, const EditMesh& sheet)
 {
     std::vector<std::int32_t> first;  // triangle of each piece
@@ -79,7 +79,7 @@ void check_one_piece(const WallMesh& wall, const EditMesh& sheet)
                        size.size(), size[least], in_words(triangle_of(wall, first[least]).a)));
 }
 
-/// What lies folded flat upon itself has triangles without area, whatever is done.
+/// A surface folded flat upon itself has triangles without area in any case.
 void check_angles(const WallMesh& mesh)
 {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -12,7 +12,7 @@ namespace {
 
 // growth of edges with the distance from a narrow place [-]: neighbours differ by less than a third
 constexpr double grade = 0.25;
-// Shortest edge, of what is wanted. Where a centreline touches the wall of a folded branch its radius is nothing.
+// Shortest edge, relative to the requested one. Where a centreline touches the wall of a folded branch its radius is nothing.
 constexpr double floor_part = 1.0 / 15;
 // spheres nearer to each other than this part of their radius say the same
 constexpr double apart = 0.2;

@@ -1,4 +1,4 @@
-// The three changes of a surface, collapse, split and flip, and the bookkeeping of who lies across which edge.
+// The three changes of a surface, collapse, split and flip, with the neighbours of edges.
 #include "wall/edit_mesh.h"
 
 #include "core/check.h"

@@ -21,7 +21,7 @@ namespace seldinger {
 class Shell;
 class WallCompliance;
 
-/// What is constant; all systems of a world share it.
+/// Constant part; all systems of a world share it.
 class ElasticWall {
 public:
     /// @throws Error BadFile: no shell can be made of the mesh; BadScene: the wall could fly away, or is too fine for the memory

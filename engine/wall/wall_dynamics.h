@@ -1,5 +1,5 @@
 #pragma once
-// The wall's motion from step to step, of one system, at the cost of what is touched.
+// The wall's motion from step to step, of one system, at the cost of the touched part.
 //
 // Backward Euler of C w' + K w = f with K = K_e + K_p + k_s A and C = tau K_e + c_s A is, with M = K + C/h,
 //

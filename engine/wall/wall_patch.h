@@ -14,7 +14,7 @@ class WallPatch {
 public:
     explicit WallPatch(int vertices) : slots_(static_cast<std::size_t>(vertices), -1) {}
 
-    /// Of this factor from now on; what is known of another one is forgotten.
+    /// Uses this factor from now on and forgets the columns of another one.
     void use(std::shared_ptr<const WallFactor> factor);
     [[nodiscard]] const WallFactor& factor() const { return *factor_; }
     /// Place of a vertex among those that have been asked for.

@@ -58,7 +58,7 @@ SEL_FN real fit(ContactState state, MultiplierState multiplier, int lives, vec3 
     return normal.x * state.normal[0] + normal.y * state.normal[1] + normal.z * state.normal[2];
 }
 
-// What is known of a quadrature point when contact is evaluated.
+// Data of a quadrature point when contact is evaluated.
 typedef struct PointView {
     uint index;
     QuadratureModel model;

@@ -1,10 +1,10 @@
 // Contact of one cell of rod a with a stretch of rod b: force along the part that touches (instrument_pieces.h), friction in the middle
 // of it.
 //
-// Over each piece the force per metre is integrated by Gauss between the zeros of the gap. So a line contact has its force per metre, a
-// crossing one its lens, wherever they lie on the cells: what one piece loses its neighbour gains, and nothing jumps. The integrand
-// vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points move with them is left out of it
-// (they stay on material where the cell touches as a whole).
+// Over each piece the force per metre is integrated by Gauss between the zeros of the gap. So a line contact has its force per
+// metre, a crossing one its lens, wherever they lie on the cells: one piece gains exactly the force that its neighbour loses, and
+// nothing jumps. The integrand vanishes at zeros, whose motion therefore does not count in the tangent; that the Gauss points
+// move with them is left out of it (they stay on material where the cell touches as a whole).
 //
 // Three cells in four that touch do so all along, and did in the last step: such a cell is not cut, and no zeros are looked for. Its
 // force is taken by Gauss at four points fixed in its material, which is smooth in the nodes whatever lies between. Which way it is
@@ -133,7 +133,7 @@ SEL_FN Pushed push_points(const InstrumentScene* scene, const GaussPoints* along
     return pushed;
 }
 
-// The normal force between two ends of what touches of a piece. @return its moment: sum of force times s
+// The normal force between two ends of the touching part of a piece. @return its moment: sum of force times s
 SEL_FN real push_along(const InstrumentScene* scene, CellMark left, CellMark right, Closing closing, const LawContext* c,
                        InstrumentForce* out, SEL_GLOBAL InstrumentPoint* points)
 {
@@ -168,7 +168,7 @@ SEL_FN InstrumentForce no_instrument_force(void)
     return none;
 }
 
-// What is known of a contact before its force: see closing_of() of contact_law.h.
+// Data of a contact before its force: see closing_of() of contact_law.h.
 SEL_FN Closing cell_closing(const InstrumentScene* scene, CellPoint deepest, ContactState old, int fresh, const LawContext* c)
 {
     Closing closing;
@@ -215,7 +215,7 @@ SEL_CALL void follow_cell(const InstrumentScene* scene, const CellPieces* cell, 
                   epoch, now);
 }
 
-// Of a cell's contact: sum of force times s, metres that touch, where on b about.
+// A cell's contact: sum of force times s, metres that touch, middle of the contact on b.
 typedef struct CellTouch {
     real moment, length, at;
 } CellTouch;

@@ -16,7 +16,7 @@ typedef struct InstrumentNodes {
     SEL_GLOBAL const real* theta;
 } InstrumentNodes;
 
-// What does not change in a launch.
+// Constants of a launch.
 typedef struct InstrumentBodies {
     SEL_GLOBAL const InstrumentRod* rods;
     SEL_GLOBAL const InstrumentPair* pairs;

@@ -76,7 +76,7 @@ SEL_FN CellPoint cell_point(const InstrumentScene* scene, real s, real start)
     return point;
 }
 
-// What is kept of a point of the cell while the cell is looked through.
+// Data of a point of the cell during the search of the cell.
 typedef struct CellMark {
     real s, gap, slope, at;  // at: of b
 } CellMark;
@@ -190,7 +190,7 @@ SEL_FN void cut_smooth(const InstrumentScene* scene, CellMark right, real until,
     add_cut(mark_between(scene, left, right, (real)0.5 + (real)0.5 * turns / bulge), until, cuts);
 }
 
-// Cuts what lies between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
+// Cuts the part between the last cut and `right`, a knot of a or the cell's end: at knots of b and at the plane of its mouth.
 SEL_FN void cut_along_b(const InstrumentScene* scene, CellMark right, real until, CellCuts* cuts)
 {
     CellMark left = cuts->at[cuts->pieces];

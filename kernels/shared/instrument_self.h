@@ -10,7 +10,7 @@
 //
 //     int q dt = C sqrt(2 D) B(1/2, n + 1/2) d^n = k d^n,     C = k / (sqrt(2 (r_a + r_b)) B(1/2, n + 1/2)),
 //
-// the line law of instrument_law.h; strands that cross at an angle a have what it gives there, which grows as 1/sin a. The hardening h
+// the line law of instrument_law.h; strands that cross at an angle a have its force there, which grows as 1/sin a. The hardening h
 // acts on delta as it does on the depth: the pole lies at the same depth, and the force short of it is less by up to what a lens loses
 // at its rims.
 //
@@ -136,7 +136,7 @@ SEL_FN real lobe_bottom(SeenPiece piece, real falls, real rises)
     return (real)0.5 * (falls + rises);
 }
 
-// Adds what is nearer between two places of a piece; `open`: the last lobe goes on at the first of them.
+// Adds nearer points between two places of a piece; `open`: the last lobe goes on at the first of them.
 SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SelfLobes* lobes)
 {
     const real reach2 = reach * reach;
@@ -248,7 +248,7 @@ SEL_FN SelfTouch self_touch(const SelfScene* self, real follows)
     return touch;
 }
 
-// ---- what it exerts -------------------------------------------------------------------------------------------------------------
+// ---- forces ---------------------------------------------------------------------------------------------------------------------
 
 // The line law's force between two points, per metre of both: q above.
 SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
@@ -259,7 +259,7 @@ SEL_FN LawContext pair_law(const LawContext* c, real reach, real spread)
     return pair;
 }
 
-// Of all pairs of points, weighted with their forces.
+// Sums over all pairs of points, weighted with their forces.
 typedef struct SelfSums {
     real along_a, along_b;  // material coordinates [N m]
     vec3 n;                 // [N]

@@ -62,7 +62,7 @@ typedef struct InstrumentSlot {
     uint cells, pad;   // of one with itself: how many
 } InstrumentSlot;
 
-// What one slot of a cell carries from step to step, and what it last exerted. In `contact`: slip and friction are those on a,
+// State of one slot of a cell from step to step, with its last force. In `contact`: slip and friction are those on a,
 // `normal` points from b to a's side that is pushed, `triangle` is the edge of b, `point` is on b's surface.
 typedef struct InstrumentState {
     ContactState contact;
@@ -87,9 +87,9 @@ typedef struct InstrumentRow {
     real v[3], turn_a[3], turn_b[3], spin_a, spin_b;
 } InstrumentRow;
 
-// What one slot exerts, beside its points.
+// Force of one slot, beside its points.
 typedef struct InstrumentForce {
-    // friction, at the middle of what touches
+    // friction, at the middle of the contact
     real wa[3], da[3], wb[3], db[3];
     real n[3], turn[3];
     InstrumentRow force, along, across;  // what it exerts on a; directions of the slip and across it

@@ -11,11 +11,11 @@
 //          step then shrinks by ten; with k h^2 / (rho A) < 1 a lambda carried from step to step would feed the bounce,
 //     k >= 2 lambda / reach: the force has faded before the wall is out of sight,
 // and a contact point whose miss has not shrunk to a quarter in a round gets four times its k. lambda starts at the force of the
-// last step: it lives on the wire's material quadrature point. Neither it nor f exceeds f_most, what the wall's law carries at
-// 0.95 of its pole, but for the wall's own stiffness times the depth, which keeps a wire in the middle: where there is no
-// solution without overlap (a lumen narrower than the wire) force stays bounded, and the overlap is what it is. The force of an
-// impact is no force to start the next step with. A miss of m leaves a free wire a speed of m / h, so that misses are held to 1
-// mm/s times h as well, or the wire would bounce off a lambda that has outlived its impact.
+// last step: it lives on the wire's material quadrature point. Neither it nor f exceeds f_most, the force of the wall's law at 0.95
+// of its pole. In addition the wall's own stiffness times the depth keeps a wire in the middle. Without a solution free of overlap
+// (a lumen narrower than the wire) the force stays bounded, and the overlap remains. The force of an impact is no force to start
+// the next step with. A miss of m leaves a free wire a speed of m / h, so that misses are held to 1 mm/s times h as well, or the
+// wire would bounce off a lambda that has outlived its impact.
 //
 // `constraint` adds the tangential multiplier of sticking friction, -(2/3) k times the slip of this step, returned to the cone:
 // stuck is no slip at all, and no elastic slip is carried.

@@ -47,8 +47,8 @@ SEL_FN void take_opposite(ContactPoint* second, ContactBall ball, uint t, Facing
     second->to_wall = -facing.v;
 }
 
-// Of the other side is only what lies beyond this along `side`: a triangle so far on the own side, all of it, is within the limit
-// as far as it is reached [m].
+// The other side is everything beyond this along `side`: a triangle so far on the own side, all of it, is within the limit as far
+// as it is reached [m].
 SEL_FN real surely_own_height(const ContactPoint* first, ContactBall ball)
 {
     return max_r(first->limit, 0) * (1 + SEL_TIE) * (ball.radius + ball.reach);

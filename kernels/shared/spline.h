@@ -204,8 +204,8 @@ SEL_FN int closest_on_piece(SeenPiece piece, real low, real high, real* place)
     return 0;
 }
 
-// Newton's method on -(x - c) . c' = 0, downhill from `start`, no farther than an edge at once; what it has seen of the sign
-// holds it, so that it cannot go round in circles where the curvature jumps. @param low, high  of what is allowed
+// Newton's method on -(x - c) . c' = 0, downhill from `start`, by at most an edge at once. Known signs bracket the solution, so it
+// cannot run in circles where the curvature jumps. @param low, high  of the permitted range
 SEL_FN Closest closest_on(SplineView rod, vec3 x, real start, real low, real high)
 {
     Closest found;

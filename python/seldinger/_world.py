@@ -137,7 +137,7 @@ class World:
         self._names = tuple(name or (f"wire{i}" if wires > 1 else "wire") for i, name in enumerate(names))
         self._settled = False
 
-    # -- what it is ---------------------------------------------------------------------------------------------------
+    # -- description ---------------------------------------------------------------------------------------------------
 
     @property
     def dt(self) -> float:

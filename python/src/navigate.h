@@ -1,6 +1,6 @@
 #pragma once
 // What a policy that steers a wire through a vessel sees: the tip and the shape in coordinates of the centreline that leads to a
-// target. Of every system's first instrument.
+// target. It concerns every system's first instrument.
 //
 // Every point i of the centreline knows its way D_i [m] along the tree to the target and the next point on it. A place p whose
 // nearest point is i has the way D_i - (p - c_i).u_i left, u_i the direction of the way there, and is off the centreline by

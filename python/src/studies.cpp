@@ -121,7 +121,7 @@ std::pair<std::string, std::string> chart(const Texts& scenes, const std::string
 
 #ifdef SEL_WITH_VIEW
 
-/// A renderer and what it was made for.
+/// A renderer and its settings.
 struct Picture {
     Renderer renderer;
     int width, height;

@@ -1,4 +1,4 @@
-// Names, shapes and units of what can be read of a world.
+// Names, shapes and units of the readings of a world.
 #include "views.h"
 
 

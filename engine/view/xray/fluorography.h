@@ -10,7 +10,7 @@ namespace seldinger {
 
 class Fluorography {
 public:
-    /// @param options  must outlive it. @param contrast  whether what they inject is there. @throws Error BadFile, BadScene
+    /// @param options  must outlive it. @param contrast  whether their contrast medium is there. @throws Error BadFile, BadScene
     Fluorography(const std::filesystem::path& dir, const FluoroOptions& options, bool contrast);
 
     [[nodiscard]] const RunFolder& run() const { return run_; }
