@@ -70,7 +70,7 @@ FarmPlan plan_sweep(const Options& options, std::string& scene_text, std::string
     return plan;
 }
 
-/// Each value in a word of its own, and paths that do not depend on where a task starts.
+/// Each value as a separate word, and paths that do not depend on where a task starts.
 std::vector<std::string> farm_words(const std::vector<std::string>& given)
 {
     std::vector<std::string> words;

@@ -57,7 +57,7 @@ BatchPart run_part(const Folder& dir, const FarmPlan& plan, std::size_t task, co
     try {
         return run_batch_part(source, sweep_text, part.begin, part.end, own, what);
     } catch (const Error& error) {
-        // a checkpoint that cannot be gone on from costs its task, not the farm
+        // a checkpoint that cannot be resumed costs its task, not the farm
         if (error.code() != ExitCode::BadFile || !own.has("checkpoint.bin")) throw;
         what.use = FolderUse::Overwrite;
         return run_batch_part(source, sweep_text, part.begin, part.end, own, what);

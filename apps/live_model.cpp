@@ -1,4 +1,4 @@
-// Plans a scene for a live session, in a process of its own: what the trials' worlds and kernels take in memory goes with it.
+// Plans a scene for a live session in a separate process: the memory of the trials' worlds and kernels is freed with it.
 #include "live_model.h"
 
 #include "child_process.h"

@@ -146,7 +146,7 @@ int main(int argc, char** argv)
     } catch (const std::bad_alloc&) {
         return apps::complain("out of memory; take a coarser mesh or fewer nodes", ExitCode::BadFile);
     } catch (const std::exception& error) {
-        // oneTBB has no type of its own for a thread that it does not get
+        // oneTBB has no separate exception type for a thread that it does not get
         if (std::string_view(error.what()).starts_with("pthread_create"))
             return apps::complain(apps::limited(error), ExitCode::BadFile);
         return apps::complain(fmt::format("{}; please report the command that led here", error.what()), ExitCode::Stopped);

@@ -106,7 +106,7 @@ std::string nodes_of(const WireLine& wire)
     return bytes;
 }
 
-/// What the viewer is told of an instrument once; its nodes come with each frame, in the same order.
+/// Constant data of an instrument for the viewer; its nodes come with each frame, in the same order.
 nlohmann::json instrument_of(const WireLine& wire)
 {
     return {{"name", wire.name}, {"radius", wire.radius.empty() ? 0.0 : wire.radius.back()}};

@@ -33,7 +33,7 @@ struct StabilityWork {
     }
 };
 
-/// @throws Error BadScene: no row, map or method of that name; a scene that cannot be swept
+/// @throws Error BadScene: no row, map or method of that name; a scene that is unsuitable for a sweep
 [[nodiscard]] StabilityWork select_work(const StabilityOptions& options);
 
 inline constexpr const char* stability_table_file = "stability.csv";

@@ -18,7 +18,7 @@ void watch_signals();
 /// To stderr, also while a compiler is kept from it. Allocates nothing.
 void say_at_once(std::string_view text);
 
-/// A loop that asks stop_asked_for() goes on while this lives.
+/// A loop that asks stop_asked_for() continues while this lives.
 class StopSignal {
 public:
     /// @param advice  how to go on where the process has to end at once; a literal

@@ -51,8 +51,8 @@ struct EnergyAudit {
     double kinetic = 0, elastic = 0, gravitational = 0;  // at its end [J]
 };
 
-/// Fraction of the energy turned over as in EnergyLimits; floor: a thousandth of what lifts the whole wire by its own length
-/// and bends it to a radius of that.
+/// Fraction of the energy exchanged as in EnergyLimits; floor: 0.1 % of the energy that lifts the whole wire by its own length and
+/// bends it to a radius of that.
 [[nodiscard]] EnergyLimits energy_limits(const WireSpec& wire, const Vec3& gravity);
 
 /// Before a sub-step: changes of the wire by splits and merges since the last one.
@@ -78,7 +78,7 @@ void begin_audit(World::Impl& state, int wire, bool placed);
 /// The same has been accepted.
 void accept_energy(World::Impl& state, int wire, double h);
 
-/// What a run goes on from. Part of the saved state, but not of the hashed one: it affects no motion.
+/// State from which a run resumes. Part of the saved state, but not of the hashed one: it affects no motion.
 void put_audit(std::vector<std::uint8_t>& bytes, const EnergyAudit& audit);
 void take_audit(const std::uint8_t*& bytes, const std::uint8_t* end, EnergyAudit& audit);
 

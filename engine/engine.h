@@ -103,8 +103,8 @@ private:
 };
 
 /// Advances every system by dt [s]. Numerical failure is reported in the StepReport, never thrown.
-/// @throws Error: dt is not a positive number, the control asks for something that cannot be (no such instrument, one that is not
-/// fed, a value that is not finite or not on the wire). The world is then unchanged
+/// @throws Error: dt is not a positive number, or the control is impossible (no such instrument, one that is not fed, a value that
+/// is not finite or not on the wire). The world is then unchanged
 [[nodiscard]] StepReport step(World& world, const Control& control, double dt);
 /// The same without a control: every hub stays where it is.
 [[nodiscard]] StepReport step(World& world, double dt);
@@ -116,7 +116,7 @@ private:
 /// BadScene
 void load_vessel(WorldSetup& setup);
 
-/// A scene file as a program of its own needs it.
+/// A scene file for a program that links the library.
 struct LoadedScene {
     WorldSetup setup;
     std::vector<std::vector<FeedKey>> keys;  // of each hub: control.follow(k, scene.keys[k]); empty: it is not fed

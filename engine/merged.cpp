@@ -144,8 +144,9 @@ double hub_speed(const World::Impl& state, int wire, double h)
     return (path.at(now + h).advance - path.at(now).advance) / h;
 }
 
-/// Another instrument has got ahead: the line goes on straight to its tip, and counts from there. It is that one's material now and
-/// goes as fast: left at the speed of the old one, all of it would be stopped within the sub-step of h by a push of the hands.
+/// Another instrument has got ahead: the line continues straight to its tip, and counts from there. The stretch is that
+/// instrument's material now and has its speed. At the speed of the old leader, a push of the hands would stop all of it within
+/// the sub-step of h.
 void change_leader(World::Impl& state, MergedGroup& group, int leader, double h)
 {
     const int next = group.wires()[leader], last = group.wires()[group.leader];

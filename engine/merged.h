@@ -2,16 +2,17 @@
 // Instruments that share one centreline in a world (D12, CoaxialSpec::Model::Merged): how they are placed, fed, held and read.
 // Private to the engine, as world.h is. What the solver makes of them: solve/coaxial_group.h.
 //
-// The centreline is as long as the instrument that is in farthest, the leader; its coordinate s counts from that one's tip, which
+// The centreline is as long as the instrument inserted farthest, the leader; its coordinate s counts from the leader's tip, which
 // is the line's node 0. Instrument k's material at s is s + o_k, o_k = advance_k - advance of the leader (<= 0). A push of the
 // leader makes the base edge longer, as a wire's own feed does (solve/feed.h), and draws the others' offsets down, which stay at
 // the hub; a push of another one moves its offset alone.
 //
 // Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so that
-// the new leader goes on from the very place of the old one's tip, and is pushed forwards by what follows. What little it has got
-// ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where nothing bends
-// it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The line's material is
-// the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of material and remeshing.
+// the new leader continues from the very place of the old one's tip, and is pushed forwards by the material behind it. What little
+// it has got ahead by all the same (the time is found without the surplus of rest length) continues the line straight, where
+// nothing bends it. A step that was not cut put millimetres there at once: through the wall, where the line points at it. The
+// line's material is the new leader's from then on, and as fast: that its kinetic energy and momentum change is counted as of
+// material and remeshing.
 //
 // Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
 // of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
@@ -57,7 +58,7 @@ struct MergedGroup {
     [[nodiscard]] bool adapts() const { return nodes.nodes == 0; }
 };
 
-/// @throws Error BadScene: instruments that cannot be merged
+/// @throws Error BadScene: instruments that `merged` does not support
 void check_merged(const WorldSetup& setup);
 /// Edge of the line of a group, and its most nodes.
 [[nodiscard]] double merged_edge(const WorldSetup& setup, const CoaxialSpec& spec);
@@ -109,7 +110,7 @@ struct MergedWork {
 };
 [[nodiscard]] MergedWork merged_work(const World::Impl& state, const MergedGroup& group, const MergedForces& forces);
 
-/// Each instrument by itself, from its own tip to the hub: what World::rod() shows. After a step, and where the state was put
+/// Each instrument alone, from its own tip to the hub: the view of World::rod(). After a step, and where the state was put
 /// back.
 void show_groups(World::Impl& state);
 /// The wall's force on the nodes that show_groups() made.

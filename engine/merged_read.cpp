@@ -1,4 +1,4 @@
-// Instruments that share one centreline: what their hands feel, and each by itself.
+// Instruments that share one centreline: forces at their hands, and each instrument alone.
 
 #include "contact/coaxial_friction.h"
 #include "merged.h"
@@ -18,7 +18,7 @@ double axial_contact(World::Impl& state, const MergedGroup& group, int k)
     return state.contact ? state.contact->along(group.wires()[k]) + load : load;
 }
 
-/// Friction of the others on an instrument, likewise. In a group it adds up to nothing: the line does not feel it.
+/// Friction of the others on an instrument, + towards the tip. In a group it adds up to nothing: the line does not feel it.
 double axial_friction(const World::Impl& state, int wire)
 {
     return state.coaxial_friction ? state.coaxial_friction->along(wire) : 0;
@@ -132,7 +132,7 @@ void show_outside(World::Impl& state, const MergedGroup& group, int k)
     own.radius[0] = own.radius[1] = state.setup.wires[w].wire.shaft.radius;
 }
 
-/// Stiffness, mass and radius of its own.
+/// Its own stiffness, mass and radius.
 void show_section(const RodView& own, const WireSpec& spec)
 {
     for (int i = 0; i < own.n; ++i) {

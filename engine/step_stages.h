@@ -10,7 +10,7 @@ namespace seldinger {
 
 // ---- step_feed.cpp: input of the hubs
 
-/// Resolves the control to the way of each hub through the step.
+/// Resolves the control to the path of each hub through the step.
 void take_control(World::Impl& state, const Control& control, double dt);
 /// In how many parts a step feeds each wire [wires]: one birth can follow a push by an edge, and pulling back must leave some of
 /// the base edge. It is cut where another instrument of a common centreline gets ahead. All instruments of a system go in as many.
@@ -38,7 +38,7 @@ void begin_step(World::Impl& state);
 void begin_sub_step(World::Impl& state, const SubStep& sub);
 /// Quadrature points on the present nodes and what of the wall is near them.
 void find_contacts(World::Impl& state);
-/// Newton on the equations of the sub-step: every system to a trial state of its own.
+/// Newton on the equations of the sub-step: every system to its own trial state.
 void solve(World::Impl& state, const SubStep& sub);
 /// Systems that converged, and whose energy adds up, take their trial as the accepted state. The others are put back: they take
 /// the sub-step in two halves, or are lost where that has no sense any more.

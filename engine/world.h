@@ -138,7 +138,7 @@ struct World::Impl {
     void make_groups();
     void make_coaxial_friction();
     void make_line_holds();
-    /// A system of which one instrument is in the mask is in it as a whole, as far as it takes part.
+    /// A system with one instrument in the mask is in it with all of them, as far as it takes part.
     void spread_over_systems(const WireMask& part, WireMask& mask) const;
     void save_wire(int wire);
     void restore_wire(int wire);

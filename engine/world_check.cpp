@@ -1,4 +1,4 @@
-// What a world refuses, before anything is built or changed: setups that contradict themselves, and controls that cannot be met.
+// Errors that a world refuses, before anything is built or changed: contradictory setups and impossible controls.
 
 #include "contact/quadrature.h"
 #include "core/error.h"

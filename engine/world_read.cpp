@@ -97,8 +97,8 @@ void World::Impl::read_results(int wire, double h)
 }
 
 // hand_force is H = -EA e (1 + e/2), e = l/s - 1 the strain of the base edge of rest length s. Feeding raises s, and the node
-// before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The
-// curvature of the hub's cell, whose length s is too, is left out: its share is B kappa^2/s, a thousandth of EA/s at most.
+// before the hub answers: dH/ds = c l/s - c^2 t.(A^-1 t), c = EA l/s^2, A the step's tangent, t the edge's direction. The curvature
+// of the hub's cell, whose length is s too, is neglected: its part is B kappa^2/s, at most 0.1 % of EA/s.
 void World::Impl::read_hand_stiffness(int wire)
 {
     double& stiffness = results[wire].hand_stiffness;

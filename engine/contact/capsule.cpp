@@ -27,7 +27,7 @@ NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree
         low[k] = tree.nodes.front().lo[k];
         high[k] = tree.nodes.front().hi[k];
     }
-    // the barrier looks at the whole way of an update, which may begin that far from where the list was made
+    // the barrier checks the whole path of an update, which may begin that far from the place of the search
     return {slack, slack + (law == SEL_NORMAL_BARRIER ? 0.3 * least : 0.0), (high - low).norm() + 1};
 }
 

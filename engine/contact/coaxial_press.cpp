@@ -11,7 +11,7 @@ namespace {
 
 using Complex = LumenPress::Complex;
 
-// Newton steps in one time step: it goes on from the last one's, by a little.
+// Newton steps in one time step: they start from the last solution, which is near.
 constexpr int most_steps = 4;
 
 /// Edge of the line that s lies on; at a node the one hubwards.
@@ -126,7 +126,7 @@ LumenPress::Place CoaxialFriction::place_at(const Group& group, const CoaxialTri
     return place;
 }
 
-/// What of those inside goes on beyond the mouth.
+/// The inner instruments' parts beyond the mouth.
 LumenPress::End CoaxialFriction::end_of(const Group& group, const CoaxialTrial& now, const Pair& pair, const Overlap& lap)
 {
     const CoaxialRod& rod = group.shared->rod;

@@ -31,7 +31,7 @@ struct SlipPerLength {
 };
 
 /// @param start  e_0     @param slip  u, of which the first is known     @param rate  1/h [1/s]; 0: at rest
-/// @param stuck  q is not looked at
+/// @param stuck  q is ignored
 [[nodiscard]] inline SlipPerLength slip_per_length(const SlipLawPerLength& law, const Vec2& start, const Vec2& slip, double rate, bool stuck = false)
 {
     SlipPerLength out;

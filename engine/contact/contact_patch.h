@@ -5,8 +5,8 @@
 //
 //     b = 2 sqrt(delta (2 r - delta))     [m],   delta at most r
 //
-// across, so that a sample that stands for the length l of wire and bears the normal force F lies on the area b l [m^2] with the
-// mean pressure F / (b l) [Pa]. In the middle of the chord the pressure of the wall's own bed (D6b) is half as much again: k_f
+// across, so that a sample that represents the length l of wire and bears the normal force F lies on the area b l [m^2] with the
+// mean pressure F / (b l) [Pa]. In the middle of the chord the pressure of the wall's own bed (D6b) is 1.5 times as large: k_f
 // delta against 2/3 k_f delta. The wire's round tip meets it in a disc of diameter b: area pi b^2 / 4, pressure of the bed's
 // middle twice the mean.
 //

@@ -2,8 +2,8 @@
 // Readings of contact along a wire that do not depend on where the wire is sampled: force per length, the force on a patch, how
 // many places it lies on.
 //
-// A sample of contact that stands for the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
-// length from the tip along the unstressed wire [m]; the tip's own point law and the pairs of `layer` stand for no length and bear
+// A sample of contact that represents the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
+// length from the tip along the unstressed wire [m]. The tip's own point law and the pairs of `layer` represent no length and bear
 // theirs at s. Their sum is a load along the wire whose integral is the sum of all F, whatever the samples are. With N(a, b) the
 // load on the closed stretch from a to b [N]:
 //

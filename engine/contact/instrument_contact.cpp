@@ -264,7 +264,7 @@ void InstrumentContact::search(device::Queue queue)
         const auto until = 3 * static_cast<std::ptrdiff_t>(rods_.node_begin(last) + rods_.node_count(last));
         std::copy(nodes_.position.begin() + begin, nodes_.position.begin() + until, searched_position_.begin() + begin);
     }
-    // what earlier trials of this step have left is in slots that now stand for something else
+    // slots that now represent other contacts still have the forces of earlier trials
     for_each_stretch(found_, cells_.of_wire, [&](int wire, std::size_t first, std::size_t count) {
         const auto system = static_cast<std::size_t>(system_of_[wire]);
         if (searching_[system] && written_[system])
@@ -453,7 +453,7 @@ void InstrumentContact::launch(device::Queue queue, const device::Buffer& forces
     if (of_itself > 0) evaluate(evaluate_self_, picked_.size());
 }
 
-/// Room for so many slots, in the host's memory: few of them touch, and only what these write is looked at.
+/// Room for so many slots, in the host's memory: few of them touch, and only their output is read.
 void InstrumentContact::provide_records(std::size_t slots)
 {
     if (forces_.size() >= slots) return;

@@ -197,7 +197,7 @@ void LayerContact::evaluate(const TrialState& trial, double h, std::span<const s
         const std::size_t edges = sums_.edge_node.size();
         reduce_.launch(light, edges, static_cast<cl_uint>(edges), first_buffer_, forces_, barys_, edge_sums_);
         context_.read(light, edge_sums_, sums_.edges.data(), edges * sizeof(EdgeForce));
-        // a pair stands for no length of wire; its edge's layer does
+        // a pair represents no length of wire; its edge's layer does
         for (std::size_t e = 0; e < edges; ++e)
             if (sums_.edges[e].contacts > 0) sums_.edges[e].length = touching_[paired_edges_[e]];
     }

@@ -1,9 +1,9 @@
 #pragma once
 // Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
 //
-// Quadrature point 0 of a wire is its tip (point law); quadrature point k >= 1 stands for the k-th stretch of `spacing` metres
-// from the tip and lies at its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of
-// the edge length). The default spacing is one wire radius: with every quadrature point farther than r/2 from the wall (the
+// Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
+// the tip and lies at its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the
+// edge length). The default spacing is one wire radius: with every quadrature point farther than r/2 from the wall (the
 // hardening law never lets the axis nearer) the straight axis between two quadrature points cannot meet the wall at all.
 //
 // A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a

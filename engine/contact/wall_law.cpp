@@ -56,8 +56,8 @@ void set_scales(QuadratureModel& m, double own_load)
 
 constexpr double impulse_speed = 1e-4;  // that may be left in the normal direction [m/s], against feeds of centimetres a second
 
-// multiplier_law.h. k: the wall's tangent stiffness a hundredth of the radius deep. kappa: the barrier carries at half of its
-// distance what the wall carries that deep. @param mass  that the quadrature point's law acts on per unit of its weight [kg/m],
+// multiplier_law.h. k: the wall's tangent stiffness at a depth of 0.01 radii. kappa: at half of its distance the barrier carries
+// the wall's force at that depth. @param mass  that the quadrature point's law acts on per unit of its weight [kg/m],
 // or [kg] at the tip
 void set_nonpenetration(QuadratureModel& m, const ContactSpec& contact, double mass)
 {

@@ -10,7 +10,7 @@ namespace seldinger {
 namespace {
 
 // Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that of
-// the places that were looked at; no other has gone much farther.
+// the examined points; no other has moved much farther.
 constexpr double farthest_factor = 1.25;
 
 constexpr double fade_length = 4;  // radii over which U fades out

@@ -168,7 +168,7 @@ void YieldingWall::prepare(RodArrays& rods, std::span<const std::uint8_t> live)
     contact_.prepare(unmoved_, live);
 }
 
-/// What the wall does by itself in a step of h, and how it gives way where it may be touched.
+/// The wall's free motion in a step of h, and its compliance where it may be touched.
 void YieldingWall::start_step(System& system, double h) const
 {
     system.begun = true;

@@ -23,8 +23,8 @@ enum class Durable { No, Yes };  // Yes: survives a power cut too (fsync), for c
 /// then untouched
 void write_file(const FilePlace& place, std::string_view content, Durable durable = Durable::No);
 
-/// A file under a name of its own beside the place where it is to be (NAME.PID.tmp), which was not there before it: whoever else has
-/// put a link or a file there keeps it. Goes again unless it is put in place.
+/// A file with a temporary name beside its final place (NAME.PID.tmp), which must not have existed: links and files of others stay
+/// untouched. Goes again unless it is put in place.
 class NewFile {
 public:
     /// @throws Error BadFile: the folder cannot be written to, or a folder, a pipe or a device is in the place

@@ -85,7 +85,7 @@ int take(const fs::path& what, const FilePlace& lock, FileLock::Wait wait)
     }
 }
 
-/// The process that a name NAME.PID.tmp speaks of; 0 for other names.
+/// The process in a name NAME.PID.tmp; 0 for other names.
 pid_t writer_of(const std::string& name)
 {
     if (!name.ends_with(".tmp")) return 0;

@@ -54,9 +54,10 @@ private:
 /// Which queue a chain of launches goes to.
 enum class Queue { Inline, Pool };
 
-/// What a kernel's items are like. Branching: long, each its own way (walks, contact laws): on a CPU one item is a work-group, as
-/// private arrays of many items at once do not stay in registers nor in the first cache (evaluation: a sixth of its time).
-/// Short: vector loops and queries of half a microsecond, which is what a group of its own would cost.
+/// What a kernel's items are like. Branching: long, each with its own path (walks, contact laws). On a CPU one item is a
+/// work-group, because private arrays of many items at once stay neither in registers nor in the first cache (1/6 of the time of an
+/// evaluation).
+/// Short: vector loops and queries of half a microsecond, the cost of a separate group.
 enum class Items { Branching, Short };
 
 class Context {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t room = 1 << 20;  // [bytes] what the kernels of a scene take, about
 
-/// @return 0, or errno of what cannot be done there
+/// @return 0, or the errno of the failed operation
 int try_to_write(const fs::path& dir)
 {
     std::error_code error;
@@ -161,7 +161,7 @@ void tell_compiling(bool on) { telling = on; }
 CompilerCall::CompilerCall()
 {
     if (!telling) return;
-    // the clock that files are dated by, which stands for some milliseconds at a time
+    // the clock of file dates, which advances by some milliseconds at a time
     ::clock_gettime(CLOCK_REALTIME_COARSE, &begun_);
     if (!has_program(kernel_cache_folder(), nullptr)) tell();
 }

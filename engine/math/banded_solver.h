@@ -1,7 +1,7 @@
 #pragma once
 // The linear solver of Newton's method: a banded matrix A, and columns U C V^T for the few unknowns that couple outside of its
-// band. Without columns it is the band's factors and nothing else. What couples outside of the band all along (`far`) is part of
-// A, which then has factors of its own (math/node_factors.h). With k columns, by Woodbury:
+// band. Without columns it is the band's factors and nothing else. Entries outside of the band over its whole length (`far`) are
+// part of A, which then has its own factors (math/node_factors.h). With k columns, by Woodbury:
 //
 //   (A + U C V^T)^-1 b = y - Z S^-1 C V^T y,   y = A^-1 b,   Z = A^-1 U,   S = I + C V^T Z          (k x k)
 //

@@ -1,10 +1,10 @@
 #pragma once
 // Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and what the hand at each one feels.
 //
-// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge;
-// instrument k has spin angles theta_k of its own in these frames and lies along the centreline by its offset o_k: at the
-// centreline's coordinate s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where
-// that is outside [0, its length] it is not there and contributes nothing.
+// Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge. Instrument
+// k has its own spin angles theta_k in these frames and lies along the centreline by its offset o_k. At the centreline's coordinate
+// s (RodView::material_s, rising from the tip) is its material s + o_k, measured from its own tip. Where that is outside [0, its
+// length] it is not there and contributes nothing.
 //
 //     E = sum_k 1/2 int B_k |kappa - R(theta_k) kappa_k|^2 + C_k theta_k'^2 ds + 1/2 int EA strain^2 ds         (D12)
 //                                                       [Dupont10; Rucker10], discretised like D1-D3 [Bergou10]

@@ -21,7 +21,7 @@ struct Change {
     [[nodiscard]] Vec3 mean() const { return 0.5 * (from + to); }
 };
 
-/// A number, likewise.
+/// A scalar, in the same way.
 struct Span {
     double from, to;
     [[nodiscard]] double mean() const { return 0.5 * (from + to); }

@@ -18,8 +18,8 @@ struct RodTrial {
 
 /// A clamp ("half-Voronoi"): the tangent at `node` is prescribed, to second order in the edge length. It acts on the edge(s)
 /// that meet there through bending (and, if `spin`, twist) springs over half the edge's rest length, a = rest_length/2:
-/// E = B |kappa - share rest_kappa|^2 / (2 a), kappa from (clamp tangent, edge), share = a / voronoi_length (1 at tip and
-/// hub), and likewise twist. At an inner node these take the place of the node's own energy: `direction` of its bending,
+/// E = B |kappa - share rest_kappa|^2 / (2 a), kappa from (clamp tangent, edge), share = a / voronoi_length (1 at tip and hub);
+/// twist in the same way. At an inner node these take the place of the node's own energy: `direction` of its bending,
 /// `spin` of its twist.
 struct RodClamp {
     int node = 0;

@@ -7,10 +7,10 @@
 
 namespace seldinger {
 
-/// Whether an edge is longer or shorter by more than half of its rest length, and by more than a misplaced node makes of a short one (a hundredth of the
-/// radius: the base edge of a wire that is fed begins at nothing). What converged may be so, of a soft band; what missed the tolerance is then no
-/// state: forces on its nodes are anything, and the hand's work with them (a stiff wire thrown head-on against a wall at 0.5 m/s came to 1e11 N
-/// in an edge that the hand drew out).
+/// Whether an edge is longer or shorter by more than half of its rest length, and by more than a misplaced node makes of a short
+/// one (0.01 radii: the base edge of a fed wire begins at nothing). What converged may be so, of a soft band; what missed the
+/// tolerance is then no state: forces on its nodes are anything, and the hand's work with them (a stiff wire thrown head-on
+/// against a wall at 0.5 m/s came to 1e11 N in an edge that the hand drew out).
 [[nodiscard]] inline bool is_torn(const ConstRodView& rod)
 {
     for (int j = 0; j + 1 < rod.n; ++j) {

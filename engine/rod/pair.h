@@ -3,7 +3,7 @@
 //
 // Unknowns of the stencil are the edge vectors e (tip side) and f (hub side) and the angles theta_e, theta_f. With unit
 // tangents te, tf:   chi = 1 + te.tf,   tt = (te + tf)/chi,   kb = 2 te x tf/chi,   |kb| = 2 tan(phi/2), phi the turning angle.
-// Curvature is g kb, g a function of chi (rod/curvature.h): g kb.n stands for kb.n of the papers below. W = |g kb|^2/2.
+// Curvature is g kb, g a function of chi (rod/curvature.h): g kb.n replaces kb.n of the papers below. W = |g kb|^2/2.
 //
 // **Which material frame kappa is measured in.** [Bergou10] averages the directors of both edges, kappa1 = kb.(m2e + m2f)/2.
 // That is |kb| cos(tau/2) times the true component: bending stiffness would fade with the twist tau of the node, vanish at
@@ -15,7 +15,7 @@
 // [Jawed18] with n for m (the twist's own variation cancels), and d kappa1/d theta = kappa2/2, d kappa2/d theta = -kappa1/2
 // for either angle.
 //
-// A clamp that holds only the direction has no director of its own: its frame follows the edge's. That is the same formula
+// A clamp that holds only the direction has no director: its frame follows the edge's. That is the same formula
 // with the frame taken at a share lambda = 1/2 + mu of the twist, counted from e: mu = 0 between edges, +1/2 at a clamp that
 // is the tip-side partner (the frame is f's), -1/2 at one on the hub side.
 //

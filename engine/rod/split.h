@@ -52,8 +52,8 @@ struct SplitScratch {
 };
 
 /// Feeding: splits the base edge (between nodes n-2 and n-1) of a wire whose hub stands still in a sleeve along the clamp there.
-/// The new node is put where its bending forces balance, between neighbours that stay, and moves so that no edge is stretched:
-/// the wire tipwards goes on with the speed that it had.
+/// The new node is placed where its bending forces balance, between neighbours that stay, and moves so that no edge is stretched:
+/// the tipward wire keeps its speed.
 SplitResult split_base_edge(RodArrays& rods, int wire, double fraction, const WireSpec& spec, std::span<const RodClamp> clamps,
                             SplitScratch& scratch);
 /// Takes out the node next to the hub; the nodes that stay keep their velocities.

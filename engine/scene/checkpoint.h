@@ -1,5 +1,5 @@
 #pragma once
-// checkpoint.bin: where a run stands, so that it can go on with the same bits after any stop. A sealed file (core/sealed_file.h)
+// checkpoint.bin: state of a run, which continues from it with the same bits after any stop. A sealed file (core/sealed_file.h)
 // with magic "SELCKPT2".
 
 #include "scene/summary.h"

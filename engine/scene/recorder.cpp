@@ -1,4 +1,4 @@
-// The files of a run as it goes on: frames with their .pvd lists, summary.json, the checkpoint. Rows and tables:
+// The files of a running run: frames with their .pvd lists, summary.json, the checkpoint. Rows and tables:
 // recorder_tables.cpp.
 #include "scene/recorder.h"
 
@@ -230,7 +230,7 @@ unsigned Recorder::frame_parts() const
     return yields_ && scene_.contacts_every > 0 ? parts | Output::WallShape : parts;
 }
 
-/// In most steps less is borne in all than was read before, and the load along the wires is not looked at.
+/// In most steps the total load is below the largest reading so far, and the load along the wires is not computed.
 bool Recorder::may_bear_most(const World& world) const
 {
     for (int w = 0; w < world.wire_count(); ++w) {

@@ -46,7 +46,7 @@ public:
 
     /// Saves where the run stands. @param wall  of the loop so far [s]
     void checkpoint(const World& world, RunStatus status, double wall);
-    /// Writes final tables, summary and, unless the simulation stopped by itself, the checkpoint. @return the summary
+    /// Writes final tables, summary and, unless the simulation failed, the checkpoint. @return the summary
     std::string finish(const World& world, RunStatus status, double wall);
 
     [[nodiscard]] const RunTally& tally() const { return tally_; }

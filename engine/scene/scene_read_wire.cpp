@@ -90,7 +90,7 @@ void read_points(const TableReader& t, WireSpec& wire)
         if (!wire.place.points.empty()) length += step;
         wire.place.points.push_back(p);
     }
-    // chords are shorter than the arc they stand for; more than this is a wire placed under strain
+    // chords are shorter than their arc; more than this is a wire placed under strain
     if (std::abs(length - wire.length) > 0.05 * wire.length)
         t.fail("points",
                fmt::format("the points are {:.6g} m long, the wire {:.6g} m; expected the same within 5 %", length, wire.length));

@@ -24,8 +24,8 @@ struct StartInside {
 };
 
 /// Sees to it that a wire which is not fed starts inside the lumen; wire.place becomes the moved shape where it does not.
-/// Refused are a base beyond the wall, which is where it was put, an axis farther beyond the wall than the wire is thick, and one
-/// that cannot be brought clear of the wall.
+/// These are refused: a base beyond the wall, where the user put it; an axis beyond the wall by more than the wire's thickness; and
+/// a wire that cannot be brought clear of the wall.
 /// @param lumen  past its openings, and beside the border of a wall that has no lumen, the wire is free
 [[nodiscard]] StartInside start_inside(WireSpec& wire, const Centreline& centreline, const LumenQuery& lumen);
 

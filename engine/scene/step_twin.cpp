@@ -98,7 +98,7 @@ void StepTwin::stepped(const World& run, const WireReadings& readings, long take
     estimate_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-/// The window is over: looked at now, or kept for the end where it may be among those that are.
+/// The window is over: compared now, or kept for the end if it may be among the compared ones.
 void StepTwin::close()
 {
     if (window_.steps == 0) return;

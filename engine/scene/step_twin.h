@@ -1,9 +1,9 @@
 #pragma once
 // What the length of the step leaves in a run's forces and tip, estimated by the run itself.
 //
-// The run is cut into windows of window_steps steps. Some are taken again in a world of its own, from the state that the run had
-// at their beginning, with steps of half the length: every periodic-th one, the last, and those in which hand force and friction
-// were largest so far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
+// The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state that the run had
+// at their beginning, with half the step: every periodic-th one, the last, and those with the largest hand force and friction so
+// far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
 //     band = safety r/(r - 1) |Q(h) - Q(h/r)|,    safety = 1.5
@@ -19,12 +19,12 @@
 // largest hand force and friction are therefore, with those before them, taken again with fine_step too, or with the most_parts-th
 // part of the step where that is longer.
 //
-// A largest force that is where something lets go has a band of its own (scene/release_watch.h): a twin lets go where the run did.
+// A largest force that is a release has its own band (scene/release_watch.h): a twin releases where the run did.
 //
 // It cannot see a history that differed before the window began (a branch missed, an earlier slip).
 // A reference for that is `seldinger plan` or a run with a shorter step.
 //
-// The twin is a world of its own: the run's bits are those of a run without it.
+// The twin is a separate world: the run's bits are those of a run without it.
 
 #include "engine.h"
 #include "scene/key_frames.h"

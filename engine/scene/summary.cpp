@@ -165,7 +165,7 @@ void set_wall(Numbers& number, Json& out, const RunTally& tally, const World& wo
     out["wall_far_steps"] = tally.far_steps;
 }
 
-/// Each instrument of [[instrument]] tables by itself.
+/// Each instrument of [[instrument]] tables alone.
 Json instruments_of(const World& world, const Scene& scene, std::vector<std::string>& lost)
 {
     Json list = Json::array();

@@ -20,8 +20,8 @@
 // be: the observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero, the damper
 // dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002, doi:10.1109/70.988969].
 //
-// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 + b of
-// negative damping of its own: its friction and the hand's must be more than that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
+// A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 +
+// b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,
 // doi:10.1002/(SICI)1097-4563(199701)14:1<37::AID-ROB4>3.0.CO;2-V].
 
 namespace seldinger {
@@ -52,7 +52,7 @@ public:
     double next(double hand, const HubLoad& load, double low, double high);
     /// The step to there has been taken. @param force  what the instrument answered at its end
     void stepped(double force);
-    /// Hand and hub are here and at rest, nothing is stored; the observer's count goes on.
+    /// Hand and hub are here and at rest, nothing is stored; the observer's sum continues.
     void place(double at);
 
     [[nodiscard]] double position() const { return hub_; }

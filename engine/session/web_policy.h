@@ -62,7 +62,7 @@ private:
     double per_second_, at_once_, left_, last_;
 };
 
-/// Wrong tokens by the address that they came from. An address with too many of them waits before another one is looked at.
+/// Wrong tokens by the address that they came from. An address with too many wrong tokens waits before the next one is checked.
 class WrongTokens {
 public:
     static constexpr double per_second = 5, at_once = 20;  // a page of an earlier session asks once a second

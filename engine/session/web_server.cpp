@@ -362,7 +362,7 @@ struct WebServer::Impl {
         });
     }
 
-    /// Without a descriptor to give, who waits goes on waiting: asking again at once would take a core until one is free.
+    /// Without a free descriptor, a new connection keeps waiting: asking again at once would take a core until one is free.
     void listen_later()
     {
         ++hub.counts.not_accepted;

@@ -1,5 +1,5 @@
 #pragma once
-// The session's web server: the page over HTTP, frames and wishes over a WebSocket, in a thread of its own. Clients that are slow lose
+// The session's web server in a separate thread: the page over HTTP, frames and wishes over a WebSocket. Clients that are slow lose
 // frames, clients that are wrong lose the connection; the physics notices neither.
 
 #include <cstdint>

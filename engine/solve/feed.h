@@ -13,10 +13,10 @@
 //
 // Speed does jump there, of the wire tipwards: rest length that is fed into the base edge pushes along it, at an angle phi =
 // kappa h/2 to the sleeve, and after the birth along the sleeve, so that the same feed moves the wire slower by v phi^2/2.
-// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The
-// base edge therefore goes on at the rate that keeps the wire's speed, and both the excess of that rate over the feed and the
-// length that it has brought in, the surplus s of rest length, fade: s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So
-// neither force nor speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
+// Against the wave impedance sqrt(EA rho A), 35 N s/m for a steel wire of 2 mm, that is a jolt of tenths of a millinewton. The base
+// edge therefore continues at the rate that keeps the wire's speed. Two quantities fade: the excess of that rate over the feed, and
+// the surplus s of rest length that it has brought in. s'' + 2 w s' + w^2 s = 0, w = 1/surplus_time + v/h. So neither force nor
+// speed nor the length fed jumps. From rest to rest (static steps) there is no speed and no time: the next step takes
 // the surplus back at once.
 
 #include "rod/elastic.h"
@@ -41,8 +41,8 @@ struct FeedState {
 /// Puts a fed wire into its introducer, with as much of it inside as the inlet says.
 void start_feed(FeedState& state, const FeedSpec& spec, const WireSpec& wire, RodArrays& rods, int index);
 
-/// The way of a hub, as a control asks for it: piecewise linear in time between keys whose times increase strictly, and constant
-/// outside of them.
+/// The path of a hub in a control: piecewise linear in time between keys whose times increase strictly, and constant outside of
+/// them.
 class HubPath {
 public:
     /// @param keys  outlive the path, at least one

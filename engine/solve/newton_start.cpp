@@ -1,4 +1,4 @@
-// How Newton's method starts and goes on for one system, and its report. The first guess moves the accepted state on with its
+// Start and continuation of Newton's method for one system, and its report. The first guess moves the accepted state on with its
 // velocity, as far as force terms have searched. Instruments that are separate rods also use their acceleration: x + h v + h^2 a
 // with a of the last step. Their mutual forces change less from step to step than from rest to motion, and such a guess saves one
 // of three iterations.

@@ -118,8 +118,8 @@ void NewtonSystem::take_linearised()
     phase_ = Phase::Done;
 }
 
-/// Out of ideas. Best effort: back to the last trial that was taken, which is nearer to the solution than the start by the tests
-/// that took it, and admissible; one more evaluation makes force terms speak of it.
+/// Out of ideas. Best effort: back to the last accepted trial, which is nearer to the solution than the start by the tests that
+/// accepted it, and admissible. One more evaluation gives the force terms this trial.
 void NewtonSystem::give_up()
 {
     if (!options_.best_effort || settling_ || iterations_ == 0 || phase_ != Phase::Search) {

@@ -19,7 +19,7 @@
 //
 // Statics (pseudo_transient.cpp). A Levenberg-Marquardt shift, no larger than makes the exact matrix positive definite, turns each
 // iteration into a step of pseudo-time, judged by that step's equations: it leaves saddles and snaps through folds, and is
-// Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle likewise, once
+// Newton's method at the end. A step in time that ends where the exact matrix is indefinite leaves its saddle in the same way, once
 // (stability.cpp).
 
 #include "solve/linear_model.h"
@@ -54,7 +54,7 @@ public:
     /// @param finite  frames at the trial are finite, and force terms have been evaluated there
     void advance(bool finite, const ForceTerms& terms);
 
-    /// After convergence, the terms' multipliers having changed: Newton goes on from where it is.
+    /// After convergence, the terms' multipliers having changed: Newton continues from here.
     void resume();
     /// They have not settled, and will not: the system has failed, or takes its best state (best effort).
     void stop_short();

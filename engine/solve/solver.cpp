@@ -96,7 +96,7 @@ void Solver::write_trial(int system)
     }
 }
 
-/// The next trial of a system that goes on, for force terms to evaluate.
+/// The next trial of a system that continues, for force terms to evaluate.
 void Solver::prepare_trial(int system)
 {
     NewtonSystem& newton = newton_of(system);

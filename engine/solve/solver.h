@@ -23,7 +23,7 @@ class WireProblem;
 /// Workspace and options for a fixed set of wires. Masks, constraints and reports are per wire of the world.
 class Solver {
 public:
-    /// @param partition  wires of each system, which are consecutive; none: every wire is a system of its own
+    /// @param partition  wires of each system, which are consecutive; none: every wire is its own system
     Solver(RodArrays& rods, const IntegratorSpec& spec, const Vec3& gravity, std::span<const int> partition = {});
     ~Solver();
     /// Instruments of a system that share a centreline (solve/coaxial_group.h); before the first step. The group outlives this.

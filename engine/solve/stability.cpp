@@ -27,7 +27,7 @@ bool NewtonSystem::leave_saddle(const ForceTerms& terms)
     return saddle;
 }
 
-/// Leaves an unstable equilibrium by a hundredth of an edge along its softest mode, found by inverse iteration on the matrix that
+/// Leaves an unstable equilibrium by 1 % of an edge along its softest mode, found by inverse iteration on the matrix that
 /// LinearModel::stable() has assembled.
 void NewtonSystem::perturb_along_softest_mode()
 {

@@ -82,12 +82,11 @@ double NewtonSystem::largest_force(const ForceTerms& terms) const
     return most;
 }
 
-/// When no point of a wire's surface is farther than a millionth of its radius (half a nanometre) from where it is in the base,
-/// and yet the force differs by more than a tenth of the base's residual and of the largest contact force: which facets of the
-/// wall are nearest has changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No
-/// elastic or contact stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the
-/// equilibrium is there, to that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as
-/// good a base as any.
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base, and yet the force
+/// differs by more than 10 % of the base's residual and of the largest contact force. Then the nearest facets of the wall have
+/// changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or contact
+/// stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is there, to
+/// that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.
 NewtonSystem::Jump NewtonSystem::jump_of_force(const ForceTerms& terms)
 {
     if (!terms.may_jump() || options_.shifted || alpha_ == first_alpha_) return Jump::None;

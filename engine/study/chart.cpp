@@ -122,7 +122,7 @@ PerObservable wanted_uncertainty(const SceneChart& chart)
     return wanted;
 }
 
-/// One scene: its models, then its reference, refined until it is a tenth of the smallest error.
+/// One scene: its models, then its reference, refined to 10 % of the smallest error.
 class SceneRun {
 public:
     SceneRun(const ChartOptions& options, RunStore& store, SceneChart& chart, const StudyScene& study)

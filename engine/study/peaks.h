@@ -38,7 +38,7 @@ struct PeakGoal {
     double diameter = 0;      // [m]
 
     [[nodiscard]] bool asked() const { return tolerance > 0; }
-    /// For peaks that should be `right`. A share is one of 1 mN at least: less is told apart by no hand.
+    /// For peaks that should be `right`. A fraction is one of 1 mN at least: no hand feels less.
     [[nodiscard]] Peaks allowed(const Peaks& right) const;
     /// error + uncertainty within `share` of what is allowed; true where nothing was asked.
     [[nodiscard]] bool holds(const Peaks& error, const Peaks& uncertainty, const Peaks& right, double share = 1) const;

@@ -370,7 +370,7 @@ SearchResult search_models(const Scene& scene, const Model& from, const SearchGr
     if (first && first->meets) search.optimise(start, place, false);
 
     // Twice: a choice that did not pay before another was made may pay after it. Along bounding curves only then: a choice can save
-    // half of every later trial, a walk hardly more than a fifth, and a budget may end the search anywhere.
+    // half of every later trial, a walk hardly more than 20 %, and a budget may end the search anywhere.
     for (int round = 0; round < 2 && search.best(); ++round) {
         const bool walks = round > 0;
         const Model before = search.best()->model;

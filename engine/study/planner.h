@@ -2,9 +2,11 @@
 // The cheapest model that is good enough for a scene, found by trials on the scene itself.
 //
 //   1. A reference: the scene refined in nodes and steps at once until two refinements bound the remaining error
-//   (plan_reference.h). 2. A search over models. Each runs over the whole path, is compared with the reference and stops early once
-//   it is plainly too wrong (plan_trials.h, plan_search.h). Promised errors are measured, not extrapolated. 3. The best are timed
-//   again, and each choice of the winner is exchanged for its neighbour, to report simplifications and their price.
+//      (plan_reference.h).
+//   2. A search over models. Each runs over the whole path, is compared with the reference and stops early once it is plainly too
+//      wrong (plan_trials.h, plan_search.h). Promised errors are measured, not extrapolated.
+//   3. The best are timed again, and each choice of the winner is exchanged for its neighbour, to report simplifications and their
+//      price.
 //
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
 // (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.

@@ -80,8 +80,8 @@ private:
     std::string failure_;  // why a level could not be run
 };
 
-/// How a sequence of movements goes on. NotFalling: the last refinement moved the result by more than 0.8 of the one before, or,
-/// with three at hand, than 0.5 of the one before that. A sequence below `noise` has arrived.
+/// Continuation of a sequence of movements. NotFalling: the last refinement moved the result by more than 0.8 of the one before,
+/// or, with three at hand, than 0.5 of the one before that. A sequence below `noise` has arrived.
 [[nodiscard]] Convergence judge_movements(const std::vector<double>& moved, double noise);
 
 }  // namespace seldinger

@@ -79,8 +79,8 @@ struct CellReference {
     /// The hand's force after every millisecond [N]; empty where it is not judged.
     std::vector<double> hand_force;
 
-    /// Jitter that the force shows when it is looked at every `dt`: a tip that crosses a ridge of the wall every few steps is
-    /// none of the method's making. 0 for steps that resolve it. [-]
+    /// Jitter of the force sampled every `dt`: a tip that crosses a ridge of the wall every few steps is not the method's fault. 0
+    /// for steps that resolve it. [-]
     [[nodiscard]] double honest_jitter(double dt) const;
 };
 

@@ -231,8 +231,7 @@ StabilityMap snug()
     StabilityMap map = fed_map("snug", "F19", "a wire is fed into a soft bent tube that is hardly wider than it",
                                "bending stiffness, of 1e-4 N m^2", decades(1, 100, 2));
     map.static_load = false;  // the tube's bend presses, not a load; the wire's radius is the limit
-    // 35 mm on a circle of half a metre, a lumen of 1.2 radii, 0.1 MPa: the wire straightens the tube by a third of a millimetre
-    // at most
+    // 35 mm on a circle of half a metre, a lumen of 1.2 radii, 0.1 MPa: the wire straightens the tube by at most 0.33 mm
     map.set = [](double value, double, double pace, const Folder&) {
         Texts texts = feed(0.03, duration, pace, 0.006);
         texts.insert(texts.end(), {"wire.length_m=0.045", "wire.nodes=46", fmt::format("wire.bend_nm2={}", 1e-4 * value),

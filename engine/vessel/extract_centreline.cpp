@@ -208,7 +208,7 @@ private:
         }
     }
 
-    /// Every sample that the ball stands for.
+    /// Every sample that the ball represents.
     void mark_served(int ball)
     {
         work_.spend(static_cast<double>(served_.size()));

@@ -178,8 +178,8 @@ void link_balls(MedialGraph& graph, const std::vector<int>& row, const std::vect
     }
 }
 
-/// Marks the balls of stretches of lumen: sets of overlapping balls that stand for two samples a ball or more. Loose balls in
-/// corners and folds of a rough wall stand for themselves; no path shall end there.
+/// Marks the balls of stretches of lumen: sets of overlapping balls that represent two samples a ball or more. Loose balls in
+/// corners and folds of a rough wall represent only themselves; no path shall end there.
 void mark_lumen(MedialGraph& graph)
 {
     constexpr long kFewest = 30;  // samples of a stretch worth a path

@@ -262,7 +262,7 @@ std::optional<View> Renderer::Impl::inset_view(const WireFrame& frame) const
     if (!(radius > 0) || !(tip.depth > 0) || 2 * radius * main_scale > 4 * layout.unit) return std::nullopt;
 
     const double side = std::min(2 * radius * layout.inset.height / wide, 0.5 * layout.main.height / main_scale);
-    // centred between the tip and the point a third of the view behind it, so that the shaft is seen too
+    // centred between the tip and the point 1/3 of the view behind it, so that the shaft is seen too
     Vec3 behind = wire.nodes[0];
     double walked = 0;
     for (std::size_t i = 1; i < wire.nodes.size() && walked < side / 3; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// From where a run is looked at: named directions of the patient, the tip's own view, and cameras that move with time. A frame's
+// Views of a run: named directions of the patient, the tip's own view, and cameras that move with time. A frame's
 // camera depends on that frame, its time and the whole run's extent, never on which frames are drawn with it.
 
 #include "view/renderer.h"

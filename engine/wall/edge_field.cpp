@@ -10,7 +10,7 @@ namespace seldinger {
 
 namespace {
 
-// growth of edges with the distance from a narrow place [-]: neighbours differ by less than a third
+// growth of edges with the distance from a narrow place [-]: neighbours differ by less than 1/3
 constexpr double grade = 0.25;
 // Shortest edge, relative to the requested one. Where a centreline touches the wall of a folded branch its radius is nothing.
 constexpr double floor_part = 1.0 / 15;

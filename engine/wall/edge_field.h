@@ -30,7 +30,7 @@ private:
     std::vector<Ball> balls_;  // only those that ask for less than edge_
 };
 
-/// Points of a wall, each of which stands for the same area.
+/// Points of a wall, each of which represents the same area.
 struct WallSamples {
     std::vector<Vec3> points;  // centroids [m]
     double area = 0;           // of the whole wall [m^2]

@@ -21,8 +21,9 @@
 // Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles,
 // nor beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter
 // too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore
-// mended: what Loop's weights miss of quadratics, fitted to the patch's control vertices, is added (Shell::mend). It changes
-// nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant moments.
+// corrected: Loop's weights miss part of quadratics, which is fitted to the patch's control vertices and added (Shell::mend). It
+// changes nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant
+// moments.
 // Bending is summed over the barycentres of a triangle's four parts.
 //
 // The membrane has one strain per triangle, or thin shells would lock: eps = a mean + (1 - a) tied. `mean` is that over the four

@@ -7,8 +7,8 @@
 //     w1 = s w0 + M^-1 B w0 + M^-1 f
 //
 // What tissue and wall relax alike is the first term; M^-1 B w0 is the little by which they differ, a few per cent of w0 that
-// change slowly. It is solved for once in a block of `block_steps` steps, and taken on linearly in between from the last two
-// blocks' (an error of the order of the scheme's own); wherever it is more than a tenth of w0, in every step. Forces of a block
+// change slowly. It is solved for once in a block of `block_steps` steps, and extrapolated linearly in between from the last two
+// blocks (an error of the order of the scheme's own). If it exceeds 10 % of w0, it is solved for in every step. Forces of a block
 // are summed up, F = sum s^k f, and in between their part M^-1 F is known at any vertex from columns of M^-1 that contact has had
 // solved for anyway. So a full solve is needed twice in a block, not twice in a step, and whoever asks only for a few vertices
 // pays for these.

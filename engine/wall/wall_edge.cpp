@@ -24,7 +24,7 @@ double vertices_at(const WallSamples& wall, const Centreline& centreline, double
     return expected_vertices(wall, EdgeField(edge, share, centreline));
 }
 
-/// Where the falling f(x) comes down to `goal`, between low and high, to a thousandth.
+/// Where the falling f(x) comes down to `goal`, between low and high, to 0.1 %.
 template <class F>
 double solve_falling(double low, double high, double goal, F f)
 {

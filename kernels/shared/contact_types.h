@@ -28,7 +28,7 @@ SEL_BEGIN
 #define SEL_CONTACT_OUTSIDE 4u  // the quadrature point is beyond the wall
 #define SEL_CONTACT_WHOLE 8u    // of a cell of an instrument: it touches all along (instrument_cell.h)
 
-// Constant while the wire's sections stand. A quadrature point stands for `weight` metres of wire; the tip's own point law (D6c)
+// Constant while the wire's sections stand. A quadrature point represents `weight` metres of wire; the tip's own point law (D6c)
 // has weight 1 and stiffness in N/m^n.
 typedef struct QuadratureModel {
     real weight;              // [m]; 1 for the tip's point law

@@ -198,8 +198,8 @@ SEL_FN void add_friction(vec3 n, vec3 g, NormalLoad load, CarriedState carried, 
         if (!law.stuck && size > 0 && load.slope > 0) {
             // -df/dx = mu d (dfn/dx) = -mu dfn d n^T
             add_skew(out, -(law.cone > 0 ? law.force / load.force : 0) * load.slope, row, g);
-            // How the normal turns between two facets is left out: it holds over the smooth maximum's micron, and taken for more
-            // it keeps Newton from ending in a neck as narrow as the wire (F12), for a tenth fewer iterations round a drum
+            // The rotation of the normal between two facets is neglected. It holds over the smooth maximum's micron only. Taken for
+            // more, it keeps Newton from ending in a neck as narrow as the wire (F12), for 10 % fewer iterations round a drum
             out->flags |= SEL_FORCE_SLIDING;
         }
     }

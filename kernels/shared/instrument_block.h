@@ -1,4 +1,4 @@
-// Evaluation of slots as kernels and their twin run it: with other instruments four at a time, with the same one each by itself.
+// Evaluation of slots in kernels and their twin: with other instruments four at a time, with the same one each alone.
 //
 // Most neighbours do not touch, and in a lumen the gaps at both ends of a cell show it (least_room()). These ends, two of each
 // of four cells, go in eight SIMD lanes, and so do the clearances of cells that touch nothing, at the trial and at the start of the

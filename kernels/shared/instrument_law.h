@@ -3,7 +3,7 @@
 //
 // Which laws: hunt-crossley and lankarani-nikravesh, whatever the wall's contact follows: a world whose wall is hard by
 // multipliers or a barrier has its instruments touch by the damped law all the same. No rolling resistance (D10) between
-// instruments, and no law of its own for a tip that is pushed into a wire head on (D6c).
+// instruments, and no separate law for a tip that is pushed into a wire head on (D6c).
 //
 // A line law f = k depth^n makes of two crossing wires a contact of force ~ depth^(n + 1/2): depth^2 for beds (n = 3/2), Hertz's
 // depth^(3/2) for n = 1.

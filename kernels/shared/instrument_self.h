@@ -136,7 +136,7 @@ SEL_FN real lobe_bottom(SeenPiece piece, real falls, real rises)
     return (real)0.5 * (falls + rises);
 }
 
-// Adds nearer points between two places of a piece; `open`: the last lobe goes on at the first of them.
+// Adds nearer points between two places of a piece; `open`: the last lobe continues at the first of them.
 SEL_FN void add_lobes(SeenPiece piece, real left, real right, real reach, int* open, SelfLobes* lobes)
 {
     const real reach2 = reach * reach;

@@ -1,7 +1,7 @@
 // The opposite wall of a narrow lumen, and the planes that the nearest facet of the own side is joined with (smooth_maximum.h).
 //
-// Which facets are of the one side and which of the other is told by an axis: a facet whose normal looks against it, by more than
-// a fifth, is of the other side. The axis is the normal of contact point 0 when contact begins, and its last normal from then on:
+// An axis distinguishes the facets of both sides: a facet whose normal points against it, by more than 0.2, is of the other side.
+// The axis is the normal of contact point 0 when contact begins, and its last normal from then on:
 // it stands still during a step, so that the forces of both sides are continuous even where the lumen is as narrow as the wire
 // and walls all round push at once. A fifth: the walls of a box, at right angles, are of one side whatever rounding says.
 #ifndef SEL_SHARED_OPPOSITE_WALL_H

@@ -65,7 +65,7 @@ SEL_FN vec3 node_at(SplineView rod, uint i)
     return make_vec3(rod.position[3 * i], rod.position[3 * i + 1], rod.position[3 * i + 2]);
 }
 
-// sum of weight times node. Nodes without weight are not looked at.
+// sum of weight times node. Nodes without weight are skipped.
 SEL_FN vec3 spline_sum(SplineView rod, uint node, const real* weight)
 {
     vec3 sum = make_vec3(0, 0, 0);

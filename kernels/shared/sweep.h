@@ -49,13 +49,13 @@ SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint bo
     return most;
 }
 
-// Fraction of the straight way of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
+// Fraction of the straight path of a quadrature point from `base` to `trial` that is free of the wall near it (1: all).
 SEL_FN real sweep_point(AxisPoint base, AxisPoint trial, real radius, NearWallView near)
 {
     const vec3 move = (trial.origin - base.origin) + (trial.offset - base.offset);
     real free_way = 1;
     if (!(dot3(move, move) > 0)) return free_way;
-    // all that the ball can meet is within its radius and half the way of the way's middle
+    // all that the ball can meet is within its radius and half the path of the path's middle
     const vec3 middle = base.offset + (real)0.5 * move;
     const real range = (1 + SEL_WALK_MARGIN) * (radius + (real)0.5 * sqrt(dot3(move, move)));
     Walk walk;

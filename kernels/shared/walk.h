@@ -108,7 +108,7 @@ SEL_FN int next_leaf(Walk* walk, NearWallView near, WallQuery query, TreeNode* l
     }
 }
 
-// The next triangle of the leaves that the query asks for, which may become narrower as the walk goes on. @return found one
+// The next triangle of the leaves that the query needs, whose range may become narrower during the walk. @return found one
 SEL_FN int next_triangle(Walk* walk, NearWallView near, WallQuery query, uint* t)
 {
     if (walk->triangle == walk->end) {

@@ -198,7 +198,7 @@ bool columns_in(const Piece& p, int row, int count, int& first, int& last)
     return true;
 }
 
-/// Whether the pixel is near enough to the shadow's axis to be looked at.
+/// Whether the pixel is near enough to the shadow's axis to be computed.
 bool near_axis(const Piece& p, int row, int column)
 {
     const double ex = p.at[1].column - p.at[0].column, ey = p.at[1].row - p.at[0].row;

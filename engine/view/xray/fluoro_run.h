@@ -76,7 +76,7 @@ void turn_arm(CArm& arm, const std::vector<AngleKey>& keys, double time);
 /// The bolus, in the vessel with this centreline.
 [[nodiscard]] Bolus make_bolus(const Centreline& centreline, const FluoroOptions::Injection& injection);
 
-/// The bones' mesh, mended. @throws Error BadFile
+/// The bones' mesh, repaired. @throws Error BadFile
 [[nodiscard]] WallMesh load_bone(const FluoroOptions& options);
 
 /// Draws the chosen frames and writes the chosen files, view after view: with several views, NAME_v1, NAME_v2 ... in place of NAME.

@@ -5,7 +5,7 @@
 // a scene without a vessel, the body). Iodine adds c (mu/rho)_I to the blood. Scatter is not modelled: the contrast of a perfect
 // grid.
 // Body, bones and vessel are traced and their energies summed once for a view; a picture sums again only the rays that an
-// instrument or iodine is in. It is the same picture whatever was looked at before.
+// instrument or iodine is in. The picture does not depend on earlier pictures.
 
 #include "view/xray/beam.h"
 #include "view/xray/bolus.h"
