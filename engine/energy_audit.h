@@ -11,7 +11,7 @@
 //   residual     what Newton left on the free unknowns . move: within the tolerance it is the solver's to leave. A linearised or
 //                explicit step and a best effort are not excused.
 // In backward Euler each of these is the end value of a convex function's slope (a strain energy in length and rest length
-// together, a contact spring in its depth), so that energy plus work can only be lost, but where the potential is concave.
+// together, a contact spring in its depth). So energy plus work can only be lost, except where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
 // The ledger (EnergyLedger) is of the same numbers, and of what contact, damping and the scheme say that they took. Backward

@@ -4,8 +4,8 @@
 //
 // The centreline is as long as the instrument inserted farthest, the leader; its coordinate s counts from the leader's tip, which
 // is the line's node 0. Instrument k's material at s is s + o_k, o_k = advance_k - advance of the leader (<= 0). A push of the
-// leader makes the base edge longer, as a wire's own feed does (solve/feed.h), and draws the others' offsets down, which stay at
-// the hub; a push of another one moves its offset alone.
+// leader makes the base edge longer, as a wire's own feed does (solve/feed.h). It also lowers the offsets of the others, which stay
+// at the hub. A push of another instrument moves its offset alone.
 //
 // Who leads may change: a catheter is pushed beyond the wire's tip, or the wire drawn back into it. The step is cut there, so that
 // the new leader continues from the very place of the old one's tip, and is pushed forwards by the material behind it. What little

@@ -12,7 +12,7 @@ namespace seldinger {
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never
-// touched it: there the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
+// touched it. With it the axis is looked up in the lumen itself, nodes and middles of edges. `swept` and slow capsules never need
 // it (a sample that passes the wall has touched it before, and says so).
 bool needs_audit(World::Impl& state, int wire, double dt)
 {

@@ -17,8 +17,8 @@ namespace seldinger {
 
 namespace {
 
-/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length: what a clamp prescribes, else the edge's
-/// own, which is that of its middle, turned on by half an edge of the curvature next to it.
+/// Tangent of the wire at its hub, from tip to hub, to second order in the edge length. It is the clamp's direction, else that of
+/// the edge's middle, turned on by half an edge of the curvature next to it.
 Vec3 hub_tangent(const RodView& rod, std::span<const RodClamp> clamps)
 {
     const int hub = rod.n - 1;

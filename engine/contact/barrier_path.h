@@ -1,6 +1,6 @@
 #pragma once
-// What the barrier law needs beside its force: no quadrature point ever passes through the wall between two states that Newton
-// takes (continuous detection, kernels/shared/sweep.h), and quadrature points that a step starts with in overlap are freed
+// Two parts of the barrier law beside its force. No quadrature point ever passes through the wall between two states that Newton
+// takes (continuous detection, kernels/shared/sweep.h). Quadrature points that a step starts with in overlap are freed
 // (barrier_start in kernels/shared/barrier_path.h).
 
 #include "contact/quadrature.h"

@@ -2,9 +2,9 @@
 // Contact of all wires with the wall, found and evaluated on the device (capsule detection and its bounded-move form, `swept`;
 // `nodes` is the same with one quadrature point at each control node). Implements what the solver asks for.
 //
-// Per step: begin_step (start of the step is remembered), prepare (quadrature points are put on the edges, candidates renewed
-// where a quadrature point has moved by its skin), then per Newton iteration evaluate: three small writes, two launches, one
-// read-back of the edges' sums; commit makes the trial's anchors the state. The wall's geometry stays on the device.
+// Per step: begin_step remembers the start of the step. prepare puts quadrature points on the edges and renews candidates if a
+// quadrature point has moved by its skin. Each Newton iteration calls evaluate: three small writes, two launches, one read-back of
+// the edges' sums. commit makes the trial's anchors the state. The wall's geometry stays on the device.
 
 #include "contact/contact_row.h"
 #include "contact/contact_setup.h"

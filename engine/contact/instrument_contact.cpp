@@ -351,9 +351,9 @@ double InstrumentContact::most_moved(NodeRange nodes) const
     return nodes.first < nodes.end ? *std::max_element(moved_.begin() + nodes.first, moved_.begin() + nodes.end) : 0.0;
 }
 
-/// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial: what the
-/// first one of a step has found to be farther apart than the nodes on both sides of it have moved since is not evaluated. (In a lumen,
-/// where alone that is known, the distance to b's curve grows by no more than the place that was nearest moves, and what looks for it.)
+/// Neighbours in the systems that are evaluated. Most of it does not touch, and moves by micrometres from trial to trial. A slot is
+/// not evaluated if the first trial of a step found it farther apart than the nodes on both sides have moved since. (This is known
+/// in a lumen only. The distance to b's curve grows by no more than the moves of its nearest point and of the searching point.)
 void InstrumentContact::pick(std::span<const std::uint8_t> active)
 {
     picked_.clear();

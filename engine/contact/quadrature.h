@@ -2,12 +2,12 @@
 // Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
 //
 // Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
-// the tip and lies at its middle (detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the
-// edge length). The default spacing is one wire radius: with every quadrature point farther than r/2 from the wall (the
-// hardening law never lets the axis nearer) the straight axis between two quadrature points cannot meet the wall at all.
+// the tip and lies at its middle. (Detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the
+// edge length.) The default spacing is one wire radius. If every quadrature point is farther than r/2 from the wall (the hardening
+// law never lets the axis nearer), the straight axis between two of them cannot meet the wall at all.
 //
-// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a
-// rod: while one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
+// A quadrature point is a ball, and over a ridge of the wall (an edge that stands out into the lumen) a row of balls is not a rod.
+// While one of them crosses the ridge, its force is tilted against the wire by up to half the angle between the facets. The
 // integral over the wire has no such axial part, by symmetry, but a quadrature has, once its points are too few on the wire's
 // length that the ridge presses. Where the mesh's ridges are sharp, mean_ridge_angle (vessel/ridges.h), the default spacing is
 // finer, down to r/4.
@@ -45,8 +45,8 @@ struct QuadratureSet {
     [[nodiscard]] int total() const { return static_cast<int>(models.size()); }
 };
 
-/// Bounds, above which quadrature points would fill the memory (some 400 bytes each) before anything is computed: of a wire's length
-/// in its smallest radii, several times that of 3 m of 0.1 mm, and of nodes times samples_per_edge.
+/// Bounds, above which quadrature points (some 400 bytes each) would fill the memory before any computation. One is for a wire's
+/// length in smallest radii, several times that of 3 m of 0.1 mm; the other for nodes times samples_per_edge.
 inline constexpr double most_slender = 5e5, most_samples = 2e6;
 
 /// Contact coefficients per section come from the wire's sections.

@@ -1,16 +1,16 @@
 #pragma once
-// Where wires meet a wall that yields. Contact is looked for in the wall's unmoved shape: each node of a wire is carried back by
-// what the wall has moved under it, and from there on the wall is the rigid one, exact mesh, tree and caches included.
+// Where wires meet a wall that yields. Contact is computed in the wall's undeformed shape. Each node of a wire is carried back by
+// the wall's displacement under it. From there on the wall is the rigid one, exact mesh, tree and caches included.
 //
 //     y = x0 - U0 + (1 + G)^-1 [(x - x0) - (U - U0)],     U = sum_a N_a(foot) w_a,     G = dU/dX at the foot            (D11a)
 //
 // x: node; x0, U0: x and U at the time of its foot's search (the start of the step). foot: the point of the wall's smooth surface
-// that is nearest to y0 = x0 - U0, not to x0. Then (D11a) is the tangent of the map that the next step's feet follow. If the wire
+// nearest to y0 = x0 - U0, not to x0. Then (D11a) is the tangent of the map that the next step's feet follow. If the wire
 // is drawn along a dent, the two differ by terms of second order in the distance of one step alone. Between nodes y is linear, as
 // the wire is. The wall's points X have gone to X + U(X), by a map of gradient 1 +
 // G: what the wire does relative to the wall is carried back by its inverse. The gap at y is that to the moved wall to first order
 // in the slope of the displacement. For a move of 0.2 lumen radii over a decay length, 2.5 % of it are second order. A force f at y
-// is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot: no work and no momentum is lost
+// is (1 + G)^-T f on the wire, turned with the wall, and its opposite on the wall at the foot. No work and no momentum is lost
 // between the two. Nodes far from the wall are not carried at all: U fades out between `full` and `none`.
 
 #include "math/vec3.h"

@@ -46,8 +46,8 @@ private:
 /// Makes a folder and its parents. @throws Error BadFile
 void make_folder(const std::filesystem::path& path);
 
-/// A folder below or beside one that a user gave, under a name of this program's choice: made where there is none; a link in its place,
-/// which somebody else may have put there, is refused. @throws Error BadFile
+/// A folder below or beside one that a user gave, under a name of this program's choice. It is made if there is none. A link in its
+/// place, which somebody else may have put there, is refused. @throws Error BadFile
 [[nodiscard]] Folder make_own_folder(const std::filesystem::path& path);
 
 /// A file that grows at its end. Each append() is one write to the system: nothing is held back in this process.

@@ -5,9 +5,9 @@
 //
 //   (A + U C V^T)^-1 b = y - Z S^-1 C V^T y,   y = A^-1 b,   Z = A^-1 U,   S = I + C V^T Z          (k x k)
 //
-// which asks nothing of C: it may be singular, indefinite or unsymmetric. Where the band alone is nearly singular (a wire that only
-// a column holds) y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution; so the residual of the whole is
-// checked, and the solution refined once by it where it is too large.
+// which asks nothing of C: it may be singular, indefinite or unsymmetric. If the band alone is nearly singular (a wire that only a
+// column holds), y and Z S^-1 C V^T y are both large and cancel, to eps cond(A) of the solution. So the residual of the whole is
+// checked, and if it is too large the solution is refined once.
 //
 // Unknowns beside the band that are eliminated (math/condensed.h) add a few more solutions for their remainder.
 //

@@ -2,9 +2,8 @@
 // Where unknowns live. The only place, beside the band matrix, that knows how many a node has and how they lie.
 //
 // A rod's unknowns lie node by node from the tip: the three coordinates of node i, then the spin angle of the edge that begins
-// there (the last node begins none; its place is kept and held). Bending joins a node with the next two, and no coordinate with
-// the spin of an edge two nodes on (x_a meets theta_{a+1} at the farthest), so that a rod's matrix has half bandwidth
-// 2 * 4 + 2 = 10.
+// there. The last node begins no edge; its place is kept and held. Bending joins a node with the next two, but no coordinate with
+// the spin of an edge two nodes on (x_a meets theta_{a+1} at the farthest). So a rod's matrix has half bandwidth 2 * 4 + 2 = 10.
 //
 // A system's unknowns are those of its instruments, each in one piece or node by node in turn with the others (DofMap).
 

@@ -1,7 +1,7 @@
 #pragma once
-// Factors of a band and of entries far from it (FarEntries), sparse, by blocks of four unknowns (nodes) that are eliminated in an
-// order given from outside: two rods that touch all along stay cheap where their nodes are taken in turn, however far apart they
-// lie in the vector of unknowns.
+// Sparse factors of a band and of distant entries (FarEntries), by blocks of four unknowns (nodes) that are eliminated in a given
+// order. Two rods in contact over their length stay cheap if their nodes are taken in turn, however distant they are in the vector
+// of unknowns.
 //
 // Which blocks fill is found first (elimination tree: what a node's row leaves to the next one of its columns) and kept while the
 // pattern stays. Then node by node as in BandMatrix, by the same rules for pivots. With s blocks beside the diagonal one left in a

@@ -15,8 +15,8 @@
 // curvature jumps, but a node's compliance is exact wherever the jump lies in its cell (rest_shape.cpp).
 //
 // No memory: splits and merges follow from the present shape alone. A split needs e > 1 edge_error, a merge needs e of the merged
-// edge < (0.65)^3 = 0.27 edge_error; since e changes by 4 to 8 with a factor of 2 in h, a wire that stands still comes to rest in
-// its nodes too.
+// edge < (0.65)^3 = 0.27 edge_error. Since e changes by 4 to 8 with a factor of 2 in h, the nodes of a resting wire come to rest
+// too.
 
 #include "rod/elastic.h"
 
@@ -63,8 +63,8 @@ public:
     /// Longest edge [m] that the present shape allows in the place of each edge, in [min_edge, max_edge]. O(n).
     /// @return [n-1]; valid until the next call
     std::span<const double> longest_edges(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
-    /// How long a fed wire's base edge is to become before a node is born behind it [m]: as the shape there asks for, or up to
-    /// a section's boundary in it, which gets that node. Contacts there are left out.
+    /// Length to which a fed wire's base edge grows before a node is born behind it [m]: by the shape there, or up to a section's
+    /// boundary in it, which gets that node. Contacts there are left out.
     [[nodiscard]] double base_edge(const RodView& rod, const WireSpec& spec, const NodeDemands& demands);
     /// At most a few splits (the worst edges, and those that the ratio of neighbours then asks for), or else at most one merge.
     /// @return from hub to tip; valid until the next call

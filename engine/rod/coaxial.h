@@ -10,10 +10,10 @@
 //                                                       [Dupont10; Rucker10], discretised like D1-D3 [Bergou10]
 //
 // **A cell** (Voronoi: from the middle of one edge to the middle of the next) is cut where any instrument begins, ends or changes
-// its section. In a piece the instruments act as one of stiffness B = sum B_k and natural curvature r = sum B_k R_k kappa_k / B,
-// and what forcing them into one shape costs, 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2, does not depend on the
-// shape: it is what turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness
-// anywhere in a cell keeps second order:
+// its section. In a piece the instruments act as one of stiffness B = sum B_k and natural curvature r = sum B_k R_k kappa_k / B.
+// Forcing them into one shape costs 1/2 sum_{k<l} (B_k B_l/B) |R_k kappa_k - R_l kappa_l|^2. This does not depend on the shape: it
+// turns them against each other. Pieces are in series, as in rod/rest_shape.cpp, so that a jump of stiffness anywhere in a cell
+// keeps second order:
 //
 //     E_i = 1/2 |f kappa - int r ds|^2 / int ds/B + (what forcing costs) + sum_k 1/2 (f_k twist_k)^2 / int ds/C_k
 //

@@ -135,8 +135,8 @@ void move_hubwards(const RodView& line, int first, double added)
     for (int i = first; i < line.n; ++i) line.material_s[i] += added;
 }
 
-/// Rest length of edge j that carries `force`, of one that is about as long now: of a line that flies apart edges may be squeezed
-/// to nothing or miles long; then lengths are kept, not forces.
+/// Rest length at which edge j, of about its present length, carries `force`. In a line that flies apart edges may be squeezed to
+/// nothing or miles long; then lengths are kept, not forces.
 double rest_under(const RodView& line, int j, double force)
 {
     const double chord = (line.pos(j + 1) - line.pos(j)).norm();

@@ -1,9 +1,9 @@
 // Energy, force and Hessian of a wire, assembled edge by edge, and what hand and clamp feel of it.
 //
-// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only: the
-// Hessian in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of
-// the nodes' Hessian is a signed sum of at most four of these, so the wire is walked once, from tip to hub, with two edges
-// in hand, and every entry of the band is touched once.
+// All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only. The Hessian
+// in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the
+// nodes' Hessian is a signed sum of at most four of these. So the wire is walked once, from tip to hub, with two edges in hand, and
+// every entry of the band is touched once.
 
 #include "rod/elastic.h"
 
@@ -78,9 +78,8 @@ struct StencilBlocks {
     Lanes aa, ab, bb;
 };
 
-/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l
-/// and the edges before these, and write the nodes that these edges begin at, which need what the last lane of the step before
-/// had.
+/// Walks from tip to hub, as many nodes at a time as there are lanes. In step k the lanes have the stencils of nodes first + l and
+/// the edges before these. They write the nodes at which these edges begin, which need the last lane of the step before.
 struct Walk {
     const RodView& rod;
     std::span<const RodClamp> clamps;

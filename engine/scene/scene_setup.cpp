@@ -23,7 +23,7 @@ namespace {
 // A lumen this much narrower or wider than the wire [wire radii] is a mistake in units, not a vessel: the tightest stenosis that
 // is worth pushing against and the widest ventricle lie well inside.
 constexpr double narrowest = 0.05, widest = 1000;
-// A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]; nor does a wire go into a mesh
+// A mesh of a vessel has no lumen of more than a decimetre and is no larger than a patient [m]. A wire does not go into a mesh
 // whose lumen is thinner than itself almost everywhere. A generated shape may be anything: a case with a closed form.
 constexpr double widest_lumen = 0.1, largest_vessel = 3.0;
 constexpr double far_apart = std::numeric_limits<double>::infinity();

@@ -31,9 +31,9 @@ double largest_mean(const std::vector<double>& values, double dt)
 }
 
 // No band is narrower than this share of its value. Windows begin where the run is: what its history has done before, and slips
-// that come earlier or later, they do not see. Calibrated, not derived: on the scenes of bench/readings.py and of the tests 20 ms
-// means of runs whose windows agreed to 0.1 % lay up to 2.6 % (hand force) and 6.6 % (friction) from those of steps four to
-// sixty-seven times as short.
+// that come earlier or later, they do not see. Calibrated, not derived, on the scenes of bench/readings.py and of the tests. 20 ms
+// means of runs whose windows agreed to 0.1 % lay up to 2.6 % (hand force) and 6.6 % (friction) from those of steps 4 to 67 times
+// as short.
 constexpr double hand_history = 0.03, friction_history = 0.07;
 
 /// What a difference from steps of 1/parts as long is multiplied by.

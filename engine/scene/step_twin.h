@@ -1,8 +1,8 @@
 #pragma once
 // What the length of the step leaves in a run's forces and tip, estimated by the run itself.
 //
-// The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state that the run had
-// at their beginning, with half the step: every periodic-th one, the last, and those with the largest hand force and friction so
+// The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state at their
+// beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so
 // far. With readings Q(h) and Q(h/r) of the same window the error of a first-order scheme is r/(r - 1) (Q(h) - Q(h/r)),
 // and the band is
 //
@@ -11,8 +11,8 @@
 // 3 |Q(h) - Q(h/2)| for halves: the factor that is usual for two steps of unproven order (Roache, J. Fluids Eng. 116, 1994,
 // doi:10.1115/1.2910291; order 1, ratio 2). The band of each reading is the largest of all windows: other windows may behave like
 // any of them. Compared are means over a window (hand force, friction), the largest mean over mean_time in a window (peaks), and
-// where the tip is at its end: single values of a wire that sticks, slips and strikes differ however short the step is, and a
-// hand that starts at once feels more the shorter the step.
+// the tip's place at its end. Single values of a wire that sticks, slips and strikes differ however short the step is, and a hand
+// that starts at once feels more the shorter the step.
 //
 // For a wire that sticks and slips, halved steps agree where both are wrong. Backward Euler with steps of 17 and 8 ms damps the
 // oscillations after a slip. Steps of 1 ms and less show them, and they change the next contact. The windows of the

@@ -28,8 +28,9 @@ inline constexpr Range not_negative{0, range_end, false, false, "a number, 0 or 
 inline constexpr Range friction_range{0, 10, false, false, "a coefficient of friction between 0 and 10"};
 inline constexpr Range poisson_range{-1, 0.5, true, true, "a Poisson's ratio above -1 and below 0.5"};
 
-/// The largest size of a number under a key, by the unit that its name ends in: lengths and places 1e4 m, times 1e9 s, angles 1e9,
-/// gravity 1e6 m/s^2, speeds any, anything else 1e18 in its unit. Beyond that nothing can be computed, and an index would overflow.
+/// The largest size of a number under a key, by the unit in its name: lengths and places 1e4 m, times 1e9 s, angles 1e9, gravity
+/// 1e6 m/s^2. Speeds have no limit, any other number 1e18 in its unit. Beyond that nothing can be computed, and an index would
+/// overflow.
 [[nodiscard]] double largest(std::string_view key);
 
 /// The smallest size of a number that has to be above 0, times apart: powers of smaller ones are 0 in a double.

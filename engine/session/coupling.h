@@ -16,9 +16,10 @@
 //
 //   f'(x_h' - x_h) = [k e'^2/2 - k e^2/2] + f' d + k (e' - e)^2/2 + b (e' - e)^2/T,      e = x_h - x
 //
-// and backward Euler does the same on the wire's side. What remains is how far F' of the wire differs from the f' that it was thought to
-// be: the observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero, the damper
-// dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002, doi:10.1109/70.988969].
+// and backward Euler does the same on the wire's side. The remainder is the difference between F' of the wire and the f' predicted
+// for it. The observer counts that too, energy() = brought in - stored - work done on the wire. Should it fall below zero, the
+// damper dissipates the difference in the following steps [Hannaford & Ryu, IEEE Trans. Robot. Autom. 18(1), 2002,
+// doi:10.1109/70.988969].
 //
 // A device that holds the force for a time tau after it has measured its position, or gets it that much late, adds up to k tau/2 +
 // b of negative damping. Its friction and the hand's must exceed that [Colgate & Schenkel, J. Robot. Syst. 14(1), 1997,

@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the wires as the solver sees them: one interface for whatever adds to residual and tangent (contact with the wall or
-// with another instrument), and the list of them that Newton's method works with.
+// Forces on the wires as the solver sees them: one interface for all that adds to residual and tangent (contact with the wall or
+// with another instrument), and the list of them in Newton's method.
 //
 // A term contributes f(q) to M a = f_elastic + f_external + sum of terms. In a step, and in a sub-step likewise:
 //
@@ -83,7 +83,7 @@ public:
     /// Adds -force to `residual` (laid out as RodDofs says) and -d(force)/dq to `tangent` if not null. `symmetric`: leave out the
     /// unsymmetric (sliding friction) part of the tangent.
     virtual void add(int wire, std::span<double> residual, BandRows* tangent, bool symmetric) const = 0;
-    /// What joins unknowns of the system that no stencil of a wire does (two wires, far nodes of one): adds -force to `residual`,
+    /// Coupling of unknowns of the system outside a wire's stencils (two wires, distant nodes of one). Adds -force to `residual`,
     /// in the system's unknowns, and -d(force)/dq to `tangent` if not null, beside its band. `symmetric`: as in add().
     virtual void couple(const SystemUnknowns& /*system*/, std::span<double> /*residual*/, BandedSolver* /*tangent*/,
                         bool /*symmetric*/) const

@@ -2,8 +2,9 @@
 // Holds of instruments that share a centreline: places of their material, which slide along the line as each is fed; a force term
 // on the host.
 //
-// A place s of the line (rod/coaxial.h) lies on an edge and in a cell, between the middles of edges a (tipwards) and b, at the share
-// w of the cell's length l; in the half cell at the tip there is b alone, in the hub's b is the sleeve. The shape is interpolated:
+// A place s of the line (rod/coaxial.h) lies on an edge and in a cell, between the middles of edges a (tipwards) and b, at the
+// fraction w of the cell's length l. In the half cell at the tip there is b alone, in the hub's b is the sleeve. The shape is
+// interpolated:
 // x(s) on its edge, t = (1 - w) t_a + w t_b and psi = (1 - w) psi_a + w psi_b, with psi_j the angle of instrument k's director on
 // edge j from its hold:
 //
@@ -23,9 +24,9 @@
 // edge.
 // The force is remembered from step to step.
 //
-// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line, so that the holds pull at it by dU/ds along the line (of
-// a position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is let
-// go, and held again where it comes back.
+// **Sliding**: pushing k by d(o_k) moves the place by -d(o_k) along the line. So the holds pull at it by dU/ds along the line (of a
+// position F.(x_j - x_{j+1})/rest length), + towards the tip, which its own hand feels (merged.h). A place that leaves the inlet is
+// let go, and held again where it comes back.
 //
 // Each acts on the arrays of its own instrument; forces on a passenger's positions go to the line's (solve/coaxial_problem.h).
 

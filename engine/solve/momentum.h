@@ -1,5 +1,5 @@
 #pragma once
-// Balance of momentum of a whole wire, read off an accepted step (design section 1):
+// Balance of momentum of a whole wire, read off an accepted step:
 //
 //   held + weight + contact + loads + fed = d/dt sum_i m_i v_i
 //

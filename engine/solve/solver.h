@@ -36,8 +36,8 @@ public:
     void step(double h, std::span<const WireConstraints> constraints, const ForceTerms& terms,
               std::span<const std::uint8_t> active, std::span<SolveReport> reports);
 
-    /// How steps without spin angles have gone (solve/spins.cpp): steps taken and left out since the start; after a step in which
-    /// they were wanted, twice as many as the last time are solved with them before it is tried again.
+    /// Record of steps without spin angles (solve/spins.cpp): steps taken and left out since the start. After a step that needed
+    /// them, twice as many as the last time are solved with them before the next attempt.
     struct SpinRecord {
         std::int64_t steps = 0, without = 0;
         std::int32_t wait = 0, last_wait = 0;
@@ -62,8 +62,8 @@ public:
     [[nodiscard]] const TrialState& trial() const;  // = the accepted state after success
     /// Reaction at prescribed unknown i of the wire [N or N m]: the force that the hold exerts on it.
     [[nodiscard]] double reaction(int wire, int unknown) const;
-    /// How far a node of a wire moves along `direction` per force on it that way, by the equations that the last step was solved
-    /// with [m/N]; 0 where nothing was factorised or factors are not kept (linearised, explicit).
+    /// Move of a node of a wire along `direction` per force on it in that direction, by the equations of the last step [m/N]. 0 if
+    /// nothing was factorised or factors are not kept (linearised, explicit).
     [[nodiscard]] double compliance(int wire, int node, const Vec3& direction);
     /// Tension of the base edge that the state has beyond the one that was solved for: 0 but for linearised steps [N].
     [[nodiscard]] double base_tension_excess(int wire) const;

@@ -7,8 +7,8 @@
 
 namespace seldinger {
 
-/// A step of backward Euler minimises its incremental potential. Where the last exact matrix was not positive definite, the
-/// solution may be a saddle: a straight column pushed far beyond its buckling load, which no rounding error bends because nothing
+/// A step of backward Euler minimises its incremental potential. If the last exact matrix was not positive definite, the solution
+/// may be a saddle: for example a straight column pushed far beyond its buckling load. No rounding error bends it, because nothing
 /// leads out of its line. Asked once in a solve.
 bool NewtonSystem::may_be_saddle() const
 {

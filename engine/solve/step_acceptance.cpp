@@ -82,8 +82,8 @@ double NewtonSystem::largest_force(const ForceTerms& terms) const
     return most;
 }
 
-/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base, and yet the force
-/// differs by more than 10 % of the base's residual and of the largest contact force. Then the nearest facets of the wall have
+/// No point of a wire's surface is farther than 1e-6 radii (half a nanometre) from its position in the base. Yet the force differs
+/// by more than 10 % of the base's residual and of the largest contact force. Then the nearest facets of the wall have
 /// changed, and the force with them (in a neck as narrow as the wire, at the corner of three walls). No elastic or contact
 /// stiffness does that, and no friction that begins to slip. Where the jump turns the force round, the equilibrium is there, to
 /// that half nanometre, and no position has a smaller residual. Else it lies beyond, and the trial is as good a base as any.

@@ -56,8 +56,8 @@ public:
     [[nodiscard]] bool without_spins() const { return !solved_.empty() && !solved_.front()->frames.spins; }
     /// Takes spin angles in again, as they were at the start of the step.
     void take_spins_in();
-    /// The same at the trial, which a solve without them has found, evaluates all of R there and tells whether the
-    /// equations of the spins hold too, to the tolerance: then the trial solves the whole. Where no force follows the spins these
+    /// The same at a trial that a solve without them has found. It evaluates all of R there and reports whether the equations of
+    /// the spins hold too, to the tolerance: then the trial solves the whole. Where no force follows the spins these
     /// first follow the shape so that no wire is twisted, which is where torsion, far faster than bending, would take them.
     [[nodiscard]] bool spins_hold(const ForceTerms& terms);
 

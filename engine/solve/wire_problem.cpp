@@ -92,8 +92,8 @@ double WireProblem::tension_before_feed(int j, double length) const
 }
 
 /// Tension of an edge in the equations of the last step; one Newton step uses it against turning (the geometric stiffness of
-/// stretching). The state at the start of the step has it changed by EA phi^2/2 where the edge turned by phi, which no linear
-/// equation has seen, which is gone one step later and which, as stiffness, holds the wire.
+/// stretching). At the start of the step that tension has changed by EA phi^2/2 where the edge turned by phi. No linear equation
+/// has seen this change, it is gone one step later, and as stiffness it would hold the wire.
 double WireProblem::tension_before(int j) const
 {
     const Vec3 now = rod.pos(j + 1) - rod.pos(j);
@@ -156,8 +156,8 @@ RodTrial WireProblem::trial_view() const
     return {part(0), part(1), part(2), part(RodDofs::spin_place)};
 }
 
-// A discrete gradient is the mean force along the way from q_0 to q, of use only where that is not far: a frame or a joint that
-// turns by more in one step than this is refused, as is a fold.
+// A discrete gradient is the mean force along the path from q_0 to q, of use only for short paths. A frame or a joint that turns by
+// more in one step than this is refused, as is a fold.
 constexpr double most_turned = 2.0;  // [rad]
 
 bool WireProblem::update()

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a run held, and if not, how it failed: the measured criteria of the stability map (design section 5), from what every
+// Whether a run held, and if not, how it failed: the measured criteria of the stability map (docs/stability.md), from what every
 // step reports. One watch per wire; it sees each step once, keeps a handful of numbers, and has no say in the run.
 //
 //   blow-up   a value is not finite, or kinetic energy that nothing has paid for (below)
@@ -9,9 +9,9 @@
 //   jitter    step-to-step jitter of the hand force above 10 % of max(mean, 1 mN)
 //
 // Jitter of one step is min(|f_k - f_{k-1}|, |f_{k+1} - f_k|) if the force turns round at k, else 0. That is the peak-to-peak value
-// of a force that alternates, and 0 on any rise or fall. A second difference would not do: of an honest force whose course takes
-// T it is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T, and would call a wire that arrives at a wall within ten long
-// steps a jitter. The value that 10 % of the steps of a window (and three at least) exceed is compared with the mean |f| of the
+// of a force that alternates, and 0 on any rise or fall. A second difference would not do. For a smooth force that varies over T it
+// is (2 pi dt/T)^2/2 of its amplitude, 20 % at ten steps to T. It would call a wire that arrives at a wall within ten long steps a
+// jitter. The value that 10 % of the steps of a window (and three at least) exceed is compared with the mean |f| of the
 // same window. Real turns (a released tip, a wire set moving within one step) are no jitter unless they come every ten steps.
 //
 // Energy. B = kinetic + elastic + gravitational - work done on the wire can only fall, but for what contact springs give back, at
@@ -118,8 +118,8 @@ private:
     long iterations_ = 0;
 };
 
-/// Energy that material brings in when the wire's fed length goes from `from` to `to` [m] at `speed` [m/s]: its height, and the
-/// rho A v^2 per metre with which the introducer accelerates it (momentum flux, design section 1). Negative when it leaves. [J]
+/// Energy brought in by material when the wire's fed length goes from `from` to `to` [m] at `speed` [m/s]: its height, and the rho
+/// A v^2 per metre with which the introducer accelerates it (momentum flux). Negative when it leaves. [J]
 [[nodiscard]] double fed_energy(const WorldSetup& setup, int wire, double from, double to, double speed);
 
 /// m |v^2 - v_0^2| of the wire that is inside, `inside` metres of it, when the feed goes from speed v_0 to v [m/s]. [J]

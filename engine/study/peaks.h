@@ -1,9 +1,9 @@
 #pragma once
 // The largest that a run's forces become, and how far they may be from a reference's.
 //
-// A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run: of |hand force| and of friction, sums over all
-// wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h) [N/m]. Values of one step
-// are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
+// A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run. There are three: of |hand force| and of
+// friction, sums over all wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h)
+// [N/m]. Values of one step are none: a hand that starts at once and a wire that strikes give more the shorter the step is.
 //
 // A peak is one number, so that two runs may agree in it by chance where nothing else agrees. A refinement's movement therefore
 // counts as at least half of the previous one (first order: the movement without chance).

@@ -59,9 +59,9 @@ public:
     }
     [[nodiscard]] Place best_place() const { return best_place_; }
 
-    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so that the places that
-    /// meet the goals are bounded by a curve of corners: first down to one of them, then, where told to walk, along the curve, to
-    /// longer steps and more nodes and back, as far as that pays.
+    /// From a place that meets the goals to the cheapest of its family. Error grows with both indices, so a curve of corners bounds
+    /// the places that meet the goals. The search goes down to one corner and then, if told to walk, along the curve, to longer
+    /// steps and more nodes and back, as long as that pays.
     void optimise(const Model& family, Place from, bool walks)
     {
         Place corner = from;

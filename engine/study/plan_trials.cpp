@@ -13,8 +13,8 @@ namespace {
 // A trial stops early if its error so far would make it miss the tolerance by this factor even without further error. Above 1, so
 // that the search can tell a near miss from a hopeless one.
 constexpr double plainly_wrong = 2;
-// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]: a machine that does
-// other things makes a trial look several times slower than it is.
+// Or when it takes this many times as long as the quickest that met the goals, and this long at least [s]. On a busy machine a
+// trial looks several times slower than it is.
 constexpr double plainly_dear = 8, least_patience = 1;
 // The slowest of the sampled intervals over the mean of a run, where it was not timed.
 constexpr double unknown_slowest = 3;

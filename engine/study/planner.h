@@ -9,7 +9,7 @@
 //      price.
 //
 // Error of a run: root mean square, over sampled times, of the Fréchet distance of the wire's whole axis from the reference's
-// (never less than the tip's distance); of the hand force, of 20 ms means, relative to the rms of the reference's.
+// (never less than the tip's distance). For the hand force: of 20 ms means, relative to the rms of the reference's.
 
 #include "study/plan_reference.h"
 #include "study/plan_trials.h"
@@ -26,7 +26,7 @@ struct PlanOptions {
     std::filesystem::path trials;  // folder where trials are kept; a plan that was interrupted goes on from there
     double budget = 120;           // wall time of this call [s]
     int device = -1;
-    // With a rate: takes the first model that meets the goals and needs at most this fraction of real time in its slowest part; the
+    // With a rate: takes the first model that meets the goals and needs at most this fraction of real time in its slowest part. The
     // reference is then known to 1/3 of the tolerance only. 0: looks for the cheapest model, and reports its simplifications
     double enough = 0;
     std::function<bool()> stop;                        // asked between samples of a trial; may be empty

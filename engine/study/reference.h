@@ -25,7 +25,7 @@ enum class Convergence {
     Analytic,  // exact; uncertainty 0
     Falling,   // each refinement moves the result less than the one before: uncertainty is what the last one moved (rms). Judged
                // by the rms or the median over samples: a slip or a snap that comes a moment earlier moves one sample, and widens
-               // the band by it; a wire that goes another way moves all that follow
+               // the band by it. A wire that takes another path moves all that follow
     NotFalling,  // it does not: a bifurcation, chatter or a scene that has no single answer. Not to be charted
     Unknown,     // too few levels could be run
 };
@@ -55,8 +55,8 @@ public:
     Refiner(const StudyScene& scene, Refinement how, RunPlan plan, Window window, std::filesystem::path folder = {},
             std::vector<Baseline> baselines = {});
 
-    /// Runs levels until every observable's uncertainty is at most `wanted` of it (NaN or 0: as good as can be), the last level
-    /// is reached, the budget is spent, or it is plain that the results do not converge. May be called again with less.
+    /// Runs levels until every observable's uncertainty is at most `wanted` of it (NaN or 0: as good as possible). It ends earlier
+    /// if the last level is reached, the budget is spent, or the results plainly do not converge. May be called again with less.
     /// @return the reference so far
     const Reference& refine_to(const PerObservable& wanted);
     [[nodiscard]] const Reference& reference() const { return reference_; }

@@ -8,8 +8,8 @@ namespace seldinger {
 
 class RunWatch {
 public:
-    /// @param scene  as run. Where work is put in by ways that are not metered here (springs, dead moments, loads or moving holds
-    ///               elsewhere than at tip and base, a wall that yields) energy is judged by the engine's own audit alone
+    /// @param scene  as run. Other sources of work are not measured here: springs, dead moments, loads or moving holds elsewhere
+    ///               than at tip and base, an elastic wall. With them the engine's own audit alone judges the energy
     /// @param limits  radius 0 or infinite: the wire's own
     RunWatch(const Scene& scene, const WorldSetup& setup, FailureLimits limits, bool end_on_blow_up, const Simulation& start);
 

@@ -130,8 +130,8 @@ private:
         return best;
     }
 
-    /// Tells a branch from the corner of a lumen that is not round: towards a corner the balls shrink with the way that is left
-    /// (a flat lumen twice as wide as high gives a ratio of 2), along a branch they keep their size.
+    /// Distinguishes a branch from the corner of a lumen that is not round. Towards a corner the balls shrink with the remaining
+    /// path (a flat lumen twice as wide as high gives a ratio of 2); along a branch they keep their size.
     /// @param raw  from the tip to the parent's core
     static bool is_branch(const Polyline& raw, const Vec3& join, double parent_radius)
     {

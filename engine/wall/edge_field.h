@@ -8,8 +8,8 @@
 
 namespace seldinger {
 
-/// target(p) = min(edge, min over spheres of max(share * radius, edge / 15) + grade * distance of p from the sphere): spheres are
-/// the largest ones inside the lumen and the rims' own circles, so a narrow branch makes edges short on itself, and neighbouring
+/// target(p) = min(edge, min over spheres of max(share * radius, edge / 15) + grade * distance of p from the sphere). Spheres are
+/// the largest ones inside the lumen and the rims' own circles. So a narrow branch makes edges short on itself, and neighbouring
 /// edges differ by about the grade.
 class EdgeField {
 public:

@@ -19,7 +19,7 @@
 // Moireau12 for the tissue]
 //
 // Where this departs from Cirak. Loop's functions do not hold quadratic displacements about vertices of other than six triangles,
-// nor beside rims, where phantoms bind twist to curvature: as they are, a plate whose mesh is irregular throughout is a quarter
+// nor beside rims, where phantoms bind twist to curvature. Without correction a plate whose mesh is irregular throughout is 25 %
 // too stiff however fine it is, and a regular one gains first-order errors from its rims. Second derivatives are therefore
 // corrected: Loop's weights miss part of quadratics, which is fitted to the patch's control vertices and added (Shell::mend). It
 // changes nothing on a flat lattice and nothing for rigid motion, and makes bending about irregular vertices exact for constant
@@ -28,8 +28,8 @@
 //
 // The membrane has one strain per triangle, or thin shells would lock: eps = a mean + (1 - a) tied. `mean` is that over the four
 // points; `tied` is the constant strain that stretches the three edges as they are stretched on average, t . eps . t = t . u_,s
-// [Lee04]. A mean is the better strain where there is one, but bending without strain leaves it some part that grows
-// with l^2/(R h): at l^2 = 2.5 R h it stiffened a hemisphere by 3 %, at 10 R h by half. Tied strains are as many as unknowns (three
+// [Lee04]. If a mean exists it is the better strain, but it leaves bending without strain some part that grows with l^2/(R h): at
+// l^2 = 2.5 R h it stiffened a hemisphere by 3 %, at 10 R h by half. Tied strains are as many as unknowns (three
 // per vertex) and leave such bending free; for membrane bending in its plane they are too stiff. So
 //   a = 1 / (1 + (bow / 2h)^2),  bow = l^2/R, eight times the sagitta of the edge that bows most
 // which ends in the mean as the mesh is refined, and on a plane [as Arnold97 take a share of the membrane that grows so]. Either

@@ -7,11 +7,11 @@
 //   du = dx + omega x (-r n) = dx - r dtheta (t x n) + r (t (n . dt) - (t . n) dt),     dt = (1 - t t^T) dw / l
 //      = dx - r dtheta (t x n) + (r / l) (t (n . dw) - (t . n) dw)
 //
-// of which only the part in the wall's plane counts: the slip. Virtual work f . du makes of friction f on the surface a force f
-// on the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and
-// its negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
-// bending: Kirchhoff's M' + t x N = r n x f_t t, which is why a rope slides round a drum with the exponent
-// mu (1 - r/R) (1 - mu^2 r/R ...) of the axis' radius R instead of mu. The work is the same on both sides: friction takes
+// of which only the part in the wall's plane counts: the slip. By virtual work f . du, friction f on the surface is a force f on
+// the axis point, a torque -r f . (t x n) about the tangent, and a couple C = (r / l) ((f . t) n - (t . n) f), on node b and its
+// negative on node a. Its moment l t x C = -r n x (f . t) t (for n across t) is that of the axial friction about the axis of
+// bending: Kirchhoff's M' + t x N = r n x f_t t. So a rope slides round a drum with the exponent mu (1 - r/R) (1 - mu^2 r/R ...) of
+// the axis' radius R instead of mu. The work is the same on both sides: friction takes
 // -f . slip, no more and no less. The normal force points at the axis and has no moment.
 //
 // A linearised step (D5) takes the law at the start, x_0, with the velocity v_0 known there, and must get it as a linear function

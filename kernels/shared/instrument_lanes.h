@@ -1,8 +1,8 @@
 // The nearest places of eight points side by side: four of a cell, at the trial and at the start of the step; or both ends of four cells
 // (instrument_block.h). What most of an evaluation is.
 //
-// Between knots a curve is c_0 + c_1 t + c_2 t^2, the place on b that is nearest a root of a cubic (spline.h, SeenPiece), and Newton's
-// method goes for all eight at once, each on its piece of a's curve and beside one of b's. If a lane leaves its piece, comes to the
+// Between knots a curve is c_0 + c_1 t + c_2 t^2, and the nearest place on b is a root of a cubic (spline.h, SeenPiece). Newton's
+// method runs for all eight at once, each on its piece of a's curve and beside one of b's. If a lane leaves its piece, comes to the
 // mouth or to an end, or does not converge, its result is unknown, and the caller searches for it alone.
 #ifndef SEL_SHARED_INSTRUMENT_LANES_H
 #define SEL_SHARED_INSTRUMENT_LANES_H

@@ -1,7 +1,7 @@
 // The stretches of another rod, or of the same one, near a cell; and the cell's evaluation in kernels and their twin.
 //
-// A cell's middle is held against the middles of the edges of b: where the slope of the distance along b changes sign from one to
-// the next, there is one nearest point between them, and a slot where it is within reach. Far stretches are passed over in leaps
+// A cell's middle is compared with the middles of the edges of b. If the slope of the distance along b changes sign from one to the
+// next, there is one nearest point between them, and a slot if it is within reach. Far stretches are passed over in leaps
 // that their distance allows.
 #ifndef SEL_SHARED_INSTRUMENT_NEAR_H
 #define SEL_SHARED_INSTRUMENT_NEAR_H

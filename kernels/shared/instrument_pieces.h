@@ -1,10 +1,10 @@
 // Which part of a cell of rod a touches a stretch of rod b.
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
-// knot of either spline or the plane of the mouth, and between these it may change its sign once, as nodes are not evenly spaced:
-// there the cell is cut into pieces, so that a piece has one least value, if any. (A search over the whole cell saw an overlap
-// between two maxima of the gap when an end of the cell touched, too, and not when it did not: a force that jumps, and no
-// equilibrium to be found.) The least value is found, and the zeros on both sides of it, or the ends of the piece.
+// knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced. There
+// the cell is cut into pieces, so that a piece has at most one least value. (A search over the whole cell saw an overlap between
+// two maxima of the gap only when an end of the cell touched too. Its force jumped, and there was no equilibrium.) The least value
+// is found, and the zeros on both sides of it, or the ends of the piece.
 #ifndef SEL_SHARED_INSTRUMENT_PIECES_H
 #define SEL_SHARED_INSTRUMENT_PIECES_H
 #include "shared/contact_records.h"
@@ -135,8 +135,8 @@ SEL_FN real next_knot(SplineView rod, real from, real until)
     return knot;
 }
 
-// Where a goes through the plane across b at `knot`, as a share of the way between two points of a that are on one piece of its
-// curve: a quadratic equation of the coordinate along it. < 0: there is no one place.
+// Intersection of a with the plane across b at `knot`, as a fraction of the path between two points of a on one piece of its curve:
+// a quadratic equation of the coordinate along it. < 0: there is no single place.
 SEL_FN real share_at_plane(const InstrumentScene* scene, CellMark left, CellMark right, real knot)
 {
     const SplinePlace b = spline_place(knot, scene->b.count);
@@ -226,8 +226,8 @@ SEL_FN void cut_cell(const InstrumentScene* scene, CellMark left, CellMark right
     cuts->at[++cuts->pieces] = right;
 }
 
-// The largest curvature of a rod's curve between two places [1/m]: c' x c'' of a piece is e x f of its two edges, and |c'| not less
-// than cos(30 degrees) of the shorter one where they turn by 60 degrees at most.
+// The largest curvature of a rod's curve between two places [1/m]. c' x c'' of a piece is e x f of its two edges. |c'| is not less
+// than cos(30 degrees) of the shorter edge if they turn by 60 degrees at most.
 SEL_FN real most_curved(SplineView rod, real from, real until)
 {
     real most = 0;
@@ -243,8 +243,8 @@ SEL_FN real most_curved(SplineView rod, real from, real until)
 }
 
 // By how much the gap between two points is positive at least, by what their gaps and curvatures leave room for: with g'' <= k,
-// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves, and inside
-// a lumen, where the gap falls with D, the last term is none. 0: nothing can be told.
+// g >= min(g0, g1) - k l^2/8. D'' is at most kappa_a + kappa_b/(1 - kappa_b D) + 1/D of the distance between two curves. Inside a
+// lumen, where the gap falls with D, there is no last term. 0: unknown.
 // @param from, until  where on a's curve both are
 SEL_FN real least_room(const InstrumentScene* scene, CellMark left, CellMark right, real from, real until)
 {

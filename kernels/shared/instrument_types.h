@@ -40,8 +40,8 @@ typedef struct InstrumentSurface {
     real load;  // own weight [N/m], by which the law's constants are reckoned
 } InstrumentSurface;
 
-// Two rods that may touch, or one with itself. Which cells of a: those whose way from the hub, which instruments inside each
-// other share, is at least `from` and less than `until`, either counted from the length of a rod that is inside if that is named.
+// Two rods that may touch, or one with itself. Selects cells of a: those whose arc length from the hub, which instruments inside
+// each other share, is at least `from` and less than `until`. If a rod inside is named, either counts from its length.
 typedef struct InstrumentPair {
     uint a, b;                   // rods
     uint touch;                  // SEL_TOUCH_*

@@ -1,7 +1,7 @@
 // Normal law (D6b, D6c, D7) and its tangent.
 //
-// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) h(depth), clamped at 0, where the rate over the step is
-// (depth - depth_t0) / dt: f is then a growing function of depth alone, so a step minimises a convex energy. The hardening
+// Normal: per metre  f = k depth^n (1 + (beta / v-) d(depth)/dt) h(depth), clamped at 0. The rate over the step is (depth -
+// depth_t0) / dt, so f is a growing function of depth alone, and a step minimises a convex energy. The hardening
 //     h = 1 / (1 - depth/depth_max)                              wall's own law: it stiffens from the surface on
 //     h = 1                                                      to depth_exact: a law given by the user is what was given,
 //       = 1 + depth_max/(depth_max - depth_exact) x^2/(1 - x),   x = (depth - depth_exact)/(depth_max - depth_exact), beyond

@@ -1,9 +1,9 @@
 // The opposite wall of a narrow lumen, and the planes that the nearest facet of the own side is joined with (smooth_maximum.h).
 //
 // An axis distinguishes the facets of both sides: a facet whose normal points against it, by more than 0.2, is of the other side.
-// The axis is the normal of contact point 0 when contact begins, and its last normal from then on:
-// it stands still during a step, so that the forces of both sides are continuous even where the lumen is as narrow as the wire
-// and walls all round push at once. A fifth: the walls of a box, at right angles, are of one side whatever rounding says.
+// The axis is the normal of contact point 0 when contact begins, and its last normal from then on. It is constant during a step, so
+// that the forces of both sides are continuous even in a lumen as narrow as the wire, where walls all round push at once. A fifth:
+// the walls of a box, at right angles, are of one side whatever rounding says.
 #ifndef SEL_SHARED_OPPOSITE_WALL_H
 #define SEL_SHARED_OPPOSITE_WALL_H
 #include "shared/smooth_maximum.h"

@@ -7,7 +7,7 @@
 //
 // and from the ends of the rod to the first and last middle it is straight. One coordinate, `at`, runs along it: at = i at node
 // i, i + 1/2 at the middle of edge i, t = at - i + 1/2. Material coordinates of the curve are the same spline of those of the
-// nodes, so that a point of the curve is a point of the material, with weights that do not change while the nodes stand.
+// nodes. So a point of the curve is a point of the material, with constant weights while the nodes do not change.
 #ifndef SEL_SHARED_SPLINE_H
 #define SEL_SHARED_SPLINE_H
 #include "shared/portable.h"
@@ -83,8 +83,9 @@ SEL_FN real spline_material(SplineView rod, real at)
     return s;
 }
 
-// Spins of the first two of a place's nodes, those of the two edges whose middles it lies between: their shares by the way between these,
-// which are in the derivative's weights. (The spin of the edge that a point lies on would jump as the point slides from one to the next.)
+// Spins of the first two of a place's nodes, those of the two edges whose middles it lies between. Their weights, by the position
+// between these, are the derivative's. (The spin of the edge that a point lies on would jump as the point slides from one to the
+// next.)
 SEL_FN real first_spin(const real* d) { return -d[0]; }
 SEL_FN real second_spin(const real* d) { return d[2]; }
 
