@@ -8,8 +8,8 @@
 
 namespace seldinger::device {
 
-/// Before PoCL first looks: removes compiled kernels that are cut off (mapping one ends the process by SIGBUS). If the folder
-/// cannot be written to, it says so on stderr and has PoCL use a folder of this process alone, which is removed at its end.
+/// Before PoCL first looks: takes out compiled kernels that are cut off (mapping one ends the process by SIGBUS); where the
+/// folder cannot be written to, says so on stderr and has PoCL use a folder of this process alone, which goes at its end.
 void prepare_kernel_cache();
 
 /// What PoCL uses, by its own rules: POCL_CACHE_DIR, else pocl/kcache in XDG_CACHE_HOME or ~/.cache.

@@ -17,8 +17,8 @@ struct UnitGuess {
     bool plausible = false;        // a lumen radius of 0.3 ... 20 mm and 20 ... 1000 mm across
 };
 
-/// Every known unit, the most likely one first. Plausible units are sorted by their distance, by ratio, from a lumen of 3 mm in 250
-/// mm. Millimetres are usual, so another unit has to be much nearer. @throws Error BadFile: no mesh, or no vessel
+/// Every known unit, the most likely one first: among plausible ones that which is nearest, by ratio, to a lumen of 3 mm in 250 mm;
+/// millimetres are the habit, so that another unit has to be much nearer. @throws Error BadFile: no mesh, or no vessel
 /// @param vessel  out: loaded in the first of them
 [[nodiscard]] std::vector<UnitGuess> guess_units(const std::filesystem::path& mesh, LoadedVessel& vessel);
 

@@ -89,7 +89,7 @@ void TaskTarget::follow_branch(const TaskSpec& task, const Centreline& line, con
     for (std::size_t k = fork; k < path.size(); ++k) {
         if (length_to(line, path, k) < from) continue;
         const auto at = static_cast<std::size_t>(path[k]);
-        // 1.5 times the lumen's own ball: sections are not round
+        // the lumen's own ball and half as much: sections are not round
         points_.push_back(line.points[at]);
         radius_.push_back(1.5 * line.radius[at]);
     }
