@@ -47,7 +47,7 @@ void add_run(CommandLine& app, Command& chosen)
     run->add_flag("--overwrite", options->overwrite, "replace the run in DIR")->excludes(resume);
     run->add_option("--error-estimate", options->estimate,
                     "what the step's length leaves in forces and tip, from windows taken again with shorter steps: auto (a tenth to a fifth "
-                    "of the run's time; not for walls that yield), on, off")
+                    "of the run's time; not for elastic walls), on, off")
         ->check(one_of({"auto", "on", "off"}));
     add_limits(*run, options->run.time_limit, options->run.device);
     run->add_flag("--quiet", options->run.quiet, "no progress, no summary");

@@ -94,7 +94,7 @@ public:
 
 private:
     bool needs_settling() const { return scene_.start_settled || scene_.integrator.scheme == Scheme::Static; }
-    /// A recorded hand cannot be halved, and a wall that yields would be made a second time: that only if asked.
+    /// A recorded hand cannot be halved, and an elastic wall would be made a second time: that only if asked.
     bool estimates() const { return options_.estimate && !replay_ && (options_.asked_estimate || !scene_.vessel.elastic); }
     StepTwin::Finer finer_twins(RunStatus status) const
     {

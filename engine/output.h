@@ -57,7 +57,7 @@ struct EnergyLedger {
     // out
     double friction = 0;  // sliding, and what stuck contacts hold; with rolling
     double contact = 0;   // normal forces: what overlaps hold, and their damping
-    double wall = 0;      // done on a yielding wall: what it stores and dissipates
+    double wall = 0;      // done on an elastic wall: what it stores and dissipates
     double damping = 0;   // integrator.damping_*
     double scheme = 0;    // numerical dissipation of backward Euler
 
@@ -126,7 +126,7 @@ struct Output {
         Numbers = 0,
         Shape = 1u << 0,
         Contacts = 1u << 1,
-        Wall = 1u << 2,       // readings of walls that yield
+        Wall = 1u << 2,       // readings of elastic walls
         WallShape = 1u << 3,  // and where they are
         Loads = 1u << 4,      // greatest loads of contact along each wire, without its rows; of Contacts, too
         Everything = Shape | Contacts | Wall | WallShape

@@ -183,7 +183,7 @@ void check_touching(const WorldSetup& setup)
         refuse("wires[0].contact.precision", "is float32, expected float64 where instruments touch each other");
 }
 
-/// A wall that yields (D11).
+/// An elastic wall (D11).
 void check_elastic_wall(const WorldSetup& setup)
 {
     const VesselSpec& vessel = setup.vessel;

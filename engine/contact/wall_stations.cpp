@@ -1,4 +1,4 @@
-// Feet of nodes on a wall that yields, and how the wall gives way under them.
+// Feet of nodes on an elastic wall, and how the wall gives way under them.
 
 #include "contact/wall_stations.h"
 

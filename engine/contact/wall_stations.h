@@ -1,5 +1,5 @@
 #pragma once
-// Where wires meet a wall that yields. Contact is computed in the wall's undeformed shape. Each node of a wire is carried back by
+// Where wires meet an elastic wall. Contact is computed in the wall's undeformed shape. Each node of a wire is carried back by
 // the wall's displacement under it. From there on the wall is the rigid one, exact mesh, tree and caches included.
 //
 //     y = x0 - U0 + (1 + G)^-1 [(x - x0) - (U - U0)],     U = sum_a N_a(foot) w_a,     G = dU/dX at the foot            (D11a)

@@ -1,5 +1,5 @@
 #pragma once
-// Contact with a wall that yields (D11): the force term that stands before contact with the unmoved wall, and carries wires back
+// Contact with an elastic wall (D11): the force term that stands before contact with the unmoved wall, and carries wires back
 // to it (wall_stations.h). Both bodies are solved together:
 //
 //     wire   R(x) - A^T f(y) = 0                   f: what contact exerts on the nodes, whatever finds it and whatever its laws;

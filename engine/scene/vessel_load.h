@@ -20,7 +20,7 @@ struct LoadedVessel {
 /// @throws Error BadFile (missing, unreadable, empty, no usable triangle), BadScene (impossible sizes)
 [[nodiscard]] LoadedVessel load_vessel(const VesselSpec& spec);
 
-/// Where a wall that yields is thicker than half of the lumen in it, and is no thin shell. @return a sentence; empty: nowhere
+/// Where an elastic wall is thicker than half of the lumen in it, and is no thin shell. @return a sentence; empty: nowhere
 [[nodiscard]] std::string describe_thick_wall(const VesselSpec& spec, const Centreline& centreline);
 
 /// A warning where the edges of an elastic wall's control mesh are longer than the length over which a dent decays; else nothing.

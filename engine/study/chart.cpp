@@ -233,7 +233,7 @@ ChartResult make_chart(const ChartOptions& options)
         chart.processor_time = options.processor_time;
         complete(chart.benchmark, scenes.back());
         if (options.reference_limit > 0) chart.benchmark.refinement.wall_limit = options.reference_limit;
-        // a wall that yields has models that go by its vessel's mesh
+        // an elastic wall has models that go by its vessel's mesh
         const WallEdges walls =
             scenes.back().vessel.elastic ? wall_edges(load_study_scene(scenes.back(), options.device).setup) : WallEdges{};
         for (const ChartModel& model : models_for(options, scenes.back(), walls)) result.runs_wanted += model.refused.empty();

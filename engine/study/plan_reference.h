@@ -13,7 +13,7 @@ namespace seldinger {
 /// Level k has (n0 - 1) 1.5^k edges and steps of dt0 / 2^k. Edges converge with order 2 and steps with order 1 (backward Euler;
 /// without a vessel the trapezoid rule, with order 2). So both errors fall by about two, and cost grows by three.
 inline constexpr double edge_refinement = 1.5, step_refinement = 2;
-// A wall that yields has its control mesh refined like the wire's edges, from twice the scene's own edge on, as far as memory is
+// An elastic wall has its control mesh refined like the wire's edges, from twice the scene's own edge on, as far as memory is
 // (wall_edges.h). What the finest mesh is wrong by is then bounded by one more run, with the edge that comes before it: second
 // order, so that as much is left as that moves.
 

@@ -22,7 +22,7 @@ struct SearchGrid {
     std::vector<int> nodes;
     std::vector<double> steps;  // [s]; empty: static
     std::vector<double>
-        walls;               // control edges of a wall that yields, coarse to fine, the scene's own last [m]; empty: it is rigid
+        walls;               // control edges of an elastic wall, coarse to fine, the scene's own last [m]; empty: it is rigid
     double finest_wall = 0;  // the reference's: where nothing meets the goals at a start on a coarser one [m]
 };
 

@@ -57,7 +57,7 @@ struct Omission {
     bool too_dear = false;              // it was not run to its end because it took many times as long
 };
 
-/// What the chosen model makes of a wall that yields, and what the other choice does at its nodes and steps.
+/// What the chosen model makes of an elastic wall, and what the other choice does at its nodes and steps.
 struct WallChoice {
     bool elastic = true;
     double edge = 0;                                         // of the control mesh, of the elastic one of the two [m]

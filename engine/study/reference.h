@@ -13,7 +13,7 @@ namespace seldinger {
 /// How a scene is refined: level k has (nodes - 1) 2^k edges and steps of dt / 2^k, converged to `tolerance`.
 struct Refinement {
     Model coarsest;              // nodes and dt given
-    double least_wall_edge = 0;  // of a wall that yields: coarsest.wall_edge / 1.5^k, which halves its error, as far as this [m]
+    double least_wall_edge = 0;  // of an elastic wall: coarsest.wall_edge / 1.5^k, which halves its error, as far as this [m]
     int least_levels = 3, most_levels = 6;
     double wall_limit = 120;  // of all levels together [s]; no level is begun that would pass it, going by the last
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Which control edges of a wall that yields a study tries, and how fine its reference may go (docs/wall.md).
+// Which control edges of an elastic wall a study tries, and how fine its reference may go (docs/wall.md).
 
 #include "engine.h"
 

@@ -43,7 +43,7 @@ struct RunFolder {
 [[nodiscard]] MovedWall read_moved_wall(const RunFolder& run, std::size_t index, WallQuantity quantity);
 
 /// The largest value in any wall_*.vtp of the run, whichever frames are drawn: reads them all.
-/// @throws Error BadFile: the run recorded no wall that yields, or a damaged file
+/// @throws Error BadFile: the run recorded no elastic wall, or a damaged file
 [[nodiscard]] double largest_on_wall(const RunFolder& run, const std::filesystem::path& dir, WallQuantity quantity);
 
 /// What the pictures of a run share, so that a frame looks the same alone and in a series.

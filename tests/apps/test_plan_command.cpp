@@ -13,7 +13,7 @@ namespace {
 /// A short tube scene whose wire is on the wall within its two samples.
 std::string touching_scene() { return tube_scene(0.07); }
 
-/// The same with a wall that yields.
+/// The same with an elastic wall.
 std::string soft_scene(double youngs, double support)
 {
     std::string text = touching_scene();

@@ -44,7 +44,7 @@ struct Outcomes {
     double friction = 0;   // largest sum [N]
     double normal = 0;     // largest sum [N]
     long halved = 0;       // steps that were
-    long far = 0;          // steps in which a wall that yields has gone farther than its theory is good for
+    long far = 0;          // steps in which an elastic wall has gone farther than its theory is good for
     double wall_move = 0;  // farthest that it was found to have gone [m]
     int contacts = 0;      // most
     WireReadings end;      // of wire 0
