@@ -109,7 +109,7 @@ ExitCode init(Options& options)
     first.way = way_through(vessel.centreline, inlet);
     first.wire = choose_wire(first.way, options.instrument);
     const std::string text = first_scene_text(first);
-    // the written scene runs: read and set up as `check` would
+    // what is written runs: read and set up as `check` would
     const Scene scene = read_scene_text(text, options.scene);
     (void)make_setup(std::span(&scene, 1), vessel, -1);
     if (options.scene.has_parent_path()) make_folder(options.scene.parent_path());

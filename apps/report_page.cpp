@@ -43,7 +43,7 @@ std::string base64_of(const std::array<std::uint8_t, 32>& hash)
     return base64({reinterpret_cast<const char*>(hash.data()), hash.size()});
 }
 
-/// A CSV with numbers in it as {"column": [values]}; a value that is no number is text.
+/// A CSV with numbers in it as {"column": [values]}; what is no number is text.
 nlohmann::json table_of(const std::string& text)
 {
     std::istringstream lines(text);
@@ -73,7 +73,7 @@ constexpr const char* of_all[] = {"time_s", "inserted_m", "hand_force_n", "hand_
                                   "patch_force_max_n", "contact_extent_m", "contact_regions", "nodes", "step_ms", "overlap_m"};
 constexpr const char* of_one[] = {"time_s", "inserted_m", "hand_force_n", "hand_torque_nm", "normal_n"};
 
-/// Plotted columns of a trace, with at most as many rows as a plot shows.
+/// Of a trace, what is plotted, and no more rows than a plot shows.
 nlohmann::json plotted(const nlohmann::json& trace, std::span<const char* const> columns)
 {
     constexpr std::size_t most_rows = 4000;
@@ -106,7 +106,7 @@ std::string nodes_of(const WireLine& wire)
     return bytes;
 }
 
-/// Constant data of an instrument for the viewer; its nodes come with each frame, in the same order.
+/// What the viewer is told of an instrument once; its nodes come with each frame, in the same order.
 nlohmann::json instrument_of(const WireLine& wire)
 {
     return {{"name", wire.name}, {"radius", wire.radius.empty() ? 0.0 : wire.radius.back()}};
@@ -134,7 +134,7 @@ nlohmann::json playback_of(const fs::path&)
 }
 #endif
 
-/// The trace of each of several instruments, in their order; empty if they have none of their own.
+/// Of several instruments, each one's trace, in their order; empty where they have none of their own.
 nlohmann::json traces_of(const Folder& dir, const nlohmann::json& instruments)
 {
     nlohmann::json traces = nlohmann::json::array();

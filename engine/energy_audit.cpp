@@ -1,4 +1,4 @@
-// Reads the energies of a wire and the work that was done on it, sub-step by sub-step.
+// Reads the energies of a wire and the work done on it, sub-step by sub-step.
 
 #include "energy_audit.h"
 

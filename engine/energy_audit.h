@@ -1,6 +1,6 @@
 #pragma once
-// The engine's own watch over what energy_balance.h is about: one audit per wire, asked at the end of every sub-step, before it
-// is accepted. Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
+// The engine's energy balance (energy_balance.h): one audit per wire at the end of every sub-step, before it is accepted.
+// Everything it needs is on the host when a sub-step ends, and costs a pass over the nodes.
 //
 // Work of one sub-step, by the forces that its equations hold at:
 //   holds        reaction . move                     backward Euler: the end's; Newmark: mean of both ends; energy-momentum: the

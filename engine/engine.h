@@ -1,6 +1,6 @@
 #pragma once
-// The public face of the engine, and all that is installed: a World is made from a WorldSetup (model.h), asked for something in
-// every step by a Control (control.h), and read as Output (output.h). No type of OpenCL, no private structure is seen here.
+// The public interface of the engine, and all that is installed. A World is made from a WorldSetup (model.h), gets a Control in
+// every step (control.h), and is read as Output (output.h). No type of OpenCL, no private structure is seen here.
 //
 //     seldinger::World world(setup);
 //     seldinger::Control control;

@@ -1,4 +1,4 @@
-// Which instruments can share one centreline.
+// Checks which instruments can share one centreline.
 
 #include "core/error.h"
 #include "merged.h"

@@ -1,5 +1,5 @@
 #pragma once
-// What a world is made of, constant from then on.
+// The constant parts of a world.
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"

@@ -1,5 +1,5 @@
 #pragma once
-// What a World owns. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
+// Data of a World. Private to the engine: step.cpp and its stages read and write it, nobody else includes it (tests may).
 //
 //   model     setup, wall, holds, adapters       constant from the constructor on
 //   state     rods, feeds, wire_time, contact's and solver's memory, remesh_energy, audits      saved; all but audits hashed

@@ -1,6 +1,5 @@
 #pragma once
-// Which quadrature points are evaluated: those with the wall near them, by the edges that they lie on; and where the sums of
-// these edges go.
+// Chooses the quadrature points to evaluate: those near the wall, by their edges; and the places of these edges' sums.
 
 #include "contact/edge_sums.h"
 #include "contact/near_wall.h"

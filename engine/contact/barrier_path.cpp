@@ -1,4 +1,4 @@
-// Launches of contact_clearance and contact_sweep, and what their answers mean for a wire.
+// Launches contact_clearance and contact_sweep, and applies their results to a wire.
 
 #include "contact/barrier_path.h"
 

@@ -1,4 +1,4 @@
-// What presses between instruments that share a centreline: their moments in the accepted state, put into rod/lumen_press.h.
+// Forces between instruments that share a centreline, from their moments in the accepted state (rod/lumen_press.h).
 
 #include "contact/coaxial_friction.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// How much of the wall a wire lies on at a contact point, and with what pressure.
+// Contact area and pressure of a wire at a contact point.
 //
 // A wire of radius r that overlaps a flat wall by delta meets it in the chord
 //

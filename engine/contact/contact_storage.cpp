@@ -1,4 +1,4 @@
-// The most energy that contacts can give back.
+// Upper bound of the energy that contacts can return.
 
 #include "contact/contact_storage.h"
 

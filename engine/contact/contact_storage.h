@@ -1,5 +1,5 @@
 #pragma once
-// The most energy that contacts can give back, from the sums per edge that are on the host anyway: what energy_balance.h calls S.
+// Upper bound of the energy that contacts can return, from the sums per edge on the host: S in energy_balance.h.
 // An upper bound, so that no honest rebound passes for energy made.
 //
 // Normal, damped laws: f(depth)/depth^n grows with depth (hardening included), so a metre of wire holds at most f depth/(n+1) of

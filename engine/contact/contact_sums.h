@@ -1,6 +1,6 @@
 #pragma once
-// Two views of one thing: the samples of contact that readings are taken from, which each evaluation leaves on the device, and the
-// forces on the nodes, whose sums the solver balanced. Where they differ, the samples are those of another state.
+// Compares two views of contact: the samples behind readings, which each evaluation leaves on the device, and the forces on the
+// nodes, whose sums the solver balanced. Where they differ, the samples are those of another state.
 //
 // Both add the same numbers in another order. A sum of n non-negative numbers has an error of at most (n - 1) eps, eps the rounding
 // of a product [Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 4.2]. The difference of two sums has twice that,

@@ -1,6 +1,6 @@
 #pragma once
-// Readings of contact along a wire that do not depend on where the wire is sampled: force per length, the force on a patch, how
-// many places it lies on.
+// Readings of contact along a wire that do not depend on its sampling: force per length, the force on a patch, the number of
+// regions in contact.
 //
 // A sample of contact that represents the length l of wire bears its normal force F [N] evenly over [s - l/2, s + l/2], s the arc
 // length from the tip along the unstressed wire [m]. The tip's own point law and the pairs of `layer` represent no length and bear

@@ -1,4 +1,4 @@
-// Cells and pairs from what the user gave.
+// Cells and pairs from the user's settings.
 
 #include "contact/instrument_cells.h"
 

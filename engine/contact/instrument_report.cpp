@@ -1,4 +1,4 @@
-// What contact between instruments keeps from step to step: saved, restored, shown.
+// State of contact between instruments from step to step: saved, restored, reported.
 
 #include "contact/contact_patch.h"
 #include "contact/instrument_contact.h"

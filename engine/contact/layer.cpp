@@ -1,4 +1,4 @@
-// The published layer method: pairs found, evaluated and carried on from step to step.
+// The published layer method: pairs found, evaluated and carried from step to step.
 
 #include "contact/layer.h"
 

@@ -1,4 +1,4 @@
-// What quadrature points carry from step to step: places, records, saving.
+// State of quadrature points from step to step: places, records, saving.
 
 #include "contact/point_states.h"
 

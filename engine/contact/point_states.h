@@ -1,5 +1,5 @@
 #pragma once
-// What quadrature points carry from step to step, and where they are, on the device.
+// State of quadrature points from step to step, and their places, on the device.
 
 #include "contact/quadrature.h"
 #include "device/device.h"

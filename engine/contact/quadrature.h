@@ -1,5 +1,5 @@
 #pragma once
-// Where the wire is asked for contact: quadrature points fixed in the material, whatever the nodes do.
+// Points at which contact is evaluated: quadrature points fixed in the material, whatever the nodes do.
 //
 // Quadrature point 0 of a wire is its tip (point law). Quadrature point k >= 1 represents the k-th stretch of `spacing` metres from
 // the tip and lies at its middle. (Detection `nodes`: at the control nodes, which uniform feeding keeps at whole multiples of the

@@ -1,4 +1,4 @@
-// Constants of the contact laws from what the user gave.
+// Constants of the contact laws from the user's settings.
 
 #include "contact/wall_law.h"
 

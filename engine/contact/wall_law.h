@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of the contact laws of one section of wire against one wall (D6b, D6c, D7, D10), from what the user gave.
+// The numbers of the contact laws of one section of wire against one wall (D6b, D6c, D7, D10), from the user's settings.
 
 #include "contact/contact_spec.h"
 #include "rod/wire_spec.h"

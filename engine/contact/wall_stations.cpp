@@ -1,4 +1,4 @@
-// Feet of nodes on an elastic wall, and how the wall gives way under them.
+// Feet of nodes on an elastic wall, and the wall's compliance under them.
 
 #include "contact/wall_stations.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What contact with an elastic wall keeps of one system while a step is solved. Private to yielding_wall*.cpp.
+// State of contact with an elastic wall for one system while a step is solved. Private to yielding_wall*.cpp.
 
 #include "contact/yielding_wall.h"
 

@@ -1,6 +1,6 @@
 #pragma once
-// Contact with an elastic wall (D11): the force term that stands before contact with the unmoved wall, and carries wires back
-// to it (wall_stations.h). Both bodies are solved together:
+// Contact with an elastic wall (D11): the force term in front of contact with the undeformed wall; it carries wires back to that
+// wall (wall_stations.h). Both bodies are solved together:
 //
 //     wire   R(x) - A^T f(y) = 0                   f: what contact exerts on the nodes, whatever finds it and whatever its laws;
 //                                                  A = dy/dx = (1 + G)^-1 (wall_stations.h)

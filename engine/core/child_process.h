@@ -1,5 +1,5 @@
 #pragma once
-// Other programs: started with a plain state of signals, and waited for.
+// Starts other programs with default signals, and waits for them.
 
 #include <sys/types.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The user's mistakes and a machine's shortcomings, as one exception with the exit code that it leads to.
+// Errors of the user and failures of the machine, as one exception with its exit code.
 
 #include <stdexcept>
 #include <string>

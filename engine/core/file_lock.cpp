@@ -1,4 +1,4 @@
-// Takes and gives back locks by flock on a file of their own; finds files that a killed process left half written.
+// Takes and releases locks by flock on a separate file; finds files that a killed process left half written.
 #include "core/file_lock.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
 #pragma once
-// One writer to a folder or to a file that grows: whoever comes second is refused in one line. The lock is the system's own
+// One writer to a folder or to a file that grows: the second one is refused in one line. The lock is the system's own
 // (flock), so that it ends with the process, however that ends. Who only reads takes none.
 
 #include "core/folder.h"

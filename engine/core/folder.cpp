@@ -1,4 +1,4 @@
-// Opens folders without following links in them, and looks, renames and removes by their descriptors.
+// Opens folders without following links in them, and reads, renames and removes by their descriptors.
 #include "core/folder.h"
 
 #include "core/check.h"

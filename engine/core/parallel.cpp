@@ -1,4 +1,4 @@
-// Runs ranges of items on oneTBB's pool, with the number of threads that was asked for.
+// Runs ranges of items on oneTBB's pool, with the requested number of threads.
 #include "core/parallel.h"
 
 #include <oneapi/tbb/global_control.h>

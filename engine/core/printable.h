@@ -1,5 +1,5 @@
 #pragma once
-// Makes text that came from a file fit for a terminal, a log and one line of an error.
+// Makes text from a file safe for a terminal, a log and one line of an error.
 
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-// SHA-256 in the letters of its standard [FIPS 180-4]. For texts that lie in memory.
+// SHA-256 in the letters of its standard [FIPS 180-4], for texts in memory. For texts that lie in memory.
 #include "core/sha256.h"
 
 #include <bit>

@@ -1,5 +1,5 @@
 #pragma once
-// Where the time of a step goes.
+// Time of a step by stages.
 
 namespace seldinger {
 

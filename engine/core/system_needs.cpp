@@ -1,4 +1,4 @@
-// Reserves address space and starts threads that only wait, for trial.
+// Tests address space by reserving it, and threads by starting some that only wait.
 #include "core/system_needs.h"
 
 #include "core/error.h"

@@ -1,4 +1,4 @@
-// Tries the cache's folder by a file of some size, walks through its shared objects, and finds another folder where it must.
+// Tests the cache's folder with a file of some size, checks its shared objects, and finds another folder if necessary.
 #include "device/kernel_cache.h"
 
 #include "core/error.h"

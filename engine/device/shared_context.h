@@ -1,5 +1,6 @@
 #pragma once
-// What all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a program takes
+// State that all Contexts of one process share on the same devices: the cl_context and the programs built in it. Building a program
+// takes
 // 50 ms even if PoCL finds its kernels compiled on disk (it preprocesses the text to know). That is longer than a small world
 // computes for a second of its time, and studies make thousands of worlds.
 

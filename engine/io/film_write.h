@@ -1,5 +1,5 @@
 #pragma once
-// Pictures into a film, through a pipe to the system's ffmpeg.
+// Makes a film of pictures, through a pipe to the system's ffmpeg.
 
 #include "core/file_io.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where unknowns live. The only place, beside the band matrix, that knows how many a node has and how they lie.
+// Order of unknowns. The only place, beside the band matrix, that knows how many a node has and how they lie.
 //
 // A rod's unknowns lie node by node from the tip: the three coordinates of node i, then the spin angle of the edge that begins
 // there. The last node begins no edge; its place is kept and held. Bending joins a node with the next two, but no coordinate with

@@ -1,5 +1,5 @@
 #pragma once
-// What elimination of a sparse symmetric matrix will fill, before any number is known.
+// Fill of the elimination of a sparse symmetric matrix, before any number is known.
 
 #include "math/dissection.h"
 

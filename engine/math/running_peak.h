@@ -1,5 +1,5 @@
 #pragma once
-// The largest mean of so many values in a row.
+// The largest mean of a given number of consecutive values.
 
 #include <algorithm>
 #include <cstddef>

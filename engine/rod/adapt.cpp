@@ -1,4 +1,4 @@
-// Which edges are split and which nodes are merged away, by the measures of adapt.h.
+// Chooses edges to split and nodes to merge, by the measures of adapt.h.
 
 #include "rod/adapt.h"
 

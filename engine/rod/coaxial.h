@@ -1,5 +1,5 @@
 #pragma once
-// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and what the hand at each one feels.
+// Instruments inside each other that share one centreline (D12): energy, gradient, Hessian, and the forces at the hand of each one.
 //
 // Clearance is zero. The centreline has nodes x_i and edges as a wire has (RodView), with one reference frame per edge. Instrument
 // k has its own spin angles theta_k in these frames and lies along the centreline by its offset o_k. At the centreline's coordinate

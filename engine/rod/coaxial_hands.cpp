@@ -1,4 +1,4 @@
-// What hands at instruments that share a centreline feel: how the energy changes when one of them is pushed or turned.
+// Forces at the hands of instruments that share a centreline: change of the energy when one of them is pushed or turned.
 
 #include "rod/coaxial_stencil.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the energy of a cell of a centreline shared by instruments depends on, and its derivatives: for rod/coaxial*.cpp alone.
+// Variables of the energy of a cell of a common centreline, and its derivatives: for rod/coaxial*.cpp alone.
 
 #include "rod/coaxial.h"
 #include "rod/pair.h"

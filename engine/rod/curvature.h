@@ -1,5 +1,5 @@
 #pragma once
-// How a turning angle becomes curvature: the scalar that (D2) squares.
+// From a turning angle to curvature: the scalar that (D2) squares.
 //
 // Edges that meet at a node turn by phi. Any f(phi) = phi + O(phi^3) is an integrated curvature of second order; which one
 // decides the size of the error where a wire is strongly bent. All of the family

@@ -1,4 +1,4 @@
-// Energy, force and Hessian of a wire, assembled edge by edge, and what hand and clamp feel of it.
+// Energy, force and Hessian of a wire, assembled edge by edge, and the forces at hand and clamp.
 //
 // All elastic energy is a function of y_j = (e_j, theta_j), the edge vectors and angles, and couples neighbours only. The Hessian
 // in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the

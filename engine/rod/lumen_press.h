@@ -1,5 +1,5 @@
 #pragma once
-// By what force an instrument presses on the lumen that it lies in, of the two as they bend together.
+// Force of an instrument on the lumen around it, when both bend together.
 //
 // Instruments of one centreline have the same curvature everywhere. The inner one carries M(s) of the bending moment, which jumps
 // at changes of stiffness or natural curvature and at the outer one's end. There the lateral force between them, -M'', is an

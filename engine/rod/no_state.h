@@ -1,5 +1,5 @@
 #pragma once
-// What a state that missed the solver's tolerance must not be, lest its forces be anything: drawn apart, crushed, or far from balance.
+// Rejects states that missed the solver's tolerance and whose forces would be arbitrary: drawn apart, crushed, or far from balance.
 
 #include "rod/rod_view.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where a wire that is not fed starts: its nodes along a given shape.
+// Start of a wire that is not fed: its nodes along a given shape.
 
 #include "rod/rod_arrays.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// One wire as arrays of its nodes and edges: what the rod's functions work on, and what a user reads.
+// One wire as arrays of its nodes and edges, for the rod's functions and for users.
 
 #include "rod/wire_spec.h"
 

@@ -1,4 +1,4 @@
-// Splitting and merging edges with what the wire carries kept.
+// Splits and merges edges, and keeps forces and momentum of the wire.
 
 #include "rod/split.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The instruments of a system read as one: what trace.csv and a batch's table say of several.
+// The instruments of a system read as one: values of several instruments in trace.csv and in a batch's table.
 
 #include "output.h"
 

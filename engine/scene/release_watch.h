@@ -1,5 +1,5 @@
 #pragma once
-// Whether the largest force of a run is where something that held lets go.
+// Detects whether the largest force of a run is a sudden release.
 //
 // A tip that hangs on a crease, or a contact that sticks, is held while the hand's force climbs, and let go at a threshold. Its
 // time differs between any two runs, also with the length of the step. A window computed again from one state at half the step

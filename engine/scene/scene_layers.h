@@ -1,6 +1,6 @@
 #pragma once
-// What a scene is made of before it is read as one table: the file itself over the files that it includes, [wire] over the
-// instrument that it names as its preset, --set over all. Private to scene/.
+// Layers of a scene before it is read as one table: the file itself over its included files, [wire] over the instrument named as
+// its preset, --set over all. Private to scene/.
 
 #include <filesystem>
 #include <span>

@@ -1,4 +1,4 @@
-// What an instrument is: its properties, its sections and its placement ([wire], [[instrument]]).
+// Properties, sections and placement of an instrument ([wire], [[instrument]]).
 #include "scene/scene_read.h"
 
 #include "contact/quadrature.h"

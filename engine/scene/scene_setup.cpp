@@ -1,4 +1,4 @@
-// From a scene to what a World is made of: loads the vessel, places the feed, checks that wire and vessel fit each other.
+// From a scene to the parts of a World: loads the vessel, places the feed, checks that wire and vessel fit each other.
 #include "scene/scene.h"
 
 #include "core/error.h"

@@ -1,4 +1,4 @@
-// Finds where a placed axis lies beyond the wall, moves that stretch into the lumen when it is shallow, and says so or refuses.
+// Finds where a placed axis lies beyond the wall. A shallow stretch is moved into the lumen, with a note; a deep one is refused.
 #include "scene/start_inside.h"
 
 #include "rod/place.h"

@@ -1,4 +1,4 @@
-// Windows of a run, some taken again with shorter steps.
+// Windows of a run, some computed again with shorter steps.
 #include "scene/step_twin.h"
 
 #include "math/running_peak.h"

@@ -1,5 +1,5 @@
 #pragma once
-// What the length of the step leaves in a run's forces and tip, estimated by the run itself.
+// Estimate of the time-step error in a run's forces and tip, by the run itself.
 //
 // The run is cut into windows of window_steps steps. Some are computed again in a separate world, from the state at their
 // beginning, with half the step. These are every periodic-th one, the last, and those with the largest hand force and friction so

@@ -1,5 +1,5 @@
 #pragma once
-// summary.json: what a run came to, as one JSON object and as a few lines for people.
+// summary.json: the results of a run, as one JSON object and as a few lines for people.
 
 #include "engine.h"
 #include "scene/exits.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Which of the datagrams that arrive are a hand's: everything else is counted and ignored. Knows packets and times, no sockets.
+// Accepts the datagrams of a device; all others are counted and ignored. Knows packets and times, no sockets.
 //
 // A device, told apart by its address, owns an instrument while it is heard. After a silence another device may take over, and so may
 // the same one with any sequence number: it was restarted. Sequence numbers of the owner rise, from 2^64 - 1 on to 0 [RFC 1982,

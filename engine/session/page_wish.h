@@ -1,5 +1,5 @@
 #pragma once
-// What a page says over its WebSocket.
+// Messages of a page over its WebSocket.
 
 #include <cstdint>
 #include <string_view>

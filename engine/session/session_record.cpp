@@ -1,4 +1,4 @@
-// Reads and writes the records of live sessions.
+// Reads and writes records of live sessions.
 #include "session/session_record.h"
 
 #include "core/bytes.h"

@@ -1,6 +1,6 @@
 #pragma once
-// The newest value from one thread to another, of which neither waits for the other: three places, one being written, one being read, and
-// the newest between them.
+// The newest value from one thread to another; neither waits for the other. There are three places: one being written, one being
+// read, and the newest between them.
 
 #include <array>
 #include <atomic>

@@ -1,5 +1,5 @@
 #pragma once
-// Instruments that share one centreline (D12), as the solver finds them in the wires of a system.
+// Instruments that share one centreline (D12) among the wires of a system.
 //
 // The first of them (the outermost) is the line: its arrays hold the centreline's nodes, positions and frames, and the spin
 // angles of the outermost instrument. The others are its passengers: as many nodes at the same places, with the same frames, of

@@ -1,4 +1,4 @@
-// Where holds, loads and links act: points of the wire found by their material distance, times by their keys.
+// Places and times of holds, loads and links: points of the wire by their material distance, times by their keys.
 
 #include "solve/constraints.h"
 

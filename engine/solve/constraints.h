@@ -1,5 +1,5 @@
 #pragma once
-// Holds, loads and links of one wire: what the scene asks for (solve_spec.h), resolved to nodes and edges at a given time.
+// Holds, loads and links of one wire, from the scene (solve_spec.h) to nodes and edges at a given time.
 //
 // What a hold keeps (position, tangent, director) is taken once, from the wire as it is placed at t = 0. Afterwards points
 // are found by their material distance from the tip, never by node index, so that nodes may come and go.

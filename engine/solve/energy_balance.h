@@ -1,5 +1,5 @@
 #pragma once
-// Whether a wire has more energy than was ever put into it.
+// Checks whether a wire has more energy than was ever supplied.
 //
 // B = kinetic + elastic + gravitational - work done on the wire - what fed material brought in. With V the energy that contact
 // springs hold, B + V can only fall: dashpots, sliding and dissipative integrators take from it, nothing adds to it. V is known

@@ -1,5 +1,5 @@
 #pragma once
-// Holds of instruments that share a centreline: places of their material, which slide along the line as each is fed; a force term
+// Holds of instruments that share a centreline: points of their material, which slide along the line as each is fed; a force term
 // on the host.
 //
 // A place s of the line (rod/coaxial.h) lies on an edge and in a cell, between the middles of edges a (tipwards) and b, at the

@@ -1,5 +1,5 @@
 #pragma once
-// How the solve of a wire ended, and what its step has taken.
+// Report on the solve of a wire.
 
 namespace seldinger {
 

@@ -1,4 +1,4 @@
-// When spin angles need not be solved for.
+// Decides when spin angles need no solution.
 //
 // In a wire that is straight by nature and isotropic nothing is fixed to the material frames but twist and spin inertia. Where no
 // torque acts either, the spins' equations J theta'' + C (twist)'/l = torque hold without them, and 3/4 of the unknowns are left.

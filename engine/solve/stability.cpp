@@ -1,4 +1,4 @@
-// Equilibria that cannot last, and how they are left: by a small perturbation along their softest mode.
+// Leaves unstable equilibria by a small perturbation along their softest mode.
 
 #include "solve/newton_system.h"
 

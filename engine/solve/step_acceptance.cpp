@@ -1,4 +1,4 @@
-// Whether a Newton trial is taken, and how much of the direction is tried next where it is not.
+// Decides whether a Newton trial is accepted, and otherwise which fraction of the direction is tried next.
 
 #include "solve/newton_system.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 // The equations of one system, the wires that are solved together: their unknowns in one vector, their tangents in one band with
-// columns for what couples them (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
+// columns for the coupling (math/banded_solver.h). A wire that takes no part in a step (still in its introducer) has no
 // unknowns in it. Convergence: each wire meets its own tolerance, so that a system whose wires do not touch solves none of them
 // less far than it would be alone.
 

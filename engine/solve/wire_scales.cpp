@@ -1,4 +1,4 @@
-// What the residual of a wire is measured against, and the measures of residuals and moves.
+// Scales for the residual of a wire, and the measures of residuals and moves.
 
 #include "solve/wire_problem.h"
 

@@ -1,4 +1,4 @@
-// The table of built-in benchmarks and their refinements, and the benchmark that follows from a scene of one's own.
+// The table of built-in benchmarks and their refinements, and the benchmark of a user's scene.
 #include "study/benchmarks.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Speed against accuracy: the same scenes under every model, what each costs and how wrong it is.
+// Speed against accuracy: the same scenes under every model, with cost and error of each.
 
 #include "study/benchmarks.h"
 #include "study/chart_models.h"

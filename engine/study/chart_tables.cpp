@@ -1,4 +1,4 @@
-// What a chart is written down as: two tables for programs, a summary for people.
+// Output of a chart: two tables for programs, a summary for people.
 #include "study/chart.h"
 
 #include "study/result_table.h"

@@ -1,5 +1,5 @@
 #pragma once
-// How wrong a run is: its observables against those of a reference, sample by sample.
+// Errors of a run: its observables against those of a reference, sample by sample.
 
 #include "study/trajectory.h"
 

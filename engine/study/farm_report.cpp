@@ -1,4 +1,4 @@
-// What a farm's folder tells: where each task stands, how often tasks were begun, what a task costs beside its work.
+// Report on a farm's folder: state of each task, number of starts, overhead of a task.
 #include "study/farm.h"
 
 #include "core/error.h"

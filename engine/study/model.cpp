@@ -1,4 +1,4 @@
-// Lays a model over a scene, reads one off a scene, and puts it in words, in --set texts and in reasons why it cannot run.
+// Lays a model over a scene, reads one off a scene, and writes it as words, as --set texts and as reasons why it cannot run.
 #include "study/model.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Which models are worth having: nothing else is both cheaper and more accurate.
+// Models on the Pareto front: no other one is both cheaper and more accurate.
 
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// The largest that a run's forces become, and how far they may be from a reference's.
+// The peaks of a run's forces, and their largest error.
 //
 // A peak is the largest mean over 20 ms (RunPlan::average) at any time of the run. There are three: of |hand force| and of
 // friction, sums over all wires [N], and of the largest force per length of any wire on the wall (contact/force_per_length.h)

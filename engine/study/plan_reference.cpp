@@ -1,4 +1,4 @@
-// Refines a scene level by level until two movements bound the error that is left, or says that they do not.
+// Refines a scene level by level until two movements bound the remaining error, or reports that they do not.
 #include "study/plan_reference.h"
 
 #include "study/wall_edges.h"

@@ -1,5 +1,5 @@
 #pragma once
-// What a plan's trials are compared with: the scene itself, refined in nodes and steps until two refinements bound the rest.
+// Reference of a plan's trials: the scene itself, refined in nodes and steps until two refinements bound the remaining error.
 
 #include "study/errors.h"
 #include "study/run_store.h"

@@ -1,4 +1,4 @@
-// The planner's order of work: reference, pilots, search, a last timing of the best, and the plan that comes of it.
+// The planner's order of work: reference, trials, search, a last timing of the best, and the plan.
 #include "study/planner.h"
 
 #include "study/plan_search.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The cheapest model that is good enough for a scene, found by trials on the scene itself.
+// Finds the cheapest model that meets a tolerance for a scene, by trials on the scene itself.
 //
 //   1. A reference: the scene refined in nodes and steps at once until two refinements bound the remaining error
 //      (plan_reference.h).

@@ -1,5 +1,5 @@
 #pragma once
-// What a run is compared with: the analytic solution where there is one, else the scene itself refined until it no longer moves.
+// Reference of a run: the analytic solution if there is one, else the scene itself refined until it does not change.
 
 #include "study/errors.h"
 #include "study/run_model.h"

@@ -1,5 +1,5 @@
 #pragma once
-// A CSV table of finished runs that can be left at any moment and gone on with: one row per run, each written in one go.
+// A CSV table of finished runs that can be interrupted and resumed at any moment: one row per run, each written in one go.
 
 #include "core/file_io.h"
 

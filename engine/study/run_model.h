@@ -1,5 +1,5 @@
 #pragma once
-// Runs one scene under one model: times the steps, keeps the observables, says how the run behaved, stops early when told to.
+// Runs one scene under one model: times the steps, keeps the observables, reports the run's behaviour, stops early on request.
 
 #include "study/classify.h"
 #include "study/trajectory.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Which control edges of an elastic wall a study tries, and how fine its reference may go (docs/wall.md).
+// Control edges of an elastic wall in a study, and the finest one of its reference (docs/wall.md).
 
 #include "engine.h"
 

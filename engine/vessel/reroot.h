@@ -1,5 +1,5 @@
 #pragma once
-// Where the axis of a closed vessel begins.
+// Chooses the root of a closed vessel's axis.
 
 #include "vessel/centreline.h"
 #include "vessel/inside.h"

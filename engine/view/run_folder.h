@@ -1,5 +1,5 @@
 #pragma once
-// Reads what `seldinger run` leaves in a folder, as far as a picture needs it.
+// Reads the folder of `seldinger run`, as far as a picture needs it.
 
 #include "core/folder.h"
 #include "view/renderer.h"

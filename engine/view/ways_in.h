@@ -1,5 +1,5 @@
 #pragma once
-// A picture of a vessel with its inlets, numbered: which one a scene enters by.
+// A picture of a vessel with its ways in, numbered: which one a scene enters by.
 
 #include "vessel/inlets.h"
 #include "vessel/wall_mesh.h"

@@ -1,4 +1,4 @@
-// Checks what a control mesh is made of and measures what came out.
+// Checks the parts of a control mesh and measures the result.
 #include "wall/control_mesh.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
 #pragma once
-// How long the edges of a control mesh are to be, place by place: as wanted, but short where the lumen is narrow.
+// Length of the edges of a control mesh, place by place: as requested, but short in a narrow lumen.
 
 #include "vessel/centreline.h"
 #include "vessel/wall_mesh.h"

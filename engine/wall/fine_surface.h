@@ -1,5 +1,5 @@
 #pragma once
-// The fine wall as a control mesh sees it: a surface to lie on, and its rims as curves with an arc length.
+// The fine wall for a control mesh: a surface to lie on, and its rims as curves with an arc length.
 
 #include "vessel/tree.h"
 #include "vessel/wall_mesh.h"

@@ -1,4 +1,4 @@
-// Weights at a point of the limit surface: which regular patch it falls into, and what that patch's points are made of.
+// Weights at a point of the limit surface: its regular patch, and the points of that patch.
 #include "wall/loop_surface.h"
 
 #include "core/check.h"

@@ -1,5 +1,5 @@
 #pragma once
-// What an elastic wall gives way under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
+// Compliance of an elastic wall under forces: factors of K + C/h, one per step length, and columns of their inverses. Constant
 // matrices of one wall, shared by all systems.
 
 #include "math/block_cholesky.h"

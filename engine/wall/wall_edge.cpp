@@ -1,4 +1,4 @@
-// Which edge a control mesh gets when the scene gives none, and what memory an edge takes.
+// The default control edge, and the memory that an edge needs.
 #include "core/error.h"
 #include "wall/control_mesh.h"
 #include "wall/edge_field.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The vessel's wall where it has not moved, and what follows from its shape.
+// The vessel's undeformed wall, and constants that follow from its shape.
 
 #include "vessel/centreline.h"
 #include "vessel/vessel_spec.h"

@@ -1,6 +1,6 @@
 #pragma once
-// Where one system touches the wall, (K + C/h)^-1 between the control vertices there, in one piece: what columns of the inverse
-// say of them, gathered so that it fits the cache.
+// The compliance (K + C/h)^-1 between the control vertices that one system touches, in one piece: gathered from columns of the
+// inverse so that it fits the cache.
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
-// Contact between instruments: the neighbours of cells, and their forces. launch  engine/contact/instrument_contact.cpp       test
-//   tests/contact/test_instrument_kernels.cpp
+// Contact between instruments: the neighbours of cells, and their forces.
+//   launch  engine/contact/instrument_contact.cpp       test  tests/contact/test_instrument_kernels.cpp
 #include "shared/instrument_block.h"
 #ifndef SEL_WORKGROUP
     #define SEL_WORKGROUP 64  // default, so that the file compiles alone

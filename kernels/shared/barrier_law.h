@@ -1,4 +1,4 @@
-// Normal law that acts before the wire touches, and lets nothing overlap.
+// Normal law that acts before contact and permits no overlap.
 //
 // Barrier [Li20]: E = -kappa (d - dh)^2 ln(d / dh) for gaps d < dh, else 0: C2, infinite at d = 0. f = -dE/dd. Below 1e-12 dh, f
 // continues as its tangent: f is 1e12 kappa dh there (millions of times the force of any wire), and dh / d would soon leave the

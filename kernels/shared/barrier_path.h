@@ -1,4 +1,4 @@
-// Where a step with the barrier law starts from: the gap of a quadrature point, and how one that overlaps is freed.
+// Start of a step with the barrier law: the gap of a quadrature point, and the release of one in overlap.
 #ifndef SEL_SHARED_BARRIER_PATH_H
 #define SEL_SHARED_BARRIER_PATH_H
 #include "shared/contact_point.h"

@@ -1,4 +1,4 @@
-// Where a quadrature point is known to touch nothing. Along a wire that merely runs near the wall, 80 % of the quadrature points
+// Clearance of quadrature points that touch nothing. Along a wire that merely runs near the wall, 80 % of the quadrature points
 // with a list of BVH nodes touch nothing. Each of these keeps a clearance sphere, within which it cannot touch anything: that
 // costs one distance now and then in place of an evaluation every time. Holds knowledge of the wall only, never of
 // the wire: results are the same with it and without.

@@ -1,4 +1,4 @@
-// Contact of one quadrature point: its contact points with the wall near it, and what the laws make of them. The kernel of
+// Contact of one quadrature point: its contact points with the wall near it, and the forces of the laws. The kernel of
 // evaluation.cl calls contact_force once per work-item, the host reference in a loop.
 #ifndef SEL_SHARED_CONTACT_POINT_H
 #define SEL_SHARED_CONTACT_POINT_H

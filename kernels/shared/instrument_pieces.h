@@ -1,4 +1,4 @@
-// Which part of a cell of rod a touches a stretch of rod b.
+// The part of a cell of rod a that touches a stretch of rod b.
 //
 // The gap is taken as a function of the material coordinate s along the cell. Its second derivative jumps where the cell passes a
 // knot of either spline or the plane of the mouth. Between these it may change its sign once, as nodes are not evenly spaced. There

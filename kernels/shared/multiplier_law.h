@@ -1,4 +1,4 @@
-// Normal laws that do not let the wire sink in as the wall's own law does. All are per metre of wire, of depth = -gap.
+// Normal laws with little or no overlap, unlike the wall's own law. All are per metre of wire, of depth = -gap.
 //
 // Multipliers (augmented, constraint, impulse):
 //     f = max(0, lambda + k depth)                                                                                        (D8)

@@ -1,4 +1,4 @@
-// What OpenCL C 1.2 and C++20 agree on, so that one header serves kernels and their host references.
+// The common part of OpenCL C 1.2 and C++20, so that one header serves kernels and their host references.
 //
 // `real` is the arithmetic of the kernels: double where the device has fp64 (default), float with SEL_FLOAT32.
 // Gaps must be right to 0.01 um in vessels of 0.3 m. So wire points come as hi (float) + lo (real), and everything is computed

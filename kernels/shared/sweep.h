@@ -1,4 +1,4 @@
-// Continuous detection: how far a ball goes along a straight line before it meets a triangle. Closed forms for face, edges and
+// Continuous detection: the free path of a ball along a straight line before it meets a triangle. Closed forms for face, edges and
 // vertices [Ericson05, sec. 5.5.6]; a ball that moves away from a feature in contact is free.
 #ifndef SEL_SHARED_SWEEP_H
 #define SEL_SHARED_SWEEP_H

@@ -1,4 +1,4 @@
-// Closest point of a triangle to a point, and what feature it lies on.
+// Closest point of a triangle to a point, and its feature.
 #ifndef SEL_SHARED_TRIANGLE_H
 #define SEL_SHARED_TRIANGLE_H
 #include "shared/portable.h"

@@ -1,4 +1,4 @@
-// Whether a point of the axis has gone through the wall since the step began.
+// Tests whether a point of the axis has gone through the wall since the step began.
 //
 // A quadrature point may enter a sharp fold of a mesh, narrower than its move in a step, without a trial that touches it from the
 // front. The nearest facet is then seen from behind, pushes nobody, and the point would stay inside. Its way since the start of the

@@ -121,7 +121,7 @@ class Navigate:
 
 
 def branches(world: World) -> list[np.ndarray]:
-    """Branches of the vessel's longest path, the nearest to its root first: points [p, 3] from each origin on [m]."""
+    """Branches of the vessel's longest path, the nearest to its root first: points [p, 3] from where each leaves it [m]."""
     line = world.centreline
     points, parent = line["points"], line["parent"]
     children: list[list[int]] = [[] for _ in parent]

@@ -1,5 +1,5 @@
 #pragma once
-// How far each pixel's ray runs inside wires and catheters, as the mean over the pixel's area.
+// Length of each pixel's ray inside wires and catheters, as the mean over the pixel's area.
 //
 // An instrument is a chain of tapered cylinders cut at the planes that halve its kinks. A ray's chord of a cylinder of radius r at
 // the distance d, at the angle psi, is L = 2 sqrt(r^2 - d^2)/sin psi. For a taper it is the root of the cone's quadratic. A pixel

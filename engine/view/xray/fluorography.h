@@ -1,5 +1,5 @@
 #pragma once
-// One run as a fluoroscope looks at it, frame by frame.
+// One run for a fluoroscope, frame by frame.
 
 #include "view/labels.h"
 #include "view/xray/detector.h"

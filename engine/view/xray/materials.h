@@ -1,7 +1,7 @@
 #pragma once
-// How strongly matter attenuates X-rays: mu(E) = rho sum_i w_i (mu/rho)_i(E), of elements by xraylib [Schoonjans11,
-// doi:10.1016/j.sab.2011.09.011], whose total cross-sections are NIST's (XCOM) with every edge where it is: never interpolated
-// across one.
+// Attenuation of X-rays by matter: mu(E) = rho sum_i w_i (mu/rho)_i(E), of elements by xraylib [Schoonjans11,
+// doi:10.1016/j.sab.2011.09.011]. Its total cross-sections are NIST's (XCOM) with every edge in place: never interpolated across
+// one.
 
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
 #pragma once
-// What an X-ray tube sends out, as a few energies with weights.
+// Spectrum of an X-ray tube, as a few energies with weights.
 //
 // Bremsstrahlung of a thick target after Kramers [Kramers 1923, doi:10.1080/14786442308565244]: photons per energy
 // N(E) ~ (E_0 - E)/E, E_0 = e kVp. It is hardened by 8 um of tungsten (the anode itself), 2.5 mm of aluminium (least total filtration of IEC
