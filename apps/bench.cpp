@@ -144,7 +144,7 @@ void add_bench(CommandLine& app, Command& chosen)
     command->add_option("--scenes", options->scenes, "time these instead of the project's own")
         ->type_name("FILE")
         ->delimiter(',');
-    command->add_option("--repeat", options->repeat, "runs of each scene, of which the median counts")
+    command->add_option("--repeat", options->repeat, "runs of each scene; the median counts")
         ->check(in_range(1, 99))
         ->type_name("N");
     command->add_flag("--quick", options->quick, "short check: small loads, 600 steps of each scene, once");

@@ -333,7 +333,7 @@ void add_merge(CommandLine& farm_command, Command& chosen)
     CommandLine* command = farm_command.add_subcommand("merge", "results.csv of a sweep as `batch` writes it; a film of frames");
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("--video", options->video, "film of the frames, by ffmpeg")->type_name("FILE.mp4");
-    command->add_option("--fps", options->fps, "of the film (default: as fast as it happened)")
+    command->add_option("--fps", options->fps, "frames per second of the film (default: real time)")
         ->check(in_range(0.1, 240.0))
         ->type_name("N");
     command->callback([options, &chosen] { chosen = [options] { return merge(*options); }; });
@@ -353,7 +353,7 @@ void add_task(CommandLine& farm_command, Command& chosen)
     command->add_option("DIR", options->dir, "folder of a farm")->required();
     command->add_option("N", options->task, "task, from 0");
     command->add_flag("--all", options->all, "every task that is neither finished nor running");
-    command->add_option("--threads", options->how.threads, "of the host's part (default: all cores)")
+    command->add_option("--threads", options->how.threads, "threads of the host (default: all cores)")
         ->type_name("N")
         ->check(in_range(1, 1024));
     command->add_option("--device", options->how.device, "OpenCL device, as `seldinger devices` lists them")->type_name("N");
@@ -383,7 +383,7 @@ void add_farm(CommandLine& app, Command& chosen)
     command->require_subcommand(0, 1);
     command->allow_extras();
     command->add_option("SOURCE", options->source, "scene file with --vary, or folder of a run with --frames");
-    command->add_option("--vary", options->sweep, "sweep file, as of batch")->type_name("SWEEP.toml");
+    command->add_option("--vary", options->sweep, "sweep file, as for batch")->type_name("SWEEP.toml");
     command->add_option("--frames", options->frames, "frames of the run; options of render may follow (--view fluoro ...)")
         ->type_name("A:B|all");
     command->add_option("-o", options->dir, "folder that all machines share")->type_name("DIR");

@@ -105,7 +105,7 @@ void add_plan(CommandLine& app, Command& chosen)
                      "with --rate: take the first model that needs no more than this share of real time, not the cheapest")
         ->check(in_range(0.01, 1.0))
         ->type_name("SHARE");
-    command->add_option("--budget", options->what.budget, "wall time of this call (default: 120)")
+    command->add_option("--budget", options->what.budget, "seconds by the clock for this call (default: 120)")
         ->check(positive())
         ->type_name("S");
     command->add_option("-o", options->plan, "scene file to write (default: planned.toml); trials are kept beside it")

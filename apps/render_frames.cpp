@@ -18,7 +18,7 @@ void FrameArguments::declare(CommandLine& command)
     command.add_option("--frames", frames, "from A to B, from 0; default: the last one")->type_name("A:B");
     command.add_option("-o", output, "picture; NAME_######.png of several frames (default: in DIR)")->type_name("FILE.png");
     command.add_option("--video", video, "film, by ffmpeg")->type_name("FILE.mp4");
-    command.add_option("--fps", fps, "frames per second of the film (default: as fast as it happened)")->type_name("N");
+    command.add_option("--fps", fps, "frames per second of the film (default: real time)")->type_name("N");
     command.add_option("--labels", labels, "ground truth for every picture, NAME.json and NAME_mask.png, into this folder")
         ->type_name("DIR");
     command.add_option("--labels-in", labels_in)->hidden();  // of a farm, in whose folder others write: --labels lies below it

@@ -13,7 +13,7 @@ namespace seldinger::apps {
 
 void add_limits(CommandLine& command, double& time_limit, int& device)
 {
-    command.add_option("--time-limit", time_limit, "stop after so many seconds, state saved, exit 75")
+    command.add_option("--time-limit", time_limit, "stop after this number of seconds with the state saved, exit 75")
         ->type_name("S")
         ->check([](const std::string& text) {
             return std::strtod(text.c_str(), nullptr) > 0 ? "" : text + " given, seconds above 0 expected";

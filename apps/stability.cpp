@@ -27,7 +27,7 @@ void add_stability(CommandLine& app, Command& chosen)
         ->add_option("-o", options->dir,
                      "folder for table, scenes and maps.json (default: stability); what is in it is not run again")
         ->type_name("DIR");
-    command->add_option("scene", options->scene, "a scene of your own, swept over its step and --vary, instead of the maps")
+    command->add_option("scene", options->scene, "your own scene, swept over its step and --vary, instead of the maps")
         ->type_name("SCENE.toml");
     command->add_option("--vary", options->vary, "key and values to vary in it, e.g. vessel.youngs_pa=1e5,1e6,1e7")
         ->type_name("KEY=V,V,...");

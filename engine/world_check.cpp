@@ -95,7 +95,7 @@ void check_feed(const WireSetup& wire, const std::string& where)
     if (!wire.feed.on) return;
     need_finite(wire.feed.point, where + ".point");
     need_finite(wire.feed.direction, where + ".direction");
-    if (wire.feed.direction.isZero()) refuse(where + ".direction", "is zero, expected the way that the wire enters");
+    if (wire.feed.direction.isZero()) refuse(where + ".direction", "is zero, expected the direction in which the wire enters");
     if (!(wire.feed.advance >= 0 && wire.feed.advance <= wire.wire.length))
         refuse(where + ".advance",
                fmt::format("is {} m, expected 0 to the wire's length, {} m", wire.feed.advance, wire.wire.length));

@@ -180,7 +180,7 @@ void check_apart(const Scene& scene, std::span<const WireSetup> wires, std::span
             const double distance = start_distance(wires[a], wires[b], path);
             if (distance >= 0.5 * (wires[a].wire.shaft.radius + wires[b].wire.shaft.radius)) continue;
             fail(scene, key_of(scene, b, wires[b].feed.on ? "feed" : "place"),
-                 fmt::format("is where \"{}\" is, {:.3g} mm between their axes; put them apart{}", scene.instrument(a).label,
+                 fmt::format("coincides with \"{}\" ({:.3g} mm between their axes); put them apart{}", scene.instrument(a).label,
                              1e3 * distance, wires[b].feed.on ? ", or one inside the other with [coaxial]" : ""));
         }
 }

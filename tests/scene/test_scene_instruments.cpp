@@ -211,11 +211,11 @@ TEST_SUITE("scene/scene_instruments")
             instrument("b", "length_m = 0.1\nradius_m = 5e-4\nplace = {base = [0.05, -0.05, Z], direction = [0.0, 1.0, 0.0]}\n") +
             beside;
         const auto at = [&](const std::string& z) { return std::string(crossing).replace(crossing.find('Z'), 1, z); };
-        CHECK(says(error_of(at("0.0")), "instrument.1.place: is where \"a\" is"));
+        CHECK(says(error_of(at("0.0")), "instrument.1.place: coincides with \"a\""));
         CHECK(error_of(at("0.001")).empty());
         const std::string fed =
             head + instrument("a", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}") +
             instrument("b", "length_m = 0.1\nradius_m = 5e-4\n") + feed(inlet, "{t_s = 0.0, advance_m = 0.05}");
-        CHECK(says(error_of(fed), "instrument.1.feed: is where \"a\" is"));
+        CHECK(says(error_of(fed), "instrument.1.feed: coincides with \"a\""));
     }
 }

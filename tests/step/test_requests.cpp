@@ -126,7 +126,7 @@ TEST_SUITE("step/requests")
         refuses(Control().follow(0, backwards), 1e-3, "key 1 is at 1 s, expected times that increase");
         refuses(Control().follow(0, lost), 1e-3, "advance is nan m");
         CHECK(message_of([] { Control().move_to(-1, 0, 0); }).find("instrument -1") != std::string::npos);
-        CHECK(message_of([] { Control().follow(0, {}); }).find("a way without keys") != std::string::npos);
+        CHECK(message_of([] { Control().follow(0, {}); }).find("a path without keys") != std::string::npos);
         REQUIRE_FALSE(step(world, 1e-3).failed());  // and goes on
         CHECK(world.state_hash() != before);
     }
