@@ -4,22 +4,21 @@
 //
 // Work of one sub-step, by the forces that its equations hold at:
 //   holds        reaction . move                     backward Euler: the end's; Newmark: mean of both ends; energy-momentum: the
-//   clamps       torque . turn                       step's own reaction, and means of what is read at the ends; explicit: the
-//   hand         dE/d(rest length) . length fed      start's reaction, likewise
+//   clamps       torque . turn                       step's own reaction, and means of the readings at the ends; explicit: the
+//   hand         dE/d(rest length) . length fed      start's reaction, as for holds
 //   loads        force . move, moment . turn         the end's
 //   links        pull . move                         backward Euler: the end's; else at the mean position
-//   residual     what Newton left on the free unknowns . move: within the tolerance it is the solver's to leave. A linearised or
-//                explicit step and a best effort are not excused.
+//   residual     Newton's residual on the free unknowns . move: allowed within the tolerance. A linearised or explicit step and a best
+//                effort are not exempt.
 // In backward Euler each of these is the end value of a convex function's slope (a strain energy in length and rest length
 // together, a contact spring in its depth). So energy plus work can only be lost, except where the potential is concave.
 // Material brings in (1/2) rho A v^2 and its height per metre, as the masses of the base edge's nodes have them.
 //
-// The ledger (EnergyLedger) is of the same numbers, and of what contact, damping and the scheme say that they took. Backward
-// Euler takes (1/2) m (v - v_0)^2 of the kinetic energy, and of the elastic one what its end force makes more of the move than
-// the energy has changed: F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
+// The ledger (EnergyLedger) has the same numbers, and the losses that contact, damping and the scheme report. Backward Euler takes
+// (1/2) m (v - v_0)^2 of the kinetic energy. Of the elastic energy it takes the excess of its end force's work over the change:
+// F(q) . (q - q_0) + dE/d(rest length) fed + dE/d(clamps' turn) turned - (E - E_0).
 //
-// What splits and merges make between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged apart: not made
-// here.
+// Energy of splits and merges between sub-steps, elastic (`remesh_energy_j`), kinetic and of height, is logged separately.
 
 #include "engine.h"
 #include "solve/energy_balance.h"

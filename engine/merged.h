@@ -17,9 +17,10 @@
 // Each instrument touches the wall only where no other one is around it, with its own radius, friction and stiffness. Slip is that
 // of its own material, so feed past the line counts (contact/quadrature.h, `offset` and `exposed`).
 //
-// Hands. With E the elastic energy (rod/coaxial.h), w_k the weight of what is moved and a_k the axial force of wall, loads and
-// links on instrument k, + towards the tip: of one that does not lead F_k = dE/do_k + w_k - a_k; of the leader
-// F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k), L being the length of the line at fixed offsets.
+// Hands. E is the elastic energy (rod/coaxial.h), w_k the weight of the moved material and L the length of the line at fixed offsets.
+// a_k is the axial force of wall, loads and links on instrument k, + towards the tip. The force at the hand is
+//     F_k = dE/do_k + w_k - a_k                                        for an instrument that does not lead,
+//     F_l = dE/dL + w_L - sum over the others of (dE/do_k + w_k - a_k)   for the leader.
 // Friction between the instruments, by the laws per length of CoaxialSpec (contact/coaxial_friction.h), pushes back on each hand
 // as much as it pulls at another one, and on the line not at all.
 // a_k is along the edges that the material lies on (EdgeSums::along), and slip counts no turn at their corners: the rod's surface on
@@ -95,8 +96,8 @@ void set_exposures(World::Impl& state);
 
 /// Force and torque of the hand at each instrument [N], [N m], + pushes and turns right-handed about the direction of insertion.
 void read_hands(World::Impl& state, MergedGroup& group);
-/// What a group's hands do work by: dE/dL, then of each instrument dE/do, the forces on it from around it and of friction along the
-/// line, of what is twisted behind the inlet, and its torque [N], [N m].
+/// Forces by which a group's hands do work: dE/dL; then for each instrument dE/do, the forces of its surroundings and of friction along
+/// the line, of the twisted length behind the inlet, and its torque [N], [N m].
 struct MergedForces {
     static constexpr std::size_t each = 5;
     explicit MergedForces(int instruments) : count(1 + each * static_cast<std::size_t>(instruments)) {}

@@ -7,9 +7,9 @@
 //
 //   f' = k (x_h' - x - d) + b (x_h' - x_h - d)/T  =  F_s + K_s d + M (d - d_before)
 //
-// On the right is what the wire will answer, as far as it is known at the step's start: F_s, what it answered at the end of the last
-// step less its inertia, and how the answer grows within a step (WireReadings::hand_stiffness, K_s + M), of which the part that is
-// the inertia of the wire's own mass m, M = m/T^2, meets changes of speed only. It is solved for d, and the world is stepped to x + d.
+// On the right is the predicted response of the wire, as known at the step's start. F_s is its response at the end of the last step
+// less its inertia. The response grows within a step by WireReadings::hand_stiffness, K_s + M. The part M = m/T^2, the inertia of
+// the wire's own mass m, acts on changes of speed only. The equation is solved for d, and the world is stepped to x + d.
 //
 // Why it is passive. Both sides are taken at the end of the step. On the left, the hand's energy is exactly the sum of stored
 // energy, work on the hub and loss:
