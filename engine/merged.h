@@ -27,7 +27,7 @@
 // the outside of a bend slides by 1 + kappa r, by some per cent in a vessel, which is left out on both sides, so that hands put in
 // what friction takes out.
 // CoaxialSpec's mu and stiffness are the separate model's.
-// Axial inertia of what slides along the line is not in it: all material of a place moves with the line's.
+// Axial inertia of sliding material is not included: all material of a place moves with the line's.
 
 #include "solve/coaxial_group.h"
 #include "solve/feed.h"

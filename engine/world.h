@@ -55,7 +55,7 @@ struct NodeAdapter {
 /// What a control asks of a hub in this step.
 struct HubRequest {
     std::array<FeedKey, 3> own{};   // where it is, is to be, and is thought to go on to: used unless `keys` are given
-    std::span<const FeedKey> keys;  // of a way that is known beforehand
+    std::span<const FeedKey> keys;  // of a path that is known beforehand
     [[nodiscard]] HubPath path() const { return HubPath(keys.empty() ? std::span<const FeedKey>(own) : keys); }
 };
 

@@ -21,10 +21,10 @@ public:
                                 const QuadratureSet& points, std::span<const std::uint32_t> list, int wire);
     /// Nodes [from, to) of `nodes` are where the next trials start from.
     void take(const DeviceNodes& nodes, int from, int to);
-    /// The way from the last state taken to `nodes`, for wires that have quadrature points in `list`.
+    /// The path from the last state taken to `nodes`, for wires that have quadrature points in `list`.
     void sweep(device::Queue at, ContactParams par, const QuadratureBuffers& buffers, const QuadratureSet& points,
                std::span<const std::uint32_t> list);
-    /// How much of that way is free, 1: all.
+    /// How much of that path is free, 1: all.
     [[nodiscard]] double feasible_step(int wire) const { return feasible_step_[wire]; }
     void commit(const QuadratureSet& points, std::span<const std::uint8_t> active);
 

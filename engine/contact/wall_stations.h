@@ -87,7 +87,7 @@ private:
     std::vector<Clear> clear_;           // [nodes] where a node was when it was far from the wall
 };
 
-/// W: how stations give way to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
+/// W: compliance of stations to forces on them, 3x3 blocks of N (K + C/h)^-1 N^T.
 /// @param rows  nodes of the stations  @param w  [3 rows][3 rows], row by row
 void wall_compliance(const WallStations& stations, std::span<const int> rows, WallPatch& patch, std::vector<double>& w);
 

@@ -320,7 +320,7 @@ bool YieldingWall::admissible(int wire) const { return contact_.admissible(wire)
 
 double YieldingWall::feasible_step(int wire) const { return std::min(contact_.feasible_step(wire), open_way(of(wire), wire)); }
 
-/// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the way is open
+/// No wall is jumped while no node goes farther than the limit as the unmoved wall sees it. @return how much of the path is open
 double YieldingWall::open_way(const System& system, int wire) const
 {
     const double limit = contact_.move_limit(wire);

@@ -60,7 +60,7 @@ public:
                                  [](const AxisSample& a, const AxisSample& b) { return a.clearance < b.clearance; });
     }
 
-    /// Moves every stretch that has to go by a part of its way. @return false: none has; nothing where one has no way to go
+    /// Moves every stretch that has to go by a part of its path. @return false: none has; nothing where one has no path to go
     std::optional<bool> push()
     {
         bool any = false;

@@ -95,8 +95,8 @@ public:
     [[nodiscard]] virtual double largest_force(int /*wire*/) const { return 0; }
     /// What rounding does to the force on a node at the trial [N], at most: no residual is smaller. 0: nothing that counts.
     [[nodiscard]] virtual double rounding(int /*wire*/) const { return 0; }
-    /// Feasible step length: how much of the straight way from the last state taken to the trial is open, 1: all. A law that
-    /// never overlaps refuses a trial whose way is not.
+    /// Feasible step length: how much of the straight path from the last state taken to the trial is open, 1: all. A law that
+    /// never overlaps refuses a trial whose path is not.
     [[nodiscard]] virtual double feasible_step(int /*wire*/) const { return 1; }
     /// Largest move [m] of any node in one Newton update for which no wall can be jumped (infinity: no limit).
     [[nodiscard]] virtual double move_limit(int /*wire*/) const { return std::numeric_limits<double>::infinity(); }

@@ -39,7 +39,7 @@ void NewtonSystem::advance(bool finite, const ForceTerms& terms)
     ++evaluations_;
     took_trial_ = corrected_ = false;
     bool usable = finite;
-    double open = 1;  // share of the way to the trial
+    double open = 1;  // share of the path to the trial
     for (const WireProblem* wire : problem.solved()) {
         usable = usable && terms.admissible(wire->wire);
         if (finite) open = std::min(open, terms.feasible_step(wire->wire));

@@ -15,7 +15,7 @@ constexpr double located = 1e-6;  // of the wire's radius: a position known to w
 
 }  // namespace
 
-/// The trial cannot be: nearer to the last state that could. @param open  share of the way from there that is, as far as the force
+/// The trial cannot be: nearer to the last state that could. @param open  share of the path from there that is, as far as the force
 /// terms know
 void NewtonSystem::backtrack(double open)
 {

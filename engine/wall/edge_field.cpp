@@ -21,7 +21,7 @@ constexpr double apart = 0.2;
 
 EdgeField::EdgeField(double edge, double share, const Centreline& centreline) : edge_(edge), share_(share)
 {
-    std::vector<double> since(centreline.points.size(), -1);  // way from the last point that was taken [m]
+    std::vector<double> since(centreline.points.size(), -1);  // path from the last point that was taken [m]
     for (std::size_t i = 0; i < centreline.points.size(); ++i) {
         const int up = centreline.parent[i];
         const double radius = centreline.radius[i];

@@ -31,7 +31,7 @@ public:
 
     /// The step to come is of h [s]; 0: an equilibrium, whatever the wall was like before.
     void begin_step(double h);
-    /// How it gives way where it is touched, in this step.
+    /// Its compliance where it is touched, in this step.
     [[nodiscard]] WallPatch& patch() const { return patch_; }
     /// Displacement of a control vertex at the start of the step [m].
     [[nodiscard]] Vec3 now(std::int32_t vertex) const;

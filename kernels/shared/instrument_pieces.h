@@ -99,7 +99,7 @@ SEL_CALL CellMark cell_mark(const InstrumentScene* scene, real s, real start)
     return mark_of(&point);
 }
 
-// A mark between two others, a share of the way from the first to the second: looked for where these say that it is.
+// A mark between two others, a share of the path from the first to the second: looked for where these say that it is.
 SEL_FN CellMark mark_between(const InstrumentScene* scene, CellMark left, CellMark right, real share)
 {
     return cell_mark(scene, left.s + share * (right.s - left.s), left.at + share * (right.at - left.at));
@@ -279,7 +279,7 @@ SEL_FN real clear_move(const InstrumentScene* scene, CellMark left, CellMark rig
 #define SEL_LEVEL ((real)1e-6)  // slope that counts as none: misses the least gap by 1e-12 of the radii
 #define SEL_ZERO ((real)1e-6)   // of the deepest: a gap that counts as none
 
-// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the way between them.
+// The cubic that has the gaps and slopes of two points, by its coefficients with the share of the path between them.
 typedef struct GapCubic {
     real c[4];
 } GapCubic;

@@ -34,7 +34,7 @@ typedef struct InstrumentRod {
 // What a cell's surface is.
 typedef struct InstrumentSurface {
     real radius, lumen;  // [m]; lumen 0: solid
-    real modulus;        // k_f of the outer surface, pressure per depth [N/m^3]; 0: it does not give way
+    real modulus;        // k_f of the outer surface, pressure per depth [N/m^3]; 0: rigid
     real lumen_modulus;  // of the inner one
     real mu_static, mu_sliding;
     real load;  // own weight [N/m], by which the law's constants are reckoned

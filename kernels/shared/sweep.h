@@ -16,7 +16,7 @@ SEL_FN real first_root(real A, real B, real C, real most)
     return min_r(C / (sqrt(root) - B), most);
 }
 
-// p: the ball's centre, move: its way; relative to the same origin as tri. boundary features: see contact_gap.h. A facet does not
+// p: the ball's centre, move: its path; relative to the same origin as tri. boundary features: see contact_gap.h. A facet does not
 // stop a point behind it; its boundary feature does.
 SEL_FN real sweep_triangle(vec3 p, vec3 move, real radius, Triangle tri, uint boundary)
 {
